@@ -23,7 +23,8 @@ from liepoisson.numeric.methods import METHODS
 from liepoisson.numeric.sampling import sample_tangents
 
 ROOT = Path(__file__).parent.parent
-GUIDE = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+README = ROOT / "README.md"
+GUIDE = [README, *sorted((ROOT / "docs").glob("*.md"))]
 PROJECT_PAGES = ("ARCHITECTURE", "CHANGELOG", "CONTRIBUTING", "SECURITY", "SUPPORT")
 DOCUMENTS = [*GUIDE, *(ROOT / f"{name}.md" for name in PROJECT_PAGES)]
 
@@ -282,6 +283,85 @@ def row_of_catalog(name: str) -> str:
 def test_the_page_of_methods_names_every_method():
     text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
     assert [kind.__name__ for kind in METHODS.values() if not re.search(rf"\.{kind.__name__}\b", text)] == []
+
+
+GROUPS_OF_GUIDES = (
+    "Write a system",
+    "Integrate",
+    "Exponents and chaos",
+    "Sections and orbits",
+    "Leaves and charts",
+    "Prove",
+    "Laboratory",
+    "Commands",
+)
+"""Those groups of the table of contents whose pages are about tasks."""
+
+
+def guides() -> list[Path]:
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    parts = re.split(r"^## (.+)$", index, flags=re.MULTILINE)
+    rows = dict(zip(parts[1::2], parts[2::2], strict=True))
+    links = [
+        link
+        for group in GROUPS_OF_GUIDES
+        for link in re.findall(r"^\| \[[^\]]+\]\(([^)/]+)\)", rows[group], re.MULTILINE)
+    ]
+    return [ROOT / "docs" / link for link in links]
+
+
+@pytest.mark.parametrize("guide", named(guides()))
+def test_a_guide_ends_with_what_it_cannot_do_and_who_can(guide):
+    titles = re.findall(r"^## (.+)$", FENCE.sub("", guide.read_text(encoding="utf-8")), re.MULTILINE)
+    assert titles[-1] == "What this page cannot do, and who can"
+    assert titles.count(titles[-1]) == 1
+    last = guide.read_text(encoding="utf-8").split(f"## {titles[-1]}")[1].strip().splitlines()
+    assert last[:2] == ["| not here | who can |", "|---|---|"]
+    assert len(last) >= 5
+    assert all(re.fullmatch(r"\| .+ \| .+ \|", row) for row in last[2:])
+
+
+def test_every_page_of_a_task_is_a_guide():
+    assert len(guides()) == len(set(guides())) > 20
+    assert {"systems", "sections", "equilibria", "sweeps", "proof", "command-line"} < {page.stem for page in guides()}
+
+
+def test_ways_that_work_stand_where_users_look():
+    """Each in a block that runs."""
+    wanted = {
+        "catalog": ['lp.catalog.system("twisted-top", {'],
+        "brackets": ["is_casimir(", "opposite = lp.LieAlgebra.from_brackets"],
+        "canonical": ['("p_x", "p_y"): "B"', '("ls", "lps"): 1', "sin(ls)"],
+        "systems": ['"p_{name}*({rate})"'],
+    }
+    for page, pieces in wanted.items():
+        code = "".join(b.content for b in blocks(ROOT / "docs" / f"{page}.md") if b.language == "python")
+        assert [piece for piece in pieces if piece not in code] == [], page
+
+
+def test_the_first_screen_of_the_readme_is_for_a_stranger():
+    """What it is for and for whom; the heavy top in some ten lines; one picture; two commands with durations; doors."""
+    text = README.read_text(encoding="utf-8")
+    before = text[: text.index("## An example")]
+    assert "You have a Hamiltonian" in before
+    assert "It is for " in before
+    assert len(before.split()) < 130
+    (example,) = [block.content for block in blocks(README) if block.language == "python"]
+    assert "heavy-top" in example
+    assert len(example.splitlines()) <= 12
+    assert len(re.findall(r"!\[", text)) == 1
+    assert re.search(r"^\| `make reproduce` \|.*\b5 minutes; 2\b", text, re.MULTILINE)
+    assert re.search(r"^\| `make test` \|.*\bsome 15 minutes\b", text, re.MULTILINE)
+    doors = text[text.index("## Ten doors") :].split("## ")[1]
+    assert re.findall(r"^(\d+)\. .*\]\(", doors, re.MULTILINE) == [str(k) for k in range(1, 11)]
+
+
+def test_a_page_comes_to_its_point_before_its_exceptions():
+    started = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
+    assert 0 < started.index("## A first section") < started.index("## Exponents") < started.index("checksum")
+    assert "DamagedFileError" not in started
+    equilibria = (ROOT / "docs" / "equilibria.md").read_text(encoding="utf-8")
+    assert equilibria.index("## Two verdicts") < equilibria.index("## Are these all?") < equilibria.index("e^{-1/q^2}")
 
 
 def test_getting_started_names_every_outcome():

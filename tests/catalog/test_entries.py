@@ -15,7 +15,7 @@ from sympy import Add, Matrix, Poly, Pow, Rational, Symbol, groebner, numer, sqr
 
 import liepoisson as lp
 from liepoisson import catalog
-from liepoisson.errors import UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError
 from liepoisson.field import QuadraticField, TapeField, TopField
 
 NAMES = catalog.names()
@@ -340,3 +340,83 @@ def test_a_wrong_integral_is_noticed():
     assert vanishes(l1 / root - l1 * root / (alpha1**2 + alpha2**2), None, here.variables)
     assert not vanishes(l1 / root - l1 * root, None, here.variables)
     assert Poly(on, *here.variables).total_degree() == 2
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", NAMES)
+def test_every_system_takes_its_own_values_again_and_is_the_same(name):
+    """Values by name, as the entry has them; and what still has none keeps its symbol."""
+    entry = catalog.entry(name)
+    again = catalog.system(name, entry.parameters)
+    assert again.values == system(name).values
+    assert again.equations == system(name).equations
+    assert list(again.integrals) == list(system(name).integrals)
+
+
+def test_other_values_are_the_same_system_as_one_that_is_typed():
+    other = catalog.system("heavy-top", {"I": (1, "3/2", 2), "a": np.array([0.5, 0, 1])})
+    bracket = lp.so(3) @ lp.semidirect(2)
+    typed = lp.System(bracket, "l1^2/2 + l2^2/3 + l3^2/4 + alpha1/2 + alpha3")
+    assert other.equations == typed.equations
+    assert other.name == "heavy-top, I = (1, 3/2, 2), a = (1/2, 0, 1)"
+    assert lp.integrate(other, {"l": (1, 1, 1), "alpha": (1, 0, 0)}, times=[0, 1]).outcome == "finished"
+
+
+def test_some_values_leave_the_others():
+    part = catalog.system("twisted-top", {"epsilon": 2, "a": [0, 0, "k"]})
+    assert {str(symbol) for symbol in part.hamiltonian.free_symbols} - set(part.component_names) == {
+        *("I1", "I2", "I3"),
+        *("b1", "b2", "b3", "k"),
+    }
+    assert catalog.system("kovalevskaya", {}).equations == system("kovalevskaya").equations
+
+
+def test_an_integral_that_is_not_constant_with_other_values_is_left_out():
+    assert "K" in catalog.system("manakov-so4", {"J": (1, 2, 3, "7/2")}).invariants
+    assert list(catalog.system("kovalevskaya", {"I": (1, 2, 3)}).invariants) == ["H", "C1", "C2"]
+    assert catalog.entry("kovalevskaya").with_parameters({"I": (1, 2, 3)}).references == ()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"epsilom": 1}, "'twisted-top' has no parameter 'epsilom'. Did you mean epsilon.*Known: epsilon, I, a, b"),
+        ({"l": 1}, "'twisted-top' has no parameter 'l'"),
+        ({"I1": 1}, "'twisted-top' has no parameter 'I1'. Did you mean I"),
+        ({"a": 1}, r"a must have 3 components; got one number. Give for example \[1, 0, 0\]"),
+        ({"a": (1, 0)}, "a must have 3 components; got 2 components"),
+        ({"a": [[1, 0, 0]]}, r"a must have 3 components; got a matrix of shape \(1, 3\)"),
+        ({"epsilon": (1, 2)}, "epsilon must have one number; got 2 components. Give for example 1"),
+        ({"epsilon": float("nan")}, "epsilon"),
+        ({"epsilon": "__import__('os')"}, "epsilon"),
+        ({"epsilon": None}, "epsilon"),
+        ([1, 2], "parameters must be a mapping from names to values"),
+        ("epsilon=1", "parameters must be a mapping from names to values"),
+        ({1: 2}, "parameters must be a mapping from names to values"),
+    ],
+)
+def test_values_that_are_none_are_refused(parameters, words):
+    with pytest.raises(ParameterError, match=words):
+        catalog.system("twisted-top", parameters)
+
+
+def test_a_matrix_keeps_its_shape(tmp_path):
+    path = tmp_path / "matrix.toml"
+    text = '[bracket]\nalgebra = "so(3)"\n[parameters]\nA = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]\n[hamiltonian]\n'
+    path.write_text(text + 'expression = "dot(l, A*l)"\n')
+    file = lp.systems.read_system_file(path)
+    l1, l2, l3 = file.bracket.variables
+    assert file.with_parameters({"A": np.diag([3, 2, 1])}).system().hamiltonian == 3 * l1**2 + 2 * l2**2 + l3**2
+    with pytest.raises(
+        ParameterError, match=r"A must have a matrix of shape \(3, 3\); got 3 components. Give its rows"
+    ):
+        file.with_parameters({"A": [1, 2, 3]})
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [name for name in NAMES if catalog.entry(name).integrals])
+def test_a_text_and_its_expression_are_constant_or_not_together(name):
+    """A text may be decided without SymPy; partial integrals are no integrals of all orbits, by either way."""
+    texts = [item.expression for item in catalog.entry(name).integrals.values()]
+    for text in (*texts, system(name).component_names[0] + "^2"):
+        assert system(name).is_constant(text) is system(name).is_constant(system(name).expression(text)), text

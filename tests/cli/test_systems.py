@@ -47,7 +47,7 @@ def test_settings_take_symbols_away():
         ("epsilon=", "must be name=value"),
         ("epsilon=1,2", "must have one number; got 2 components"),
         ("a=1", "must have 3 components; got one number"),
-        ("q=1", "must name a parameter of 'twisted-top'; got 'q'. Known: epsilon, I, a, b"),
+        ("q=1", "--set q=1: 'twisted-top' has no parameter 'q'. Known: epsilon, I, a, b"),
         ("epsilon=x", r"--set epsilon=x: the name 'x' is unknown\. .*\(column 1 of the formula\)"),
         ("a=0, 0, 1 + x", r"--set a=0, 0, 1 \+ x: the name 'x' .*\(column 5 of the formula\)"),
     ],
@@ -61,6 +61,20 @@ def test_the_name_of_a_system_to_compute_with_says_what_was_set():
     assert read_numeric_system("twisted-kovalevskaya", []).name == "twisted-kovalevskaya"
     changed = read_numeric_system("twisted-kovalevskaya", ["epsilon = 1/3", "a=[1,0, sqrt(2)]"])
     assert changed.name == "twisted-kovalevskaya, epsilon = 1/3, a = (1, 0, sqrt(2))"
+
+
+def test_an_integral_of_other_values_is_left_out_where_one_computes_and_refuted_where_one_inspects():
+    assert list(read_numeric_system("kovalevskaya", ["I=1,2,3"]).invariants) == ["H", "C1", "C2"]
+    assert "K" in read_numeric_system("manakov-so4", ["J=1,2,3,7/2"]).invariants
+    assert "K" in read_system("kovalevskaya", ["I=1,2,3"]).integrals
+
+
+def test_a_matrix_is_not_set_by_numbers(tmp_path):
+    path = tmp_path / "matrix.toml"
+    text = '[bracket]\nalgebra = "so(3)"\n[parameters]\nA = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]\n[hamiltonian]\n'
+    path.write_text(text + 'expression = "dot(l, A*l)"\n')
+    with pytest.raises(ParameterError, match=r"A is a matrix\. Write it into a system file"):
+        read_system(str(path), ["A=1,2,3"])
 
 
 def test_a_parameter_that_is_set_twice_is_refused():

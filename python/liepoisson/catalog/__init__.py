@@ -6,6 +6,7 @@ Importing this module imports neither NumPy nor SymPy.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -30,6 +31,7 @@ from liepoisson.errors import UnknownNameError, did_you_mean
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
     from liepoisson.exact.system_file import SystemFile
+    from liepoisson.exact.values import GivenValue
 
 __all__ = [
     "entry",
@@ -102,18 +104,32 @@ def entry(name: str) -> SystemFile:
 
 
 @explains_its_arguments
-def system(name: str) -> System:
-    """A system of the catalog, ready to be inspected or integrated.
+def system(name: str, parameters: Mapping[str, GivenValue] | None = None) -> System:
+    """A system of the catalog, ready to be inspected or integrated, perhaps with other values of its parameters.
+
+    With other values its name says so, and those of its integrals that are then not constant are left out.
 
     Example:
         >>> top = lp.catalog.system("kovalevskaya")
         >>> list(top.invariants), top.is_constant(top.integrals["K"])
         (['H', 'C1', 'C2', 'K'], True)
+        >>> other = lp.catalog.system("kovalevskaya", {"I": [2, "3/2", 1]})
+        >>> other.name, list(other.invariants)
+        ('kovalevskaya, I = (2, 3/2, 1)', ['H', 'C1', 'C2'])
+
+    Args:
+        name: One of `names()`.
+        parameters: Values by name, as for a `System`, of the shapes that they have in the catalog
+            (`entry(name).parameters` and `entry(name).symbols`); all others keep theirs.
 
     Raises:
         UnknownNameError: there is none of this name.
+        ParameterError: a name that is no parameter of the system, a value that is not exact, or one of another shape.
     """
-    return entry(name).system()
+    file = entry(name)
+    if parameters is not None:
+        file = file.with_parameters(parameters).with_constant_integrals()
+    return file.system()
 
 
 def _call(name: str) -> str:

@@ -37,6 +37,8 @@ _COMMAS = re.compile(r",(?![^(]*\))")
 def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
     """The system of a command that computes with numbers; its name says which parameters were set.
 
+    Integrals that are not constant with what was set are left out.
+
     Raises:
         ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
@@ -60,6 +62,8 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
                 f"{name} must be zero or at least 4.9e-324, to fit into a double; got a smaller number. "
                 "Set it to 0, or rescale the system."
             )
+    if settings:
+        file = file.with_constant_integrals()
     name = file.name + setting_words(settings)
     fits = name.isprintable() and len(name) <= MAX_TITLE  # else it is called as in its file
     return replace(file, name=name if fits else file.name).system()

@@ -52,35 +52,24 @@ def read_file(argument: str) -> SystemFile:
 
 
 def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
-    """The file with other values for some parameters, and with values for symbols that had none.
+    """The file, under its own name, with other values for some parameters, and with values for symbols that had none.
 
     Raises:
         ParameterError: a name that the file does not have, or a value of another shape.
     """
-    from liepoisson.exact.formula.scope import read_declaration
-
-    values = dict(file.parameters)
-    declared = {read_declaration(symbol)[0]: symbol for symbol in file.symbols}
-    given: set[str] = set()
+    title, given = file.name, set[str]()
     for setting in settings:
         name, value = _read_setting(setting)
         if name in given:
             raise ParameterError(f"--set must give each parameter once; {name} comes twice. Remove one.")
         given.add(name)
-        if name not in file.scope.shapes or name in file.scope.scalars:
-            known = ", ".join(known for known in file.scope.shapes if known not in file.scope.scalars) or "none"
-            raise ParameterError(
-                f"--set must name a parameter of {file.name!r}; got {name!r:.60}. "
-                f"{did_you_mean(name, file.scope.shapes)}Known: {known}."
-            )
-        wanted, got = file.scope.shapes[name], (len(value),) if isinstance(value, tuple) else ()
-        if wanted != got:
-            raise ParameterError(
-                f"--set {name} must have {_words(wanted)}; got {_words(got)}. {_example(name, wanted)}"
-            )
-        values[name] = value
-        declared.pop(name, None)
-    return replace(file, parameters=values, symbols=tuple(declared.values())) if settings else file
+        if len(file.scope.shapes.get(name, ())) > 1:
+            raise ParameterError(f"--set gives numbers and vectors; {name} is a matrix. Write it into a system file.")
+        try:
+            file = file.with_parameters({name: value})
+        except ParameterError as error:
+            raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error}") from error
+    return replace(file, name=title) if settings else file
 
 
 def with_symbols(file: SystemFile, names: Sequence[str]) -> SystemFile:
@@ -126,19 +115,3 @@ def _read_setting(setting: str) -> tuple[str, Value]:
     except ExpressionError as error:
         raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error.within_formula()}") from error
     return name, numbers if is_vector else numbers[0]
-
-
-def _words(shape: tuple[int, ...]) -> str:
-    match len(shape):
-        case 0:
-            return "one number"
-        case 1:
-            return f"{shape[0]} components"
-        case _:
-            return "a matrix"
-
-
-def _example(name: str, shape: tuple[int, ...]) -> str:
-    if len(shape) > 1:
-        return "Write the matrix into a system file."
-    return f"Write --set {name}={','.join(['1'] + ['0'] * (shape[0] - 1)) if shape else '1'}."

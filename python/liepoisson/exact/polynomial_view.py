@@ -91,13 +91,17 @@ class PolynomialView:
         found = {"H": self.hamiltonian, **{f"C{k}": casimir for k, casimir in enumerate(casimirs, start=1)}, **known}
         for name, claim in given.items():
             integral = self.read(claim) if isinstance(claim, str) else None
-            try:
-                if integral is None or bracket_with(self.rates, integral):
-                    return None
-            except TooLargeError:
+            if integral is None or not self.is_constant(integral):
                 return None
             found.setdefault(name, integral)
         return found
+
+    def is_constant(self, function: RationalPolynomial) -> bool | None:
+        """Whether the derivative of a function along the motion vanishes; None if it is too large."""
+        try:
+            return None if self.rates is None else not bracket_with(self.rates, function)
+        except TooLargeError:
+            return None
 
     def is_casimir(self, function: RationalPolynomial) -> bool | None:
         """Whether the bracket of a function with every coordinate vanishes; None if one of them is too large."""

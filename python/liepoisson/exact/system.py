@@ -322,6 +322,11 @@ class System:
         Exact for polynomials and rational functions; for others SymPy has to simplify the derivative to zero, so True
         is a proof and False may mean that it did not succeed.
         """
+        polynomial = self.polynomial(function)
+        if polynomial is not None and self._polynomials is not None:
+            known = self._polynomials.is_constant(polynomial)
+            if known is not None:
+                return known
         from liepoisson.exact.parameters import is_zero
         from liepoisson.exact.trace import abbreviated
 

@@ -36,17 +36,18 @@ The formulas are those of `liepoisson.exact.expression`.  No text of a file is e
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_methods
-from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
+from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.exact.expression import read_formula
-from liepoisson.exact.formula.scope import Scope
+from liepoisson.exact.formula.scope import Scope, read_declaration, shape_of
 from liepoisson.exact.formula.toml_text import TomlText
+from liepoisson.exact.names import MAX_TITLE
 from liepoisson.exact.parameters import Exact
-from liepoisson.exact.values import Value
+from liepoisson.exact.values import GivenValue, Shape, Value, read_values
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -167,6 +168,60 @@ class SystemFile:
         """An error about the value of a key, with its line where the text is known; to be raised."""
         return (self.toml or TomlText(self.path, "", {})).error(keys, message)
 
+    def with_parameters(self, parameters: Mapping[str, GivenValue]) -> SystemFile:
+        """The file with other values for some parameters, and with values for symbols that had none.
+
+        The name says which were set.  Reference values belong to the values that it had, and are left out.
+
+        Example:
+            >>> file = lp.catalog.entry("lagrange").with_parameters({"a": [0, 0, "1/2"]})
+            >>> file.name, file.system().hamiltonian
+            ('lagrange, a = (0, 0, 1/2)', alpha3/2 + l1**2/4 + l2**2/4 + l3**2/2)
+
+        Args:
+            parameters: Values by name, as for a `System`: numbers, vectors, matrices, each of the shape that it has in
+                the file.
+
+        Raises:
+            ParameterError: not a mapping, a name that is no parameter of the file, a value that is not exact, or one of
+                another shape.
+        """
+        values = read_values(parameters)
+        known = [name for name in self.scope.shapes if name not in self.scope.scalars]
+        for name, value in values.items():
+            if name not in known:
+                raise ParameterError(
+                    f"{self.name!r} has no parameter {name!r:.60}. "
+                    f"{did_you_mean(name, known)}Known: {', '.join(known) or 'none'}."
+                )
+            wanted, got = self.scope.shapes[name], shape_of(value)
+            if wanted != got:
+                raise ParameterError(f"{name} must have {_words(wanted)}; got {_words(got)}. {_example(wanted)}")
+        symbols = tuple(text for text in self.symbols if read_declaration(text)[0] not in values)
+        title = self.name + "".join(f", {name} = {_text(value)}" for name, value in values.items())
+        return replace(
+            self,
+            name=title if len(title) <= MAX_TITLE else self.name,
+            parameters={**self.parameters, **values},
+            symbols=symbols,
+            references=(),
+        )
+
+    def with_constant_integrals(self) -> SystemFile:
+        """The file without those of its integrals that are not found constant, as with other values of parameters.
+
+        Integrals on an invariant set stay: `inspect` decides on them.
+        """
+        if not self.integrals:
+            return self
+        system = replace(self, integrals={}).system()
+        kept = {
+            name: item
+            for name, item in self.integrals.items()
+            if item.on is not None or system.is_constant(item.expression)
+        }
+        return self if kept == self.integrals else replace(self, integrals=kept)
+
     def system(self) -> System:
         """The system, ready to be inspected or integrated.
 
@@ -218,3 +273,27 @@ class SystemFile:
             integrals=integrals,
             source=self.source,
         )
+
+
+def _text(value: Value) -> str:
+    return f"({', '.join(map(_text, value))})" if isinstance(value, tuple) else str(value)
+
+
+def _words(shape: Shape) -> str:
+    match shape:
+        case ():
+            return "one number"
+        case (n,):
+            return f"{n} components"
+        case _:
+            return f"a matrix of shape {shape}"
+
+
+def _example(shape: Shape) -> str:
+    match shape:
+        case ():
+            return "Give for example 1."
+        case (n,):
+            return f"Give for example [{', '.join(['1'] + ['0'] * (n - 1))}]."
+        case _:
+            return "Give its rows as lists."

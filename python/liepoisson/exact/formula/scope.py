@@ -46,7 +46,7 @@ class Scope:
 
     def __post_init__(self) -> None:
         values = read_values(self.parameters)
-        shapes = {name: _shape(value) for name, value in values.items()}
+        shapes = {name: shape_of(value) for name, value in values.items()}
         for name, shape in map(read_declaration, self.symbols):
             if name in shapes:
                 raise ParameterError(f"a name must stand for one thing; {name!r} is given twice. Remove one.")
@@ -152,7 +152,8 @@ def _components(fields: Mapping[str, Sequence[str]], shapes: Mapping[str, Shape]
     return components
 
 
-def _shape(value: Value) -> Shape:
+def shape_of(value: Value) -> Shape:
+    """The shape of a value: () of a number, (n,) of a vector, (m, n) of a matrix."""
     if not isinstance(value, tuple):
         return ()
     return (len(value), len(value[0])) if isinstance(value[0], tuple) else (len(value),)

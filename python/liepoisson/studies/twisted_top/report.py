@@ -80,6 +80,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
     claims = study.claims["claims"]
     errata = study.claims["errata"]
     counts = count_verdicts(claims, errata)
+    disputed = {entry["id"] for entry in errata}
     return {
         "settings": study.settings,
         "results": results,
@@ -104,6 +105,8 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "as_printed_twisted": results["twisted-as-printed-unit-vectors"],
         "short_end": results["ordinary-as-printed-unit-vectors"].run.end_time,
         "claims": claims,
+        "by_id": {claim["id"]: claim for claim in claims},
+        "others": [claim for claim in claims if claim["id"] not in disputed],
         "errata": [
             (words, [(entry, same) for entry, same in mistakes(errata) if entry["verdict"] == verdict])
             for verdict, words in KINDS.items()
@@ -112,7 +115,6 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "questions": open_questions(claims),
         "statuses": STATUS_CLASSES,
         "symbols": SYMBOLS,
-        "repeats": {entry["id"]: entry["follows_from"] for entry in errata if entry["follows_from"]},
         "repeated": len(claims) - sum(counts.values()),
         "errata_title": TITLE,
         "numbers": {claim["id"]: number for number, claim in enumerate(claims, 1)},
