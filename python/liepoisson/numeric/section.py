@@ -100,6 +100,7 @@ class Section(IntegratedRun):
     """
 
     kind = "section"
+    rows = ("crossing",)
 
     coordinates: tuple[str, ...] = names_along("coordinate")
     surface: str

@@ -169,6 +169,7 @@ class Verdict(Run):
     """
 
     kind = "verdict"
+    along = {"indicator": INDICATORS}  # noqa: RUF012
 
     t_end: float
     rule: Rule = recorded(rule_record, rule_of)

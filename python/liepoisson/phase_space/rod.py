@@ -69,6 +69,7 @@ class Rod(Result):
     """
 
     kind = "rod"
+    rows = ("trajectory", "point")
 
     attitude: Attitude = part(lambda: Attitude)
     arclength: Array = labelled("point", long_name="arclength", is_coordinate=True)
