@@ -85,7 +85,7 @@ def test_rows_hold_what_belongs_together():
     table = crossings.columns()
     np.testing.assert_array_equal(table["trajectory"], crossings.trajectory)
     np.testing.assert_array_equal(table["beta2"], crossings.state[:, 7])
-    assert list(table)[:3] == ["trajectory", "time", "l1"]
+    assert list(table)[:4] == ["trajectory", "time", "sign", "l1"]
 
 
 def test_curves_give_their_last_values():

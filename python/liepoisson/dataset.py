@@ -75,7 +75,8 @@ def columns_of(result: Result) -> dict[str, NDArray[Any]]:
     shape = tuple(sizes[dim] for dim in rows)
     table = {dim: _along_rows(places, dim, rows, shape) for dim, places in _places(result, found, rows, sizes).items()}
     taken = {*table, *(name for name, _, _ in found)}
-    for name, label, value in found:
+    vectors: dict[str, NDArray[Any]] = {}
+    for name, label, value in sorted(found, key=lambda one: not one[1].is_coordinate):
         dims = _written_dims(label.dims, value.ndim)
         if "time" in dims and "time" not in rows:
             value = value.take(-1, axis=dims.index("time"))  # noqa: PLW2901  # of a curve the last value
@@ -92,8 +93,8 @@ def columns_of(result: Result) -> dict[str, NDArray[Any]]:
             parts = [_name_along(result, dim, k, sizes[dim]) for dim, k in zip(extra, place, strict=True)]
             is_bare = name == "state" and parts and "_".join(parts) not in taken
             column = "_".join(parts if is_bare else [label.numbers or name, *parts])
-            table[column] = values[(..., *place)].reshape(-1)
-    return table
+            (vectors if extra else table)[column] = values[(..., *place)].reshape(-1)
+    return table | vectors
 
 
 _SERIES = {"block", "step"}

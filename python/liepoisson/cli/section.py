@@ -23,7 +23,6 @@ from liepoisson.cli.output import (
     figure_stem,
     file_stem,
     write_figure,
-    write_table,
 )
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
@@ -360,5 +359,7 @@ def _write_data(run: Section, data: Path) -> None:
     if data.suffix == ".nc":
         run.save(data)
         return
-    kept = dict(zip((f'"{name}"' if "," in name else name for name in run.coordinates), run.state.T, strict=True))
-    write_table(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})
+    from liepoisson.tables import write_csv
+
+    kept = dict(zip(run.coordinates, run.state.T, strict=True))
+    write_csv(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})
