@@ -137,6 +137,30 @@ def test_the_default_surface_of_the_command_has_unfolded_axes_where_a_component_
     assert unfolded_surface(leaf, 1.5, direction=1)[0] == "alpha3"
 
 
+@pytest.mark.parametrize(
+    ("name", "energy", "surface"),
+    [
+        ("goryachev", None, "p1"),  # p3 = 0 is a pole of its potential
+        ("henon-heiles", 0.1, "y"),
+        ("henon-heiles", 1.0, "-x^2 + y^2 - y"),  # from there orbits escape, and cross y = 0 once at most
+        ("neumann", None, "alpha3"),  # the rate of l3 vanishes on two surfaces, one of which a plane shows as a line
+    ],
+)
+def test_a_component_is_taken_only_where_orbits_meet_it_again(name, energy, surface):
+    begin = lp.phase_space.find_start(lp.catalog.system(name), energy=energy)
+    found, _ = unfolded_surface(begin.leaf, begin.energy, direction=1)
+    assert found == surface
+
+
+def test_a_part_of_a_section_on_a_line_is_no_graph():
+    system = lp.catalog.system("neumann")
+    begin = lp.phase_space.find_start(system)
+    states = lp.sections.section_starts(begin.leaf, "alpha1*alpha2", energy=begin.energy, n_starts=200, direction=1)
+    assert (np.abs(states[:, 3]) < 1e-9).any()
+    found = section_axes(system, states, "alpha1*alpha2", ("alpha3", "l2"))
+    assert (found.x, found.y, found.is_graph) != ("atan2(alpha1, alpha3)", "l2", True)
+
+
 @pytest.mark.parametrize("text", ["atan2(l1, l2)", "dot(l, l) + atan2(alpha1, alpha2 + 1)"])
 def test_angles_stand_in_functions_and_not_in_hamiltonians(text):
     system = lp.catalog.system("kovalevskaya")

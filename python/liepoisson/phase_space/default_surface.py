@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from liepoisson.calls import explains_its_arguments
-from liepoisson.errors import LeafError, ParameterError
+from liepoisson.errors import LeafError, ParameterError, SurfaceWarning
 from liepoisson.exact.rational_polynomials import in_words
 from liepoisson.phase_space.lengths import unit_length
 
 if TYPE_CHECKING:
+    from liepoisson.arrays import Array
     from liepoisson.phase_space.leaf import Leaf
 
 _NEARBY, _RESTS = 0.2, 1e-9
@@ -19,6 +21,9 @@ _NEARBY, _RESTS = 0.2, 1e-9
 largest is round-off."""
 _TWO_DEGREES, _TRIED = 4, 100
 """The rank of leaves whose sections are planes; states on a section by which it is judged."""
+_FOLLOWED, _TURNS = 16, 100.0
+"""How many of these are followed until they come back, and for how long at most, in natural times, as the command does
+for each crossing."""
 _REASON = "a component: every plane folds the section where the rate of {} vanishes"
 
 
@@ -72,9 +77,23 @@ def unfolded_surface(leaf: Leaf, energy: float, *, direction: int = 0, seed: int
             )
         except LeafError:  # no orbit of this energy crosses it
             continue
-        if section_axes(leaf.system, states, surface, (names[-1], names[0])).is_graph:
+        is_graph = section_axes(leaf.system, states, surface, (names[-1], names[0])).is_graph
+        if is_graph and (surface == default or _come_back(leaf, states, surface, direction)):
             return surface, reason
     return by_default
+
+
+def _come_back(leaf: Leaf, states: Array, surface: str, direction: int) -> bool:
+    """Whether orbits meet a surface again: near a pole, and where they escape, they do not."""
+    from liepoisson.numeric.section import section
+    from liepoisson.numeric.time_scale import time_scale, unit_of_time
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SurfaceWarning)
+        few = states[:_FOLLOWED]
+        t_end = _TURNS * unit_of_time(time_scale(leaf.system, few))
+        run = section(leaf.system, few, surface=surface, t_end=t_end, direction=direction, n_crossings=1)
+    return bool(run.count.all())
 
 
 def _in_turn(leaf: Leaf) -> list[int]:

@@ -25,8 +25,8 @@ _IN_A_CELL = 4
 """Points in a cell of the plane on the average: neighbours that are compared."""
 _NEWTON = 4
 """Steps of Newton's method after that of Runge and Kutta: each doubles the digits, of which it gives four."""
-_FEW = 2000
-"""States at which axes are looked for; the ones that are found are judged by all."""
+_FEW, _MANY = 2000, 10_000
+"""States at which axes are looked for, and by which those that are found are judged."""
 
 
 @dataclass(frozen=True)
@@ -81,10 +81,10 @@ class SectionPlane:
         )
         return terms.sum(axis=0), np.abs(terms).sum(axis=0)
 
-    def signs(self, x: Any, y: Any) -> NDArray[np.int8]:
+    def signs(self, x: Any, y: Any) -> NDArray[np.int64]:
         """The signs of the form; 0 where it is not more than round-off, or has no value."""
         area, size = self.areas(x, y)
-        return (np.sign(area) * (np.abs(area) > _ROUND_OFF * size)).astype(np.int8)
+        return (np.sign(area) * (np.abs(area) > _ROUND_OFF * size)).astype(np.int64)
 
     def meets_itself(self, x: Any, y: Any) -> bool:
         """Whether the states lie on sheets above each other, each with x and y for its coordinates.
@@ -122,8 +122,7 @@ class SectionPlane:
     def is_graph(self, x: Any, y: Any) -> bool:
         """Whether x and y are coordinates at all states and no two states lie above each other."""
         signs = self.signs(x, y)
-        mostly = np.count_nonzero(signs) > len(signs) / 2
-        return bool(mostly and abs(signs.max() - signs.min()) < 2 and not self.meets_itself(x, y))
+        return bool(abs(signs.sum()) == len(signs) and not self.meets_itself(x, y))
 
     def side(self, sheets: str) -> Array:
         """Values at the states whose signs tell sheets apart."""
@@ -171,8 +170,7 @@ def section_axes(system: System, states: Array, surface: Any, default: tuple[str
     states = states[np.isfinite(states).all(axis=-1)]
     if len(states) < 2:
         return SectionAxes(*default)
-    few = SectionPlane(system, states[:: -(-len(states) // _FEW)], surface)
-    whole = SectionPlane(system, states, surface)
+    few, whole = (SectionPlane(system, states[:: -(-len(states) // n)], surface) for n in (_FEW, _MANY))
     first, others = _pairs(system, default)
     for pairs, splitters in ((first, [DIRECTION]), (others, []), ([*first, *others], _splitters(system))):
         for x, y in pairs:
@@ -187,7 +185,7 @@ def section_axes(system: System, states: Array, surface: Any, default: tuple[str
 def _sheets(plane: SectionPlane, x: str, y: str, splitters: Sequence[str]) -> str:
     """A function whose signs are those of two sheets that are graphs over x and y; "" where there is none."""
     signs = plane.signs(x, y)
-    if not np.count_nonzero(signs) > len(signs) / 2 > 0 or abs(signs.max() - signs.min()) < 2:
+    if not signs.all() or abs(signs.sum()) == len(signs):
         return ""
     for name in splitters:
         side = np.sign(plane.side(name)) * signs
