@@ -147,6 +147,29 @@ def test_axes_by_default_are_independent_of_each_other_and_of_units():
     assert run.default_axes == ("q1", "p1")
 
 
+def test_both_directions_are_drawn_side_by_side():
+    system = lp.catalog.system("henon-heiles")
+    run = lp.section(system, {"x": 0.1, "y": 0.1, "p_y": 0.3}, surface="x", t_end=300)
+    left, right = draw(run).figure.axes
+    assert (left.get_title(loc="left"), right.get_title(loc="left")) == (
+        "henon-heiles: $x$ = 0\nincreasing",
+        "decreasing",
+    )
+    assert [len(ax.lines[0].get_xdata()) for ax in (left, right)] == [(run.sign > 0).sum(), (run.sign < 0).sum()]
+    assert left.get_xlim() == right.get_xlim()
+    mine = draw(run, ax=left)
+    assert mine is left, "given axes get all crossings"
+    assert len(mine.lines[-1].get_xdata()) == len(run.time)
+
+
+def test_formulas_and_angles_are_axes(points):
+    ax = draw(points, "atan2(l2, l1)", "dot(l, l)")
+    assert ax.get_xlabel() == r"$\mathrm{atan2}(\ell_{2}, \ell_{1})$"
+    l = points.state[:, :3]
+    drawn = np.concatenate([line.get_xydata() for line in ax.lines])
+    np.testing.assert_allclose(drawn, np.stack([np.arctan2(l[:, 1], l[:, 0]), (l**2).sum(axis=1)], axis=1), rtol=1e-14)
+
+
 def test_a_bump_on_a_line_is_no_angle():
     """A shift by a whole turn leads out of the reach of its force, and one by 1 into it."""
     system = lp.System(lp.canonical(2), "(p1^2 + p2^2)/2 + q2^2/2 + 5*exp(-40*(q1 - 3)^2)")
@@ -189,9 +212,13 @@ def test_a_long_surface_stands_on_a_line_of_its_own():
 
 def test_coordinates_that_are_not_there_are_refused(points):
     with pytest.raises(ParameterError, match=r"y must be a coordinate that was kept \(l1, .*got 'gamma1'"):
+        draw(points.dataset, "l1", "gamma1")
+    with pytest.raises(lp.errors.ExpressionError, match="the name 'gamma1' is unknown"):
         draw(points, "l1", "gamma1")
     with pytest.raises(ParameterError, match=r"For a formula keep it: section\(\.\.\., keep="):
-        draw(points, "atan2(l1, l2)", "l1")
+        draw(points.dataset, "atan2(l1, l2)", "l1")
+    with pytest.raises(lp.errors.ExpressionError, match="atan2 takes two scalars"):
+        draw(points, "atan2(l1)", "l1")
     with pytest.raises(ShapeError, match=r"x must have shape \(crossing,\)"):
         draw(points, points.state, "l1")
 

@@ -107,8 +107,8 @@ def coverings():
     chosen = [0, 1, 2, 13, 15, LONG - 1]
     images = [_image(edge) for edge in CERTIFICATE.edges]
     names = {0: "p_a", 1: "p_b"} | {k: f"q_{{{k - 1}}}" for k in range(2, len(CENTER))}
-    figure = new_figure(8.2, 5.8)
-    grid = figure.add_gridspec(3, len(chosen), height_ratios=[1, 1, 1.2])
+    figure = new_figure(8.2, 5.3)
+    grid = figure.add_gridspec(3, len(chosen), height_ratios=[1, 1, 1.3])
     circle = np.exp(1j * np.linspace(0, 2 * np.pi, 181))
     for column, e in enumerate(chosen):
         edge, (u, s) = CERTIFICATE.edges[e], images[e]
@@ -122,7 +122,9 @@ def coverings():
             ax.set_ylim(-limit, limit)
             ax.set_aspect("equal")
             ax.grid(visible=False)
-            ax.tick_params(labelsize=7)
+            ax.tick_params(labelsize=8)
+            ticks = (-2, 0, 2) if row == 0 else (-1, 0, 1)
+            ax.set(xticks=ticks, yticks=ticks)
             if row == 0:
                 ax.set_title(rf"${names[edge.source]} \to {names[edge.target]}$", loc="center", fontsize=10)
             if column == 0:
@@ -138,7 +140,8 @@ def coverings():
     ax.axhline(1, color=INK, linewidth=0.8, linestyle="--")
     ax.set_ylim(0, 3.0)
     ax.set_xlim(-0.7, len(images) - 0.3)
-    ax.set_xticks(place, [rf"$\to {names[edge.target]}$" for edge in CERTIFICATE.edges], rotation=90, fontsize=8)
+    ax.set_xticks(place, [f"${names[edge.target]}$" for edge in CERTIFICATE.edges], fontsize=9)
+    ax.set_xlabel("set that is covered")
     ax.grid(visible=True, axis="y")
     ax.grid(visible=False, axis="x")
     ax.legend(ncols=2, loc="upper right")

@@ -19,8 +19,8 @@ certificate = shipped_certificate(top)
 names = ["p_a", "p_b", *(f"q_{{{k}}}" for k in range(1, 26))]
 circle = np.exp(1j * np.linspace(0, 2 * np.pi, 401))
 with lp.plot.house_style():
-    figure, axes = plt.subplots(2, 2, figsize=(4.8, 4.6), sharex=True, sharey=True)
-    for ax, edge in zip(axes.flat, [certificate.edges[k] for k in (0, 1, 12, 27)], strict=True):
+    figure, axes = plt.subplots(1, 4, figsize=(7.4, 2.35), sharey=True)
+    for ax, edge in zip(axes, [certificate.edges[k] for k in (0, 1, 12, 27)], strict=True):
         here, there = certificate.sets[edge.source], certificate.sets[edge.target]
         frame, inverse = np.array(here.frame), np.linalg.inv(np.array(there.frame))
         states = np.array(here.center) + np.outer(circle.real, frame[:, 0]) + np.outer(circle.imag, frame[:, 1])
@@ -30,8 +30,7 @@ with lp.plot.house_style():
         q -= rate * (q[:, 2] / rate[:, 2])[:, None]  # along the flow, to the section
         ax.fill(circle.real, circle.imag, color="#dcd8cb")
         ax.plot(q[:, 0], q[:, 1], color="#d1571b")
-        ax.set(title=f"from ${names[edge.source]}$ to ${names[edge.target]}$", aspect="equal")
-        ax.set(xticks=(-2, 0, 2), yticks=(-2, 0, 2), xlim=(-4, 4), ylim=(-4, 4))
-    figure.supxlabel("$q_{u,1}$", fontsize=11.5)
-    figure.supylabel("$q_{u,2}$", fontsize=11.5)
+        ax.set(title=f"${names[edge.source]}$ to ${names[edge.target]}$", aspect="equal", xlabel="$q_{u,1}$")
+        ax.set(xticks=(-2, 0, 2), yticks=(-2, 0, 2), xlim=(-3.5, 3.5), ylim=(-3.5, 3.5))
+    axes[0].set_ylabel("$q_{u,2}$")
 figure.savefig("coverings.png")

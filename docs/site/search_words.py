@@ -65,7 +65,8 @@ WORDS = {
     "gallery/index": "figures plots pictures examples scripts plotting matplotlib publish",
     "command-line": "cli terminal shell commands console options",
     "saved-results": "save saved load reload open read file files format repeat reproduce rerun reproducibility export "
-    "pickle csv hdf5 netcdf xarray pandas",
+    "pickle hdf5 netcdf xarray",
+    "tables": "table dataframe pandas csv spreadsheet excel columns tidy export own figure axes matplotlib",
     "names": "api public functions modules",
     "comparison": "compare alternatives versus other tools software mathematica matlab julia",
     "coming-from-dynamicalsystems": "julia chaostools dynamicalsystems differentialequations orbitdiagram",

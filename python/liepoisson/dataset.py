@@ -59,6 +59,84 @@ def dataset_of(result: Result) -> Dataset:
     return dataset.assign_coords({dim: np.arange(dataset.sizes[dim]) for dim in unnumbered})
 
 
+def columns_of(result: Result) -> dict[str, NDArray[Any]]:
+    """The columns of the table of a result: what belongs to its rows; of curves along time the last values."""
+    found = [
+        (item.name, label, np.asarray(getattr(result, item.name)))
+        for item in fields(result)  # pyright: ignore[reportArgumentType]  # results are dataclasses
+        if isinstance(label := item.metadata.get(KEY), ArrayLabel)
+    ]
+    rows = _row_dims(result, found)
+    sizes = {
+        d: n
+        for _, label, value in found
+        for d, n in zip(_written_dims(label.dims, value.ndim), value.shape, strict=True)
+    }
+    shape = tuple(sizes[dim] for dim in rows)
+    table = {dim: _along_rows(places, dim, rows, shape) for dim, places in _places(result, found, rows, sizes).items()}
+    taken = {*table, *(name for name, _, _ in found)}
+    vectors: dict[str, NDArray[Any]] = {}
+    for name, label, value in sorted(found, key=lambda one: not one[1].is_coordinate):
+        dims = _written_dims(label.dims, value.ndim)
+        if "time" in dims and "time" not in rows:
+            value = value.take(-1, axis=dims.index("time"))  # noqa: PLW2901  # of a curve the last value
+            dims = tuple(dim for dim in dims if dim != "time")
+        own, extra = [dim for dim in rows if dim in dims], [dim for dim in dims if dim not in rows]
+        about_rows = len(own) == len(rows) and not _SERIES.intersection(extra)
+        if not about_rows and (extra or not (label.is_coordinate or name == "outcome")):
+            continue
+        widths = tuple(sizes[dim] for dim in extra)
+        spread = (*(n if dim in own else 1 for dim, n in zip(rows, shape, strict=True)), *widths)
+        ordered = value.transpose([dims.index(dim) for dim in (*own, *extra)]).reshape(spread)
+        values = np.broadcast_to(ordered, (*shape, *widths))
+        for place in np.ndindex(widths):
+            parts = [_name_along(result, dim, k, sizes[dim]) for dim, k in zip(extra, place, strict=True)]
+            is_bare = name == "state" and parts and "_".join(parts) not in taken
+            column = "_".join(parts if is_bare else [label.numbers or name, *parts])
+            (vectors if extra else table)[column] = values[(..., *place)].reshape(-1)
+    return table | vectors
+
+
+_SERIES = {"block", "step"}
+"""Dimensions along which a trajectory has a series: no columns of a table."""
+
+
+def _row_dims(result: Result, found: list[tuple[str, ArrayLabel, Any]]) -> tuple[str, ...]:
+    if result.rows != (...,):
+        return result.rows
+    return next(_written_dims(label.dims, value.ndim) for _, label, value in found if label.dims == (...,))
+
+
+def _places(
+    result: Result, found: list[tuple[str, ArrayLabel, Any]], rows: tuple[str, ...], sizes: dict[str, int]
+) -> dict[str, NDArray[np.int64]]:
+    """Numbers along the dimensions of rows that have no coordinate: of trajectories, and where there are several."""
+    known = {label.dims[0] for _, label, _ in found if label.is_coordinate and len(label.dims) == 1}
+    first = getattr(result, "first", 0)
+    return {
+        dim: np.arange(sizes[dim]) + (first if dim == "trajectory" else 0)
+        for dim in rows
+        if dim not in known and (dim == "trajectory" or len(rows) > 1)
+    }
+
+
+def _along_rows(places: NDArray[Any], dim: str, rows: tuple[str, ...], shape: tuple[int, ...]) -> NDArray[Any]:
+    spread = tuple(-1 if other == dim else 1 for other in rows)
+    return np.broadcast_to(places.reshape(spread), shape).reshape(-1)
+
+
+def _name_along(result: Result, dim: str, k: int, n: int) -> str:
+    """The name of a place along a dimension: of a component its own, else its number from 1."""
+    for item in fields(result):  # pyright: ignore[reportArgumentType]
+        label = item.metadata.get(KEY)
+        if isinstance(label, NamesLabel) and label.dim == dim:
+            return str(getattr(result, item.name)[k])
+    names = result.along.get(dim, ())
+    if dim.endswith("component"):
+        names = getattr(result.system, "component_names", ())
+    return str(names[k]) if len(names) == n else str(k + 1)
+
+
 class _Writer:
     """Collects the variables and coordinates of a dataset, and what has no label as plain data."""
 

@@ -15,16 +15,18 @@ Fields without a label are plain values.  `liepoisson.dataset` writes and reads 
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from liepoisson.arrays import ReadOnlyArrays
 from liepoisson.display import as_line
+from liepoisson.tables import Tabular
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
     from xarray import Dataset
 
 KEY = "label"
@@ -116,7 +118,7 @@ def pieces(dim: str, names: tuple[str, str], dims: tuple[str, ...]) -> Any:
     return field(default=(), metadata={KEY: PiecesLabel(dim, names, dims)})
 
 
-class Result(ReadOnlyArrays, ABC):
+class Result(ReadOnlyArrays, Tabular):
     """A result: arrays that cannot be changed, with a dataset, a file, a picture, and the run that made it.
 
     Example:
@@ -127,6 +129,10 @@ class Result(ReadOnlyArrays, ABC):
 
     kind: ClassVar[str]
     """What files call it."""
+    rows: ClassVar[tuple[Any, ...]] = ("trajectory",)
+    """The dimensions whose places are the rows of its table; `...` stands for those of the starts of a map."""
+    along: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """Names of the places of dimensions without a label, for columns of the table."""
     system: Any
     """The system, exactly as it was given."""
 
@@ -137,6 +143,12 @@ class Result(ReadOnlyArrays, ABC):
     def with_time_limit(self, time_limit: float) -> Self:
         """The same as the result of a run with another limit of seconds, which ended nothing."""
         return replace(self, time_limit=time_limit)  # pyright: ignore[reportArgumentType, reportCallIssue]  # a dataclass
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table by name, one-dimensional arrays; vectors have one column for each component."""
+        from liepoisson.dataset import columns_of
+
+        return columns_of(self)
 
     @property
     def dataset(self) -> Dataset:

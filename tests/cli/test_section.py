@@ -190,7 +190,11 @@ def test_title_is_typeset_and_says_what_was_set(command, monkeypatch):
     found = titles(monkeypatch)
     where = (*FEW, "--leaf", "C1=0.5", "--leaf", "C2=1", "--energy", 1, "--figure", "a.svg")
     _, out, _ = command("section", "kovalevskaya", "--surface", "l3", *where)
-    assert found[0] == "kovalevskaya: section $\\ell_{3}$ = 0, increasing\n$H$ = $1$, $C_{1}$ = $0.5$, $C_{2}$ = $1$"
+    lines = found[0].splitlines()
+    assert lines[:2] == [
+        "kovalevskaya: section $\\ell_{3}$ = 0, increasing",
+        "$H$ = $1$, $C_{1}$ = $0.5$, $C_{2}$ = $1$",
+    ]
     assert "leaf     dimension 4, alpha != 0: C1 = 0.5, C2 = 1" in out.splitlines()
     _, out, _ = command(
         "section", "kovalevskaya", *FEW, "--set", "I=3/2,1.2,0.7", "--set", "a=[-1,0, sqrt(2)]", "--plot"
@@ -204,10 +208,52 @@ def test_title_is_typeset_and_says_what_was_set(command, monkeypatch):
 @pytest.mark.thorough
 def test_a_figure_that_folds_the_section_says_so(command, monkeypatch):
     titles(monkeypatch)
-    folds = "figure   folds the section: different states may lie at one point"
-    for axes, expected in ((("--x", "alpha1", "--y", "l1"), True), ((), False)):
+    folds = "figure   folds the section: different states may lie at one point. Leave out --x and --y for others"
+    unfolded = "figure   atan2(alpha1, alpha3) and l2: coordinates on the section"
+    for axes, line in ((("--x", "alpha1", "--y", "l1"), folds), ((), unfolded)):
         _, out, _ = command("section", "kovalevskaya", "--starts", 6, "--crossings", 40, "--plot", *axes)
-        assert (folds in out.splitlines()) == expected
+        assert [found for found in out.splitlines() if found.startswith("figure")] == [line]
+
+
+def curves(ax):
+    """The points of a figure, one array for each orbit."""
+    return [line.get_xydata() for line in ax.lines]
+
+
+def test_the_first_own_figure_is_unfolded(command, tmp_path, monkeypatch):
+    """An asymmetric top: the rate of l3 vanishes on a section that no plane shows unfolded; alpha3 does not."""
+    seen = []
+    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure) or [stem])
+    own = ("heavy-top", "--set", "I=2,1.5,1", "--set", "a=0.3,0,1")
+    path = tmp_path / "own.nc"
+    code, out, _ = command("section", *own, "--crossings", 60, "--plot", "--out", path)
+    assert code == 0
+    assert "crossings where alpha3 increases through 0\nsurface  a component: every plane folds" in out
+    assert "figure   atan2(alpha2, alpha1) and l3: coordinates on the section" in out.splitlines()
+    (ax,) = seen[0].axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\mathrm{atan2}(\alpha_{2}, \alpha_{1})$", r"$\ell_{3}$")
+    state = lp.load(path).state
+    drawn = np.concatenate(curves(ax))
+    np.testing.assert_allclose(drawn[:, 0], np.arctan2(state[:, 4], state[:, 3]), rtol=0, atol=1e-15)
+    # Nearby in the plane is nearby in the state: each pair in a square of side 0.02, in units of the figure.
+    scaled = drawn / np.ptp(drawn, axis=0)
+    near = np.abs(scaled[:, None] - scaled[None]).max(axis=-1) < 0.02
+    far = np.linalg.norm(state[:, None] - state[None], axis=-1)
+    assert far[near].max() < 0.25 * far.max()
+    assert near.sum() > 1.5 * len(drawn)
+
+
+def test_two_sheets_are_drawn_side_by_side_and_named(command, monkeypatch):
+    seen = []
+    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure) or [stem])
+    leaf = ("--leaf", "C1=0.5,C2=1", "--energy", 1.5)
+    _, out, _ = command("section", "kovalevskaya", "--surface", "l3", *leaf, "--crossings", 60, "--plot")
+    line = r"^figure   (.+) and (.+): two sheets side by side, one for each sign of (.+)$"
+    assert re.search(line, out, re.MULTILINE)
+    left, right = seen[0].axes
+    assert left.get_title(loc="left").splitlines()[-1].endswith("$> 0$")
+    assert right.get_title(loc="left").endswith("$< 0$")
+    assert sum(np.isfinite(one).all(axis=1).sum() for ax in (left, right) for one in curves(ax)) == 24 * 60
 
 
 @pytest.mark.thorough

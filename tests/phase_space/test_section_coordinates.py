@@ -1,8 +1,11 @@
 """Surfaces that suit a leaf, and axes that fold a section."""
 
+import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.phase_space.default_surface import unfolded_surface
+from liepoisson.phase_space.section_sheets import section_axes
 
 
 @pytest.mark.parametrize(
@@ -61,7 +64,7 @@ def test_a_section_says_whether_its_figure_folds_it():
     assert up.is_folded("y", "p_y^2")
     assert str(both).splitlines() == [
         "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits",
-        "a figure of y and p_y, the axes by default, folds the section: different states may lie at one point",
+        "a figure of y and p_y, the axes by default, has two sheets, which it draws side by side",
     ]
     assert str(up) == "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits"
 
@@ -90,3 +93,103 @@ def test_only_sections_of_dimension_two_with_states_can_be_folded(system, option
     with pytest.raises(lp.errors.ParameterError, match=message):
         run.is_folded()
     assert ("a plane shows a projection" in str(run)) == (not options)
+
+
+def on(system, surface, energy, *, direction=1, casimirs=None, n=600):
+    leaf = lp.Leaf(system, casimirs or {})
+    return lp.sections.section_starts(leaf, surface, energy=energy, n_starts=n, seed=1, direction=direction)
+
+
+BODIES = [
+    (lp.catalog.system(name), {"C1": c, "C2": 1})
+    for name, c in (("kovalevskaya", 0.3), ("lagrange", 0.4), ("kirchhoff", 0.5), ("goryachev-chaplygin", 0))
+]
+
+
+@pytest.mark.parametrize(("system", "casimirs"), BODIES, ids=lambda value: getattr(value, "name", ""))
+@pytest.mark.parametrize("k", range(3))
+def test_an_angle_and_its_momentum_are_coordinates_where_a_component_is_zero(system, casimirs, k):
+    """For a kinetic energy that is convex, and crossings in one direction: a theorem, for every body and axis."""
+    names = system.component_names
+    states = on(system, names[3 + k], 4.0, casimirs=casimirs)
+    angle, momentum = f"atan2({names[3 + (k + 2) % 3]}, {names[3 + (k + 1) % 3]})", names[k]
+    assert not lp.sections.is_folded(system, states, names[3 + k], angle, momentum)
+    both = on(system, names[3 + k], 4.0, casimirs=casimirs, direction=0)
+    assert lp.sections.is_folded(system, both, names[3 + k], angle, momentum)
+    found = section_axes(system, states, names[3 + k], (names[5], names[1]))
+    assert found.is_graph
+    assert section_axes(system, both, names[3 + k], (names[5], names[1])).by_direction
+
+
+def test_a_section_that_winds_twice_around_a_point_is_folded():
+    """Doubling the angle keeps the sign of the area everywhere: only that states lie above each other tells it."""
+    system = OSCILLATOR
+    states = on(system, "x", 0.1)
+    double = "y^2 - p_y^2", "2*y*p_y"
+    assert not lp.sections.is_folded(system, states, "x", "y", "p_y")
+    assert lp.sections.is_folded(system, states, "x", *double)
+
+
+def test_the_default_surface_of_the_command_has_unfolded_axes_where_a_component_does():
+    begin = lp.phase_space.find_start(lp.catalog.system("kovalevskaya"))
+    assert unfolded_surface(begin.leaf, begin.energy, direction=1) == ("alpha2", "the rate of l3")
+    leaf = lp.Leaf(lp.catalog.system("heavy-top"), {"C1": 0.3, "C2": 1})
+    assert unfolded_surface(leaf, 1.5, direction=1)[0] == "alpha3"
+
+
+@pytest.mark.parametrize(
+    ("name", "energy", "surface"),
+    [
+        ("goryachev", None, "p1"),  # p3 = 0 is a pole of its potential
+        ("henon-heiles", 0.1, "y"),
+        ("henon-heiles", 1.0, "-x^2 + y^2 - y"),  # from there orbits escape, and cross y = 0 once at most
+        ("neumann", None, "alpha3"),  # the rate of l3 vanishes on two surfaces, one of which a plane shows as a line
+    ],
+)
+def test_a_component_is_taken_only_where_orbits_meet_it_again(name, energy, surface):
+    begin = lp.phase_space.find_start(lp.catalog.system(name), energy=energy)
+    found, _ = unfolded_surface(begin.leaf, begin.energy, direction=1)
+    assert found == surface
+
+
+def test_a_part_of_a_section_on_a_line_is_no_graph():
+    system = lp.catalog.system("neumann")
+    begin = lp.phase_space.find_start(system)
+    states = lp.sections.section_starts(begin.leaf, "alpha1*alpha2", energy=begin.energy, n_starts=200, direction=1)
+    assert (np.abs(states[:, 3]) < 1e-9).any()
+    found = section_axes(system, states, "alpha1*alpha2", ("alpha3", "l2"))
+    assert (found.x, found.y, found.is_graph) != ("atan2(alpha1, alpha3)", "l2", True)
+
+
+@pytest.mark.parametrize("text", ["atan2(l1, l2)", "dot(l, l) + atan2(alpha1, alpha2 + 1)"])
+def test_angles_stand_in_functions_and_not_in_hamiltonians(text):
+    system = lp.catalog.system("kovalevskaya")
+    x = np.random.default_rng(0).standard_normal((40, 6))
+    function = system.functions.of(text)
+    wanted = {
+        "atan2(l1, l2)": np.arctan2(x[:, 0], x[:, 1]),
+        "dot(l, l) + atan2(alpha1, alpha2 + 1)": (x[:, :3] ** 2).sum(axis=1) + np.arctan2(x[:, 3], x[:, 4] + 1),
+    }[text]
+    np.testing.assert_allclose(function(x), wanted, rtol=1e-14)
+    h = 1e-6
+    for k, unit in enumerate(np.eye(6)):
+        slope = (function(x + h * unit) - function(x - h * unit)) / (2 * h)
+        np.testing.assert_allclose(function.gradient(x)[:, k], slope, atol=1e-6)
+    with pytest.raises(lp.errors.ExpressionError, match=r"atan2 jumps by 2\*pi"):
+        lp.System(system.bracket, text)
+    start = lp.sample_states(system, 3, seed=1)
+    with pytest.raises(lp.errors.ParameterError, match=r"atan2 jumps by 2\*pi; try sin\(c\)\*x"):
+        lp.section(system, start, surface=text, t_end=10)
+    states = lp.section(system, start, surface="l3", t_end=100).state
+    kept = lp.section(system, start, surface="l3", t_end=100, keep=[text]).state
+    assert len(kept) > 5
+    np.testing.assert_allclose(kept[:, 0], function(states), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("atan2(l1)", "takes two scalars"), ("atan2(l, l1)", "takes two scalars"), ("atan2(0, 0)", "has no angle")],
+)
+def test_angles_that_are_none_are_refused(text, words):
+    with pytest.raises(lp.errors.ExpressionError, match=words):
+        lp.catalog.system("kovalevskaya").expression(text)

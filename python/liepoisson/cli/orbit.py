@@ -21,7 +21,6 @@ from liepoisson.cli.output import (
     figure_stem,
     file_stem,
     write_figure,
-    write_table,
 )
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
@@ -154,7 +153,9 @@ def _written(run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
     if data is not None and data.suffix == ".nc":
         written.append(run.save(data))
     elif data is not None:
-        write_table(data, {"t": run.time, **dict(zip(run.components, run.state[0].T, strict=True))})
+        from liepoisson.tables import write_csv
+
+        write_csv(data, {"t": run.time, **dict(zip(run.components, run.state[0].T, strict=True))})
         written.append(data)
     if stem is not None:
         from liepoisson.plot.orbits import orbit as draw

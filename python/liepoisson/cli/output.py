@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
@@ -15,7 +14,6 @@ from liepoisson.files import write_atomically, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
 
 OUT_HELP = "Also write the result to this file: .nc (which can be rerun) or .csv."
 PLOT_HELP = "Draw a figure, a .png file in the working folder."
@@ -95,22 +93,6 @@ def _check_folder(path: Path) -> None:
         folder = next((parent for parent in path.absolute().parents if parent.exists()), path.absolute().parent)
         with TemporaryFile(dir=folder):
             pass
-
-
-def write_table(path: Path, columns: Mapping[str, ArrayLike]) -> None:
-    """Write columns of equal length as comma-separated values under their names.
-
-    Numbers have 17 significant digits, which give the same doubles back.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    import numpy as np
-
-    text = io.StringIO()
-    table = np.column_stack([np.asarray(column, np.float64) for column in columns.values()])
-    np.savetxt(text, table, fmt="%.17g", delimiter=",", header=",".join(columns), comments="")
-    write_atomically(path, text.getvalue().encode())
 
 
 def announce(text: str, files: Sequence[Path | None]) -> None:

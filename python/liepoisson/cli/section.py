@@ -23,7 +23,6 @@ from liepoisson.cli.output import (
     figure_stem,
     file_stem,
     write_figure,
-    write_table,
 )
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
@@ -47,6 +46,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
     from liepoisson.numeric.section import Section
+    from liepoisson.phase_space.section_sheets import SectionAxes
     from liepoisson.phase_space.starts import Start
 
     FloatArray: TypeAlias = NDArray[np.float64]
@@ -66,8 +66,11 @@ T_END_HELP = (
 )
 KEEP_HELP = "Keep this function of each crossing, and not the state.  Repeat it for more."
 
-ACROSS_HELP = "Across in the figure.  [default: the last component; of coordinates and momenta the last coordinate]"
-UP_HELP = "Up in the figure.  [default: the second component; of coordinates and momenta the momentum of --x]"
+ACROSS_HELP = (
+    "Across in the figure, as in 'atan2(alpha2, alpha1)'.  [default: what makes the section a graph, else the last "
+    "component; of coordinates and momenta the last coordinate]"
+)
+UP_HELP = "Up in the figure.  [default: likewise, else the second component; or the momentum of --x]"
 
 
 class Direction(StrEnum):
@@ -132,7 +135,7 @@ def section(
     from liepoisson.numeric.section_arguments import check_that_it_varies
 
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
-    cut, reason = _surface(begin, surface)
+    cut, reason = _surface(begin, surface, direction, seed, alone=bool(start))
     _check_formulas(chosen, (cut, *(keep or ())))
     check_that_it_varies(chosen, cut)
     announce("\n".join(head_lines(chosen, begin, cut, reason, direction, alone=bool(start))), (data, stem))
@@ -158,7 +161,7 @@ def section(
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    axes: tuple[str, str] | None = None
+    axes: SectionAxes | None = None
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
         if data is not None:
@@ -168,11 +171,12 @@ def section(
             from liepoisson.plot.section import titled_section
 
             axes = _axes(run, x, y, keep)
-            written += write_figure(titled_section(run, begin.leaf, cut, axes, begin.energy), stem)
+            drawn = titled_section(run, begin.leaf, cut, (axes.x, axes.y), begin.energy, sheets=axes.sheets)
+            written += write_figure(drawn, stem)
     finally:
         print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
-    if axes is not None and not keep and begin.leaf.rank == 4 and run.is_folded(*axes):
-        print("figure   folds the section: different states may lie at one point")
+    if axes is not None and not keep and begin.leaf.rank == 4:
+        print("\n".join(_about_axes(run, axes, given=bool(x or y))), end="")
     for path in written:
         print(f"wrote    {path}")
     if not len(run.time):
@@ -180,14 +184,32 @@ def section(
         raise typer.Exit(NO_CROSSING)
 
 
-def _surface(begin: Start, given: str | None) -> tuple[str, str]:
-    """The function that is zero on the surface, and why it was taken."""
+def _surface(begin: Start, given: str | None, direction: Direction, seed: int, *, alone: bool) -> tuple[str, str]:
+    """The function that is zero on the surface, and why it was taken.
+
+    An orbit that is given alone need not cross a component; the rate of one it does.
+    """
     if given is not None:
         return given, "as given"
-    from liepoisson.phase_space.default_surface import chosen_surface
+    from liepoisson.phase_space.default_surface import chosen_surface, unfolded_surface
 
-    function, of = chosen_surface(begin.leaf)
-    return function, f"the rate of {of}"
+    if alone:
+        function, of = chosen_surface(begin.leaf)
+        return function, f"the rate of {of}"
+    return unfolded_surface(begin.leaf, begin.energy, direction=direction.sign, seed=seed)
+
+
+def _about_axes(run: Section, axes: SectionAxes, *, given: bool) -> list[str]:
+    """What is said of the axes of a figure of a section of dimension 2."""
+    if axes.is_graph:
+        return [f"figure   {axes.x} and {axes.y}: coordinates on the section\n"]
+    if axes.sheets:
+        sides = "each direction" if axes.by_direction else f"each sign of {axes.sheets}"
+        return [f"figure   {axes.x} and {axes.y}: two sheets side by side, one for {sides}\n"]
+    if not run.is_folded(axes.x, axes.y):
+        return []
+    advice = "Leave out --x and --y for others" if given else "Another --surface may have axes that do not"
+    return [f"figure   folds the section: different states may lie at one point. {advice}\n"]
 
 
 def head_lines(system: System, begin: Start, cut: str, reason: str, direction: Direction, *, alone: bool) -> list[str]:
@@ -302,10 +324,16 @@ def _check_axes(system: System, x: str | None, y: str | None, keep: Sequence[str
         raise ParameterError(f"--x and --y must be kept; {missing[0]!r} is not. Add --keep '{missing[0]}'.")
 
 
-def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None) -> tuple[str, str]:
+def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None) -> SectionAxes:
     """The functions along the axes of the figure."""
-    across, up = (keep[0], keep[-1]) if keep else run.default_axes
-    return x or across, y or up
+    from liepoisson.phase_space.section_coordinates import figure_axes
+    from liepoisson.phase_space.section_sheets import SectionAxes
+
+    if keep or (x and y):
+        across, up = (keep[0], keep[-1]) if keep else ("", "")
+        return SectionAxes(x or across, y or up)
+    found = figure_axes(run)
+    return found if not (x or y) else SectionAxes(x or found.x, y or found.y)
 
 
 def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> FloatArray:
@@ -331,5 +359,7 @@ def _write_data(run: Section, data: Path) -> None:
     if data.suffix == ".nc":
         run.save(data)
         return
-    kept = dict(zip((f'"{name}"' if "," in name else name for name in run.coordinates), run.state.T, strict=True))
-    write_table(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})
+    from liepoisson.tables import write_csv
+
+    kept = dict(zip(run.coordinates, run.state.T, strict=True))
+    write_csv(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})

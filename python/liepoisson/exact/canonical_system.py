@@ -92,7 +92,7 @@ class CanonicalSystem(System):
         super().__init__(
             bracket, hamiltonian, parameters, name=name, symbols=tuple(extra), integrals=integrals, source=source
         )
-        self.quadratures: dict[str, Expr] = {angle: self.expression(rate) for angle, rate in extra.items()}
+        self.quadratures: dict[str, Expr] = {angle: self._function(rate) for angle, rate in extra.items()}
         if extra:
             self._refuse_quadratures("the Hamiltonian", self.hamiltonian)
             for angle, rate in self.quadratures.items():
@@ -193,11 +193,11 @@ class CanonicalSystem(System):
             return quadratic_of_equations(self.variables, rates)
         return tape_of_equations(self.variables, rates)
 
-    def _read(self, given: str | Expr) -> Expr:
+    def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function of the state with parameters as symbols; expressions are taken as they are."""
-        return super()._read(given) if isinstance(given, str) else given
+        return super()._read(given, angles=angles) if isinstance(given, str) else given
 
-    def _function(self, given: str | Expr) -> Expr:
+    def _function(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function of the state with values for the parameters.
 
         Raises:
@@ -207,7 +207,7 @@ class CanonicalSystem(System):
         from liepoisson.exact.expression import read_expression
 
         if isinstance(given, str):
-            return read_expression(given, self._scope, insert_values=True)
+            return read_expression(given, self._scope, insert_values=True, angles=angles)
         if not is_expression(given):
             raise ParameterError(
                 f"a function must be a text or a SymPy expression; got {type(given).__name__}. "

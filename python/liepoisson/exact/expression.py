@@ -6,6 +6,8 @@ parameters (numbers, vectors, matrices) and symbols.  The functions:
     dot(u, v)  cross(u, v)  norm(v)  diag(v)  inv(M)  transpose(M)  trace(M)
     sqrt exp log sin cos tan sinh cosh tanh asin acos atan, and the constant pi
 
+and, in functions of sections and figures, the angle `atan2(y, x)` of a pair.
+
 `inv` of a vector v is the inverse of diag(v), as in `dot(l, inv(I)*l)/2`.  What is not smooth is refused, and
 so is what cannot be read in bounded time.  The grammar is in `liepoisson.exact.formula.grammar`; no text is ever run
 as code.
@@ -42,7 +44,7 @@ from liepoisson.exact.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
-from liepoisson.exact.names import CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
+from liepoisson.exact.names import ANGLE, CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
@@ -93,7 +95,7 @@ class Formula:
     names: frozenset[str]
 
 
-def read_formula(text: str, scope: Scope) -> Formula:
+def read_formula(text: str, scope: Scope, *, angles: bool = False) -> Formula:
     """Read a formula, with the parameters as symbols and with their values.
 
     Raises:
@@ -101,13 +103,13 @@ def read_formula(text: str, scope: Scope) -> Formula:
             value that is not finite and real, or too large a formula; with the position.
     """
     tree = parse(text)
-    value = _read(tree, text, scope, insert_values=True)
-    expression = _read(tree, text, scope, insert_values=False) if scope.parameters else value
+    value = _read(tree, text, scope, insert_values=True, angles=angles)
+    expression = _read(tree, text, scope, insert_values=False, angles=angles) if scope.parameters else value
     names = frozenset(owner for name in names_in(tree) if (owner := scope.owner(name)) is not None)
     return Formula(expression, value, names)
 
 
-def read_expression(text: str, scope: Scope, *, insert_values: bool = False) -> Expr:
+def read_expression(text: str, scope: Scope, *, insert_values: bool = False, angles: bool = False) -> Expr:
     """Read a formula into a SymPy expression in plain symbols.
 
     Args:
@@ -115,11 +117,12 @@ def read_expression(text: str, scope: Scope, *, insert_values: bool = False) -> 
         scope: The names that it may use.
         insert_values: Insert the values of the parameters; otherwise they stay symbols (I1, I2, I3 for a vector I).
             The formula is checked with the values inserted either way.
+        angles: Whether `atan2(y, x)` may occur, which is not smooth where x < 0 and y = 0.
 
     Raises:
         ExpressionError: as in `read_formula`.
     """
-    formula = read_formula(text, scope)
+    formula = read_formula(text, scope, angles=angles)
     return formula.value if insert_values else formula.expression
 
 
@@ -162,12 +165,12 @@ def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:
     return frozenset(owners)
 
 
-def _read(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Expr:
-    return to_sympy(_evaluated(tree, text, scope, insert_values=insert_values))
+def _read(tree: Node, text: str, scope: Scope, *, insert_values: bool, angles: bool) -> Expr:
+    return to_sympy(_evaluated(tree, text, scope, insert_values=insert_values, angles=angles))
 
 
-def _evaluated(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Exact:
-    reader = Reader(text, scope, insert_values=insert_values)
+def _evaluated(tree: Node, text: str, scope: Scope, *, insert_values: bool, angles: bool = False) -> Exact:
+    reader = Reader(text, scope, insert_values=insert_values, angles=angles)
     try:
         return reader.read(tree)
     except RecursionError:  # SymPy calls itself for each level of nesting, and so may the caller have done
@@ -182,12 +185,16 @@ class Reader:
         scope: The names that it may use.
         insert_values: Whether parameters are read as their values, and not as symbols.
         scalars: The arithmetic; by default that of Fractions and SymPy expressions.
+        angles: Whether `atan2(y, x)` may occur.
     """
 
-    def __init__(self, text: str, scope: Scope, *, insert_values: bool, scalars: Arithmetic | None = None) -> None:
+    def __init__(
+        self, text: str, scope: Scope, *, insert_values: bool, scalars: Arithmetic | None = None, angles: bool = False
+    ) -> None:
         self.text = text
         self.scope = scope
         self.insert_values = insert_values
+        self.angles = angles
         self.scalars = Arithmetic() if scalars is None else scalars
         self.tensors = TensorArithmetic(self.scalars)
         self.rules: dict[type[Node], Callable[[Any, Sequence[Value]], Value]] = {
@@ -328,12 +335,27 @@ class Reader:
         name = node.function
         if name in MATRIX_FUNCTIONS:
             return self.tensors.apply(name, arguments)
+        if name == ANGLE:
+            return self.angle(node, arguments)
         if name not in ELEMENTARY_FUNCTIONS:
             raise self.error(_unknown_function(name, self.scope), node.position)
         if len(arguments) != 1 or isinstance(arguments[0], (Vector, Matrix)):
             got = " and ".join(map(kind_of, arguments)) or "nothing"
             raise RefusedError(f"{name} takes one scalar; got {got}")
         return self.scalars.apply(name, arguments[0])
+
+    def angle(self, node: Call, arguments: Sequence[Value]) -> Value:
+        """The angle of a point (x, y) of a plane, from y and x."""
+        if not self.angles:
+            raise self.error(
+                f"{ANGLE} jumps by 2*pi where its angle is pi, and the equations of motion need derivatives. Use it in "
+                "functions of sections and figures only; here write x and y themselves",
+                node.position,
+            )
+        if len(arguments) != 2 or any(isinstance(one, (Vector, Matrix)) for one in arguments):
+            got = " and ".join(map(kind_of, arguments)) or "nothing"
+            raise RefusedError(f"{ANGLE} takes two scalars, y and x; got {got}. Write for example {ANGLE}(l2, l1)")
+        return self.scalars.angle(*(one for one in arguments if not isinstance(one, (Vector, Matrix))))
 
     def error(self, message: str, position: int) -> ExpressionError:
         """An error at a position of the text; to be raised."""

@@ -325,10 +325,17 @@ def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) ->
         UnsupportedFieldError: a function is not smooth or not known.
         ParameterError: a symbol is not among the variables.
     """
-    private, expressions = in_private_symbols(variables, functions)
+    private, expressions = in_private_symbols(variables, [_without_pairs(function) for function in functions])
     writer = _TapeWriter(private)
     registers = [writer.linear([], ZERO) if r is None else r for r in writer.write_all(expressions)]
     return TapeFunction(*writer.parts(registers))
+
+
+def _without_pairs(function: Any) -> Any:
+    """The angle of a pair by that of one number: half of it has the tangent y/(sqrt(x^2 + y^2) + x)."""
+    from sympy import atan, atan2, sqrt
+
+    return function.replace(atan2, lambda y, x: 2 * atan(y / (sqrt(x**2 + y**2) + x)))
 
 
 class _TapeWriter:

@@ -17,7 +17,9 @@ ELEMENTARY_FUNCTIONS = (
     "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "asin", "acos", "atan",
 )  # fmt: skip
 MATRIX_FUNCTIONS = ("dot", "cross", "norm", "diag", "inv", "transpose", "trace")
-FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
+ANGLE = "atan2"
+"""The angle of a pair, which jumps: for functions of sections and figures, not for Hamiltonians."""
+FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS, ANGLE)
 CONSTANTS = ("pi",)
 
 GREEK = (

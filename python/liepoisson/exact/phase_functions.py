@@ -6,6 +6,7 @@ The expressions are the exact ones of a system, compiled to NumPy when they are 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, cast
@@ -16,6 +17,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.names import ANGLE
 from liepoisson.exact.private_symbols import evaluated, first_of_equal
 from liepoisson.exact.rational_polynomials import expression_of, values_of
 
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
     from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.system import System
     from liepoisson.exact.trace_values import TraceSum
+
+_ANGLE = re.compile(rf"\s*{ANGLE}\(([^,()]*),([^,()]*)\)\s*")
+"""The angle of a pair, each without brackets."""
 
 
 @explains_its_methods
@@ -54,6 +59,7 @@ class PhaseFunction:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
         self._polynomial: RationalPolynomial | None = None
+        self._pair: tuple[RationalPolynomial, RationalPolynomial] | None = None
         self._given: Callable[[], Expr] = partial(_itself, expression)
         self._n = len(system.component_names)
         self._system = system
@@ -65,8 +71,17 @@ class PhaseFunction:
     ) -> PhaseFunction:
         """A polynomial, which needs no compilation, and what makes the expression that is the same."""
         function = cls.__new__(cls)
-        function._polynomial, function._given = polynomial, expression
+        function._polynomial, function._pair, function._given = polynomial, None, expression
         function._n, function._fields, function._system = len(system.component_names), system.parts_of_state, system
+        return function
+
+    @classmethod
+    def of_pair(
+        cls, system: System, pair: tuple[RationalPolynomial, RationalPolynomial], expression: Callable[[], Expr]
+    ) -> PhaseFunction:
+        """The angle of a pair of polynomials y and x, which needs no compilation for its values and gradients."""
+        function = cls.of_polynomial(system, pair[0], expression)
+        function._polynomial, function._pair = None, pair
         return function
 
     @cached_property
@@ -87,6 +102,8 @@ class PhaseFunction:
     @property
     def is_constant(self) -> bool:
         """Whether no coordinate occurs in it."""
+        if self._pair is not None:
+            return not any(part.coordinates for part in self._pair)
         return not (self.expression.free_symbols if self.polynomial is None else self.polynomial.coordinates)
 
     @property
@@ -98,6 +115,9 @@ class PhaseFunction:
         """Values, shape (...), at states of shape (..., N)."""
         if self._polynomial is not None:
             return values_of([self._polynomial], self._states(states))[..., 0]
+        if self._pair is not None:
+            y, x = np.moveaxis(values_of(self._pair, self._states(states)), -1, 0)
+            return np.arctan2(y, x)
         if self._traces is not None:
             return self._traces.value(self._states(states))
         return self._evaluate(self._values, states, ())
@@ -106,6 +126,11 @@ class PhaseFunction:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
         if self._polynomial is not None:
             return values_of(self._slopes, self._states(states))
+        if self._pair is not None:
+            state = self._states(states)
+            y, x = np.moveaxis(values_of(self._pair, state)[..., None], -2, 0)
+            up, across = (values_of([f.derivative(k) for k in range(self._n)], state) for f in self._pair)
+            return (x * up - y * across) / (x * x + y * y)
         if self._traces is not None:
             return self._traces.gradient(self._states(states))
         return self._evaluate(self._gradient, states, (self._n,))
@@ -223,11 +248,21 @@ class PhaseFunctions:
         polynomial = self._system.polynomial(function)
         if polynomial is not None:
             return self.of_polynomial(polynomial, partial(self._system.expression, function))
+        if (pair := self._pair(function)) is not None:
+            return PhaseFunction.of_pair(self._system, pair, partial(self._system.expression, function))
         expression = self._system.expression(function)
         known = self._known.get(expression)
         if known is None:
             known = self._known[expression] = PhaseFunction(self._system, expression)
         return known
+
+    def _pair(self, function: Any) -> tuple[RationalPolynomial, RationalPolynomial] | None:
+        """The polynomials of which a text is the angle, if it is that of two without brackets."""
+        found = _ANGLE.fullmatch(function) if isinstance(function, str) else None
+        if found is None:
+            return None
+        y, x = (self._system.polynomial(text) for text in found.groups())
+        return None if y is None or x is None or not (y.coordinates or x.coordinates) else (y, x)
 
     def of_polynomial(
         self, polynomial: RationalPolynomial, expression: Callable[[], Expr] | None = None

@@ -441,8 +441,8 @@ class System:
         """A function on phase space with the parameters inserted.
 
         Args:
-            function: A text like that of a Hamiltonian, or the name of an invariant alone (one of the keys of
-                `invariants`, such as "C1"); a SymPy expression; or a PhaseFunction.
+            function: A text like that of a Hamiltonian, in which angles `atan2(y, x)` may occur, too; or the name of an
+                invariant alone (one of the keys of `invariants`, such as "C1"); a SymPy expression; or a PhaseFunction.
 
         Raises:
             ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
@@ -460,7 +460,7 @@ class System:
                 )
             return self._function(given)
         try:
-            expression = self._function(given)
+            expression = self._function(given, angles=True)
         except ExpressionError as error:
             return self._named_invariant(given, error)
         self._check_that_it_names_one_thing(given, expression)
@@ -528,7 +528,7 @@ class System:
         found = [polynomial for polynomial in polynomials if polynomial is not None]
         if len(found) == len(polynomials):
             return tape_of_polynomials(len(self.component_names), found)
-        return tape_of_functions(self.variables, [self._function(function) for function in functions])
+        return tape_of_functions(self.variables, [self._function(function, angles=True) for function in functions])
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: everything but what is made again when it is asked for."""
@@ -572,16 +572,16 @@ class System:
         values = evaluated(self.variables, expressions, states)
         return [values[..., k].copy() for k in range(len(expressions))]
 
-    def _read(self, given: str | Expr) -> Expr:
+    def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""
         if not isinstance(given, str):
             return self.bracket.in_own_variables(with_exact_numbers(given))
         from liepoisson.exact.expression import read_expression
 
-        return read_expression(given, self._names_in_formulas)
+        return read_expression(given, self._names_in_formulas, angles=angles)
 
-    def _function(self, given: str | Expr) -> Expr:
-        return self._with_parameters(self._read(given))
+    def _function(self, given: str | Expr, *, angles: bool = False) -> Expr:
+        return self._with_parameters(self._read(given, angles=angles))
 
     def _with_parameters(self, expression: Expr) -> Expr:
         """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""

@@ -80,6 +80,7 @@ class IntegralScan(Result):
     """
 
     kind = "integral scan"
+    rows = ("point",)
 
     system: System
     degree: int
@@ -101,6 +102,11 @@ class IntegralScan(Result):
     def arguments(self) -> dict[str, Any]:
         """What `scan_integrals` was called with, but for the system."""
         return {"degree": self.degree, "on": self.on, "axes": self.axes, "time_limit": self.time_limit}
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each point the parameters, the outcome, and the integrals that were found."""
+        found = ["; ".join(self.found.get(point, ())) for point in range(len(self.outcome))]
+        return {**super().columns(), "found": np.array(found)}
 
     @property
     def complete(self) -> bool:

@@ -91,6 +91,7 @@ class EnergyProfile(Run):
     """
 
     kind = "energy profile"
+    rows = ("energy", "member")
 
     start: Array = labelled("energy", "member", "component", long_name="state at time 0")
     outcome: NDArray[np.str_] = labelled("energy", "member", long_name="how the run ended")

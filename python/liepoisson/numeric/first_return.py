@@ -69,6 +69,7 @@ class FirstReturn(Run):
     """
 
     kind = "first return"
+    rows = (...,)
 
     start: Array = labelled(..., "component", long_name="state that was mapped")
     outcome: NDArray[np.str_] = labelled(..., long_name="whether and why not it returned")

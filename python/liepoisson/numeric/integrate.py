@@ -65,6 +65,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
     """
 
     kind = "orbit"
+    rows = ("trajectory", "time")
 
     start_time: float
     start_tangent: Array = labelled("trajectory", "vector", "component", long_name="tangent vectors as they were given")

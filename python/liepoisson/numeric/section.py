@@ -27,7 +27,6 @@ from liepoisson.numeric.section_arguments import (
     as_surface,
     read_tape,
 )
-from liepoisson.numeric.section_axes import default_axes
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import (
     HasField,
@@ -101,6 +100,7 @@ class Section(IntegratedRun):
     """
 
     kind = "section"
+    rows = ("crossing",)
 
     coordinates: tuple[str, ...] = names_along("coordinate")
     surface: str
@@ -259,7 +259,7 @@ class Section(IntegratedRun):
         return f"{least if least == most else f'{least} to {most}'} of each of {len(count)} orbits"
 
     def _about_figures(self) -> list[str]:
-        from liepoisson.phase_space.section_coordinates import dimension_of_section, fold
+        from liepoisson.phase_space.section_coordinates import dimension_of_section, figure_axes, fold
 
         dimension = dimension_of_section(self)
         if dimension is None or dimension < 2:
@@ -269,8 +269,11 @@ class Section(IntegratedRun):
                 f"the section has dimension {dimension}: a plane shows a projection, which proves neither tori nor "
                 "chaos"
             ]
-        x, y = self.default_axes
-        if not fold(self, x, y):
+        axes = figure_axes(self)
+        x, y = axes.x, axes.y
+        if axes.sheets:
+            return [f"a figure of {x} and {y}, the axes by default, has two sheets, which it draws side by side"]
+        if axes.is_graph or not fold(self, x, y):
             return []
         return [
             f"a figure of {x} and {y}, the axes by default, folds the section: different states may lie at one point"
@@ -280,9 +283,14 @@ class Section(IntegratedRun):
     def default_axes(self) -> tuple[str, str]:
         """What a figure has along its axes where none are named, across and up (`liepoisson.plot.section`).
 
-        Only where whole states were kept; of kept functions a figure shows the first and the last.
+        Of a section of dimension 2 they are coordinates on it, if components or angles of two of them are: different
+        states lie at different points.  Only where whole states were kept; of kept functions a figure shows the first
+        and the last.
         """
-        return default_axes(self.components, self.state, np.concatenate([self.start, self.end_state]))
+        from liepoisson.phase_space.section_coordinates import figure_axes
+
+        axes = figure_axes(self)
+        return axes.x, axes.y
 
     def is_folded(self, x: Function | None = None, y: Function | None = None) -> bool:
         """Whether a figure with these functions along its axes folds the section (`liepoisson.sections.is_folded`).

@@ -93,6 +93,11 @@ def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[T
             "try a System, or System.function_tape"
         )
     formula = as_formula(surface, "surface")
+    if "atan2" in str(formula):
+        raise ParameterError(
+            f"surface: wanted a smooth function; got {shown(surface)}, and atan2 jumps by 2*pi; try "
+            "sin(c)*x - cos(c)*y, which vanishes where atan2(y, x) is c, and where it is c + pi"
+        )
     check_that_it_varies(system, formula)
     return system.function_tape(formula, *(kept or ())), names
 

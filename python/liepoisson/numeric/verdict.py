@@ -170,6 +170,7 @@ class Verdict(Run):
     """
 
     kind = "verdict"
+    along = {"indicator": INDICATORS}  # noqa: RUF012
 
     t_end: float
     rule: Rule = recorded(rule_record, rule_of)

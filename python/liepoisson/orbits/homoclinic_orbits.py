@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_methods
@@ -14,6 +15,7 @@ from liepoisson.display import as_line, as_table
 from liepoisson.orbits.unstable import UnstableSpace
 from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count
+from liepoisson.tables import Tabular
 
 if TYPE_CHECKING:
     from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
@@ -106,7 +108,7 @@ class HomoclinicOrbit(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class HomoclinicOrbits(Sequence[HomoclinicOrbit]):
+class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
     """Symmetric homoclinic orbits to one periodic orbit or equilibrium, those with the shortest flight first.
 
     Example:
@@ -141,6 +143,18 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit]):
     def __len__(self) -> int:
         """How many."""
         return len(self.found)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each orbit its half flight, midpoint and angles in rad."""
+        names = self.origin.system.component_names
+        states = np.array([one.midpoint for one in self.found], dtype=float).reshape(len(self.found), len(names))
+        angles = np.array([one.angles for one in self.found], dtype=float).reshape(len(self.found), -1)
+        return {
+            **{name: np.array([getattr(one, name) for one in self.found]) for name in ("time", "residual", "distance")},
+            "reverser": np.array([one.reverser.text for one in self.found]),
+            **{f"midpoint_{name}": column for name, column in zip(names, states.T, strict=True)},
+            **{f"angle_{k}": column for k, column in enumerate(angles.T, start=1)},
+        }
 
     def __repr__(self) -> str:
         rows = self._rows()

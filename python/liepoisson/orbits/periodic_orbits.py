@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_methods
@@ -16,6 +17,7 @@ from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import ComplexArray, kind_of
 from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count
+from liepoisson.tables import Tabular
 
 if TYPE_CHECKING:
     from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
@@ -134,7 +136,7 @@ class SymmetricOrbit(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class SymmetricOrbits(Sequence[SymmetricOrbit]):
+class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
     """Symmetric periodic orbits of a level, those with the largest growth rate first.
 
     Example:
@@ -171,6 +173,18 @@ class SymmetricOrbits(Sequence[SymmetricOrbit]):
     def __len__(self) -> int:
         """How many."""
         return len(self.found)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each orbit its start, period, stability and the size of its multipliers."""
+        names = self.level.system.component_names
+        states = np.array([one.start for one in self.found], dtype=float).reshape(len(self.found), len(names))
+        listed = ("period", "return_time", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+        sizes = np.array([np.abs(one.multipliers) for one in self.found]).reshape(len(self.found), -1)
+        return {
+            **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
+            **{f"start_{name}": column for name, column in zip(names, states.T, strict=True)},
+            **{f"multiplier_size_{k}": column for k, column in enumerate(sizes.T, start=1)},
+        }
 
     def __repr__(self) -> str:
         rows = self._rows()

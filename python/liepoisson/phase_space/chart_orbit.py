@@ -87,6 +87,7 @@ class ChartOrbit(Result, KeepsInvariants):
     """
 
     kind = "chart orbit"
+    rows = ("time",)
 
     chart: str
     time: Array = labelled("time", long_name="time", is_coordinate=True)

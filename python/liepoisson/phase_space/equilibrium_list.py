@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
 
 from liepoisson.display import as_line, as_table
+from liepoisson.tables import Tabular
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from liepoisson.phase_space.leaf import Leaf
     from liepoisson.phase_space.stability import Equilibrium
 
@@ -18,7 +23,7 @@ _DIMENSION = {"point": 0, "circle": 1, "sphere": 2, "all rotations": 3}
 
 
 @dataclass(frozen=True)
-class Equilibria(Sequence["Equilibrium"]):
+class Equilibria(Sequence["Equilibrium"], Tabular):
     r"""The equilibria of a leaf by increasing energy, and whether they are all.
 
     Behaves like a list of `Equilibrium`: one for each isolated equilibrium and for each connected family.
@@ -88,6 +93,18 @@ class Equilibria(Sequence["Equilibrium"]):
     def __len__(self) -> int:
         """How many, each family counted once."""
         return len(self.found)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each equilibrium its energy, state, family and stability."""
+        names = self.leaf.system.component_names
+        states = np.array([one.state for one in self.found], dtype=float).reshape(len(self.found), len(names))
+        listed = ("family", "linear_stability", "growth_rate", "nullity", "nonlinear_stability", "residual")
+        return {
+            "energy": np.array([one.energy for one in self.found], dtype=float),
+            **dict(zip(names, states.T, strict=True)),
+            **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
+            "signature": np.array([" ".join(map(str, one.signature)) for one in self.found]),
+        }
 
     def __repr__(self) -> str:
         rows = self._rows()

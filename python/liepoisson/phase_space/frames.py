@@ -69,6 +69,7 @@ class Attitude(Result, KeepsInvariants):
     """
 
     kind = "attitude"
+    rows = ("trajectory", "time")
 
     system: System
     orbit: Orbit = part(lambda: Orbit, "run_", own_dims=("time",), with_system=_carried)

@@ -70,6 +70,7 @@ class Rod(Result):
     """
 
     kind = "rod"
+    rows = ("trajectory", "point")
 
     attitude: Attitude = part(lambda: Attitude)
     arclength: Array = labelled("point", long_name="arclength", is_coordinate=True)

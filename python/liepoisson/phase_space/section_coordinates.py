@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.exact.phase_functions import as_phase_points
+from liepoisson.numeric.section_axes import default_axes
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.leaf_stratum import numeric_rank
-from liepoisson.portable import linear
+from liepoisson.phase_space.section_sheets import SectionAxes, SectionPlane, section_axes
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 _SAMPLES = 10_000
 """States at which the functions are judged."""
-_ROUND_OFF = 1e-9
-"""Relative size of a bracket below which it would show nothing but errors."""
 
 
 def dimension_of_section(run: Section) -> int | None:
@@ -46,6 +44,14 @@ def dimension_of_section(run: Section) -> int | None:
     return max(numeric_rank(system, run.state[0]) - 2, 0)
 
 
+def figure_axes(run: Section) -> SectionAxes:
+    """What a figure of a section has along its axes; the default where it has not dimension 2."""
+    x, y = default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]))
+    if dimension_of_section(run) != 2:
+        return SectionAxes(x, y)
+    return section_axes(as_system(run.system), run.state, run.surface, (x, y))
+
+
 def fold(run: Section, x: Any, y: Any) -> bool:
     """`is_folded` of the states of a section."""
     return is_folded(as_system(run.system), run.state, run.surface, x, y)
@@ -58,7 +64,8 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
 
     They are near a state where $\{s, H\}\{x, y\} + \{x, H\}\{y, s\} + \{x, s\}\{H, y\} \ne 0$: up to the factor
     $\{s, H\}$ this is their Dirac bracket on the section.  Where its sign differs, different states may lie at one
-    point of a figure with x and y for its axes.
+    point of a figure with x and y for its axes.  They do, too, where the section covers a part of the plane twice with
+    one sign: of two states that are neighbours in the plane, one does not lead to the other along the section.
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")
@@ -79,22 +86,7 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
         ExpressionError: a formula cannot be read.
     """
     bracket_of = as_system(system).bracket
-    functions = system.functions
     some = np.atleast_2d(as_phase_points(states, bracket_of.dimension, bracket_of.field_names))
-    some = some[:: max(1, len(some) // _SAMPLES)]
-    tensor = functions.poisson_tensor(some)
-    s, across, up = (functions.of(function).gradient(some) for function in (surface, x, y))
-    h = functions.energy.gradient(some)
-
-    def bracket(f: Array, g: Array) -> Array:
-        return linear.einsum("ni,nij,nj->n", f, tensor, g)
-
-    terms = np.array(
-        [
-            bracket(s, h) * bracket(across, up),
-            bracket(across, h) * bracket(up, s),
-            bracket(across, s) * bracket(h, up),
-        ]
-    )
-    area, size = terms.sum(axis=0), np.abs(terms).sum(axis=0)
-    return bool((area > _ROUND_OFF * size).any() and (area < -_ROUND_OFF * size).any())
+    plane = SectionPlane(system, some[:: max(1, len(some) // _SAMPLES)], surface)
+    signs = plane.signs(x, y)
+    return bool((signs > 0).any() and (signs < 0).any()) or plane.meets_itself(x, y)

@@ -37,7 +37,8 @@ def draw(result: Any, **options: Any) -> Figure:
     Example:
         >>> import matplotlib.pyplot as plt
         >>> system = lp.catalog.system("henon-heiles")
-        >>> figure = lp.plot.draw(lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=200))
+        >>> run = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", direction=1, t_end=200)
+        >>> figure = lp.plot.draw(run)
         >>> print(figure.axes[0].get_title(loc="left"))
         henon-heiles: $x$ = 0
         >>> plt.close(figure)

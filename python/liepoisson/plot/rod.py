@@ -32,6 +32,8 @@ _MOST_RINGS = 1500
 """Rings along the tube that are drawn at most: more are finer than a printed line."""
 _LIGHT = np.array([0.35, -0.55, 0.76])
 """Direction to the light, in space."""
+_HEIGHT, _PROFILES = 4.4, 3.4
+"""Height of a figure, and the width of the profiles in it, in inches."""
 
 
 class RodLike(Protocol):
@@ -107,16 +109,38 @@ def rod(
         raise ParameterError("rod: wanted two or more finite points to draw; got fewer; look at rod.outcome")
     directors = np.asarray(rod.directors, dtype=np.float64)[trajectory]
     with house_style():
-        figure = new_figure(7.4 if profiles else 4.6, 4.4) if figure is None else figure
-        grid = figure.add_gridspec(3, 2 if profiles else 1, width_ratios=[1.25, 1] if profiles else None)
-        ax: Any = figure.add_subplot(grid[:, 0], projection="3d", computed_zorder=False)
+        width = _width(r[good], elevation, azimuth)
+        figure = new_figure(width + _PROFILES if profiles else 4.6, _HEIGHT) if figure is None else figure
+        ax = _axes_of_the_rod(figure, width, width / (width + _PROFILES) if profiles else 1.0)
         extent = float(np.ptp(r[good], axis=0).max())
         _draw_tube(ax, r[good], directors[good], extent / 70 if radius is None else radius)
         _draw_field(ax, r[good], np.asarray(rod.field, dtype=np.float64)[trajectory][good][0])
         _dress(ax, r[good], elevation, azimuth)
         if profiles:
-            _draw_profiles(figure, grid, rod, trajectory)
+            _draw_profiles(figure, figure.add_gridspec(3, 2, width_ratios=[width, _PROFILES]), rod, trajectory)
     return figure
+
+
+def _half_box(r: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Half the sides of the box about a rod; a flat one still needs some depth."""
+    extent = np.ptp(r, axis=0)
+    return np.maximum(extent / 2, 0.12 * extent.max()) + 0.06 * extent.max()
+
+
+def _width(r: NDArray[np.float64], elevation: float, azimuth: float) -> float:
+    """The width in inches that the box about a rod and its ticks take, as it is seen, in a figure of our height."""
+    (x, y, z), (up, turn) = _half_box(r), np.radians([elevation, azimuth])
+    across = x * abs(np.sin(turn)) + y * abs(np.cos(turn))
+    high = z * abs(np.cos(up)) + (x * abs(np.cos(turn)) + y * abs(np.sin(turn))) * abs(np.sin(up))
+    return float(np.clip(_HEIGHT * across / high + 1.1, 2.2, _HEIGHT))
+
+
+def _axes_of_the_rod(figure: Figure, needed: float, share: float) -> Any:
+    """Square axes in the middle of a share of the width: beside a slim box they are empty, and reach behind others."""
+    width, height = figure.get_figwidth(), figure.get_figheight()
+    side = _HEIGHT * min(height / _HEIGHT, width * share / needed)
+    place = ((width * share - side) / 2 / width, (height - side) / 2 / height + 0.025, side / width, side / height)
+    return figure.add_axes(place, projection="3d", computed_zorder=False, facecolor="none")
 
 
 def _is_number(value: Any) -> bool:
@@ -175,14 +199,10 @@ def _dress(ax: Any, r: NDArray[np.float64], elevation: float, azimuth: float) ->
     """Equal scales, light panes, and few ticks."""
     from matplotlib.ticker import MaxNLocator
 
-    low, high = r.min(axis=0), r.max(axis=0)
-    margin = 0.06 * (high - low).max()
-    # A flat rod still needs a box with some depth.
-    half = np.maximum((high - low) / 2, 0.12 * (high - low).max()) + margin
-    middle = (high + low) / 2
+    half, middle = _half_box(r), (r.max(axis=0) + r.min(axis=0)) / 2
     ax.set(xlim=(middle[0] - half[0], middle[0] + half[0]))
     ax.set(ylim=(middle[1] - half[1], middle[1] + half[1]), zlim=(middle[2] - half[2], middle[2] + half[2]))
-    ax.set_box_aspect(half, zoom=0.98)
+    ax.set_box_aspect(half, zoom=0.9)
     ax.view_init(elev=elevation, azim=azimuth)
     for axis, name, size in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", half, strict=True):
         axis.set_pane_color("#fbfaf7")

@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.section_axes import default_axes
+from liepoisson.numeric.systems import has_functions
+from liepoisson.phase_space.section_coordinates import figure_axes
+from liepoisson.phase_space.section_sheets import DIRECTION
 from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
@@ -82,11 +85,14 @@ def section(
 
     Args:
         points: Result of `liepoisson.section`, or its Dataset.
-        x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).  By default the last
-            component of the state, of coordinates and momenta the last coordinate, of kept functions the first.
-        y: Vertical, likewise.  By default the second component, the momentum of x, or the last of kept functions.
-            Where one of both is constant on the section, the two before them are taken: on y = 0 not y and p_y, but x
-            and p_x.
+        x: Horizontal: the name of a coordinate that was kept, values, shape (crossing,), or, where whole states of a
+            System were kept, a formula such as "atan2(alpha2, alpha1)".  By default of a section of dimension 2 what
+            makes it a graph: an angle of two components with its momentum, coordinate and momentum, or other components
+            and angles; where none do, but each of two sheets is a graph, both are drawn, side by side in a new figure.
+            Else the last component of the state, of coordinates and momenta the last coordinate, of kept functions the
+            first.
+        y: Vertical, likewise.  Else the second component, the momentum of x, or the last of kept functions.  Where one
+            of both is constant on the section, the two before them are taken: on y = 0 not y and p_y, but x and p_x.
         xlabel: By default the name as mathematical text.
         ylabel: Likewise.
         title: Above the axes.  By default system and surface in a new figure; given axes keep the title they have.
@@ -97,14 +103,18 @@ def section(
         size: Diameter of a point in printer's points; by default it follows from their number.
         ax: Axes to draw into, by default those of a new figure.
 
+    Returns:
+        The axes; of two sheets those of the first.
+
     Raises:
+        ExpressionError: a formula cannot be read.
         ParameterError: no such coordinate, trajectory, sign or colour, a size that is not positive, or one coordinate
             only and no choice of axes.
         ShapeError: values that are not one per crossing.
     """
     if not hasattr(points, "state") or not hasattr(points, "sign"):
         raise not_a("what section returns", points, "points", 'try section(system, starts, surface="l3", t_end=100)')
-    x, y = _chosen(points, x, y)
+    x, y, sheets = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
     values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]
     shown = np.isfinite(values[0]) & np.isfinite(values[1])
@@ -114,20 +124,29 @@ def section(
         shown &= np.isin(member, _as_trajectories(trajectories, points, member))
     colours, diameter = as_colours(colour), _as_size(size)
     heading = _heading(points) if title is None and ax is None else title
+    panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
     with house_style():
-        ax = axes_or_new(ax, width=5.2, height=4.6)
-        _draw(ax, np.stack(values)[:, shown], member[shown], colours, diameter)
-        ax.set_xlabel(_axis_label(x) if xlabel is None else xlabel)
-        ax.set_ylabel(_axis_label(y) if ylabel is None else ylabel)
-        if heading is not None:
-            ax.set_title(heading)
-        ax.margins(0.04)
-        _widen(ax)
+        ax = axes_or_new(ax, width=5.2 if len(panels) == 1 else 9.0, height=4.6)
+        drawn = _side_by_side(ax, len(panels))
+        for one, (words, of) in zip(drawn, panels, strict=True):
+            _draw(one, np.stack(values)[:, shown & of], member[shown & of], colours, diameter)
+            one.set_xlabel(_axis_label(x) if xlabel is None else xlabel)
+            one.set_ylabel(_axis_label(y) if ylabel is None else ylabel)
+            if lines := [line for line in (heading if one is drawn[0] else None, words) if line]:
+                one.set_title("\n".join(lines))
+            one.margins(0.04)
+            _widen(one)
     return ax
 
 
 def titled_section(
-    run: SectionResult, leaf: Leaf, surface: str, axes: tuple[str, str], energy: float | None = None
+    run: SectionResult,
+    leaf: Leaf,
+    surface: str,
+    axes: tuple[str, str],
+    energy: float | None = None,
+    *,
+    sheets: str = "",
 ) -> Figure:
     """A figure of crossings, with system, surface, energy and values of the Casimirs above it.
 
@@ -137,18 +156,23 @@ def titled_section(
         surface: The function that is zero on the surface.
         axes: What is across and what is up: coordinates that were kept, or formulas of the state.
         energy: That of the orbits, if it is one.
+        sheets: What tells two sheets apart, which are drawn side by side (`SectionAxes`).
     """
     from liepoisson.exact.casimirs import shortage
 
     system = leaf.system
     with house_style():
-        figure = new_figure(6.0, 5.4)
-        ax = figure.add_subplot()
+        panels = _panels(run, sheets)
+        figure = new_figure(6.0 if len(panels) == 1 else 10.0, 5.4)
+        drawn = _side_by_side(figure.add_subplot(), len(panels))
         (x, xlabel), (y, ylabel) = (_values_and_label(run, system, axis) for axis in axes)
         # An orbit that escaped would leave no room for the others.
         stayed = np.flatnonzero(np.isin(run.outcome, ("finished", "time limit")))
         some = stayed.tolist() if 0 < len(stayed) < run.n_trajectories else None
-        section(run, x, y, xlabel=xlabel, ylabel=ylabel, trajectories=some, ax=ax)
+        for ax, (_, of) in zip(drawn, panels, strict=True):
+            across = np.where(of, _values(run, x, len(of), "x"), np.nan)
+            xlabel = _axis_label(x) if xlabel is None else xlabel
+            section(run, across, y, xlabel=xlabel, ylabel=ylabel, trajectories=some, ax=ax)
         values = [f"$H$ = ${number(energy)}$"] if energy is not None else []
         values += [f"{label(name)} = ${number(value)}$" for name, value in leaf.casimirs.items()]
         missing = shortage(system.bracket)
@@ -156,8 +180,31 @@ def titled_section(
         own_line = len("".join(name)) > _LONGEST_LINE // 2 or len(name[-1]) + len(surface) > _LONGEST_LINE
         of = f"section {_shown_surface(surface)}{_in_words(run.direction)}"
         heading = "\n".join(name) + ("\n" if own_line else " ") + of
-        ax.set_title(f"{heading}\n{', '.join(values)}{f' ({missing})' if missing else ''}", fontsize=10.5)
+        lines = [heading, f"{', '.join(values)}{f' ({missing})' if missing else ''}"]
+        for ax, (words, _) in zip(drawn, panels, strict=True):
+            ax.set_title("\n".join([*(lines if ax is drawn[0] else ()), *filter(None, [words])]), fontsize=10.5)
     return figure
+
+
+def _panels(points: SectionLike, sheets: str) -> list[tuple[str, NDArray[np.bool_]]]:
+    """What stands above each part of a figure, and which crossings are in it: all, or those of two sheets."""
+    signs = np.asarray(points.sign)
+    if not sheets:
+        return [("", np.ones(len(signs), bool))]
+    if sheets == DIRECTION:
+        return [("increasing", signs > 0), ("decreasing", signs < 0)]
+    system: Any = points.system  # pyright: ignore[reportAttributeAccessIssue]  # what has sheets is the result of a run
+    values = system.functions.of(sheets)(points.state)
+    return [(f"{formula(sheets)} $> 0$", values > 0), (f"{formula(sheets)} $< 0$", values < 0)]
+
+
+def _side_by_side(ax: Axes, n: int) -> list[Axes]:
+    """Axes, and beside them others of the same limits."""
+    if n == 1:
+        return [ax]
+    grid = ax.figure.add_gridspec(1, n)  # pyright: ignore[reportAttributeAccessIssue]  # no subfigure
+    ax.set_subplotspec(grid[0])
+    return [ax, *(ax.figure.add_subplot(grid[k], sharex=ax, sharey=ax) for k in range(1, n))]
 
 
 def _values_and_label(run: SectionResult, system: System, axis: str) -> tuple[str | FloatArray, str | None]:
@@ -234,13 +281,15 @@ def _member(points: SectionLike) -> NDArray[np.int64]:
 
 def _chosen(
     points: SectionLike, x: str | ArrayLike | None, y: str | ArrayLike | None
-) -> tuple[str | ArrayLike, str | ArrayLike]:
-    """The axes, as given or by default."""
+) -> tuple[str | ArrayLike, str | ArrayLike, str]:
+    """The axes, as given or by default, and what tells the sheets of a section apart that has no axes as a graph."""
     names = _names(points)
-    whole = names == tuple(map(str, np.asarray(getattr(points, "components", getattr(points, "component", ())))))
+    if x is None and y is None and _has_states_of_a_system(points):
+        found = figure_axes(points)  # pyright: ignore[reportArgumentType]  # it is the result of a run
+        return found.x, found.y, found.sheets
     across, up = (
         default_axes(names, _states(points.state, len(names)), _beside(points, len(names)))
-        if whole
+        if _is_whole(points)
         else (names[0], names[-1])
     )
     axes = across if x is None else x, up if y is None else y
@@ -249,7 +298,18 @@ def _chosen(
             f"a plane must have two coordinates; got {axes[0]!r:.80} for both, one of them by default. Give x and y, "
             "for example y=points.time."
         )
-    return axes
+    return *axes, ""
+
+
+def _is_whole(points: SectionLike) -> bool:
+    """Whether whole states were kept."""
+    components = getattr(points, "components", getattr(points, "component", ()))
+    return _names(points) == tuple(map(str, np.asarray(components)))
+
+
+def _has_states_of_a_system(points: SectionLike) -> bool:
+    """Whether functions of the crossings can be read from texts."""
+    return _is_whole(points) and has_functions(getattr(points, "system", None))
 
 
 def _states(states: Any, n: int) -> FloatArray:
@@ -295,6 +355,8 @@ def _names(points: SectionLike) -> tuple[str, ...]:
 def _values(points: SectionLike, wanted: str | ArrayLike, n: int, which: str) -> FloatArray:
     if isinstance(wanted, str):
         names = _names(points)
+        if wanted not in names and _has_states_of_a_system(points):
+            return points.system.functions.of(wanted)(points.state)  # pyright: ignore[reportAttributeAccessIssue]
         if wanted not in names:
             raise ParameterError(
                 f"{which} must be a coordinate that was kept ({', '.join(names)}) or an array of values; got "

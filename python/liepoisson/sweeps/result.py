@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -76,6 +75,7 @@ class Sweep(Result):
     """
 
     kind = "sweep"
+    rows = ("point",)
 
     spec: SweepSpec = recorded(_spec_record, _spec_of)
     places: tuple[Place, ...]
@@ -262,6 +262,24 @@ class Sweep(Result):
         pieces = sum(report.n_pieces for report in self.reports)
         return sum(r.overhead_per_piece * r.n_pieces for r in self.reports) / pieces if pieces else math.nan
 
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each point the values of the axes, the level, and the statistics."""
+        axes = {name: self.points[:, k] for k, name in enumerate(self._axis_names())}
+        return {**axes, "level": self.level, **self._per_point()}
+
+    def _axis_names(self) -> tuple[str, ...]:
+        return tuple(f"axis_{axis.name}" if axis.name in OWN_NAMES else axis.name for axis in self.spec.axes)
+
+    def _per_point(self) -> dict[str, NDArray[Any]]:
+        """The statistics of each point."""
+        low, high = self.interval()
+        statistic = (
+            {"chaotic_fraction": self.chaotic_fraction, "undecided_fraction": self.undecided_fraction}
+            if self.spec.is_verdict
+            else {"mean": self.mean, "standard_error": self.standard_error}
+        )
+        return {**statistic, "low": low, "high": high, "n_finished": self.n_finished}
+
     @property
     def dataset(self) -> Dataset:
         """The same as a labelled xarray Dataset: on the grid of the axes, or, refined, along one axis of points.
@@ -270,20 +288,13 @@ class Sweep(Result):
         """
         from xarray import Dataset
 
-        names = tuple(f"axis_{axis.name}" if axis.name in OWN_NAMES else axis.name for axis in self.spec.axes)
+        names = self._axis_names()
         is_grid = self.spec.refine is None
         dims = names if is_grid else ("point",)
         shape = self.spec.shape if is_grid else (len(self.points),)
-        low, high = self.interval()
         is_verdict = self.spec.is_verdict
-        statistic: Mapping[str, Any] = (
-            {"chaotic_fraction": self.chaotic_fraction, "undecided_fraction": self.undecided_fraction}
-            if is_verdict
-            else {"mean": self.mean, "standard_error": self.standard_error}
-        )
-        per_point: Mapping[str, Any] = {**statistic, "low": low, "high": high, "n_finished": self.n_finished}
         variables: dict[str, Any] = {
-            name: (dims, values.reshape(shape), _MEANING.get(name, {})) for name, values in per_point.items()
+            name: (dims, values.reshape(shape), _MEANING.get(name, {})) for name, values in self._per_point().items()
         }
         name = "exponent" if self.spec.is_exponent else "verdict" if is_verdict else "value"
         members = self.verdict if is_verdict else self.value

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.names import ELEMENTARY_FUNCTIONS
+from liepoisson.exact.names import ANGLE, ELEMENTARY_FUNCTIONS
 from liepoisson.exact.parameters import Exact, to_sympy
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ _OPERATIONS: dict[str, Callable[..., float]] = {
     "pow": math.pow,
 }
 _DOUBLES: dict[str, Callable[..., float]] = {
-    name: getattr(math, name) for name in ELEMENTARY_FUNCTIONS if name != "sqrt"
+    name: getattr(math, name) for name in (*ELEMENTARY_FUNCTIONS, ANGLE) if name != "sqrt"
 }
 
 
@@ -160,6 +160,21 @@ class Arithmetic:
         if function == "tan":  # tan(x + pi/2) comes out as -cot(x), which no reader of formulas expects
             result = result.replace(sympy.cot, lambda angle: sympy.cos(angle) / sympy.sin(angle))
         return self._checked(result)
+
+    def angle(self, y: Exact, x: Exact) -> Exact:
+        """The angle of the point (x, y), in (-pi, pi].
+
+        Raises:
+            RefusedError: the point is 0, or an argument is too large.
+        """
+        from sympy import atan2
+
+        self._spend(10)
+        for argument in (y, x):
+            _check_argument(self.measure(argument))
+        if y == x == 0:
+            raise RefusedError("the point (0, 0) has no angle")
+        return self._checked(atan2(to_sympy(y), to_sympy(x)))
 
     def measure(self, scalar: Exact) -> Measure:
         """How large the scalar is.
