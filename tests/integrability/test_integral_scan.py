@@ -1,6 +1,7 @@
 """Scans of a grid of parameters: at each point as a search there, on any number of cores, interrupted or not."""
 
 import io
+import json
 import pickle
 from dataclasses import replace
 
@@ -118,6 +119,46 @@ def test_damaged_lines_are_computed_again(tmp_path, monkeypatch):
         scan_integrals(TOP, axes=AXES, degree=2, store=store)
 
 
+@pytest.mark.parametrize(
+    "record",
+    [
+        '["finished",1,[[["1/0",[0,0,1,0,0,0]]]]]',
+        '["finished",Infinity,[]]',
+        '["finished",' + "[" * 100_000 + "]" * 100_000 + ",[]]",
+        '["another",1,[]]',
+        '["finished",1]',
+        "7",
+    ],
+    ids=lambda text: text[:30],
+)
+def test_lines_with_a_right_checksum_that_say_nothing_are_computed_again(tmp_path, record):
+    from zlib import crc32
+
+    store = tmp_path / "scan"
+    whole = scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store)
+    path = store / "points.jsonl"
+    head, *lines = path.read_text().splitlines(keepends=True)
+    scan = lines[0].split()[1]
+    text = f'{scan} {{"0":{record}}}'
+    path.write_text(head + f"{crc32(text.encode()):08x} {text}\n")
+    assert scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store).dataset.identical(whole.dataset)
+
+
+def test_a_line_of_another_scan_is_left_out(tmp_path):
+    """Its checksum is right: it was copied."""
+    other = {"J": [3], "a1": [0, 1], "a3": [1]}
+    scan_integrals(TOP, axes=other, degree=1, threads=1, store=tmp_path / "other")
+    whole = scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=tmp_path / "scan")
+    path = tmp_path / "scan" / "points.jsonl"
+    head, foreign = path.read_text().splitlines(keepends=True)[0], (tmp_path / "other" / "points.jsonl").read_text()
+    path.write_text(head + "".join(foreign.splitlines(keepends=True)[1:]))
+    from liepoisson.integrability.scan_store import ScanStore
+
+    kept = ScanStore(tmp_path / "scan", json.loads(head[9:]))
+    assert not kept.known
+    assert scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=tmp_path / "scan").dataset.identical(whole.dataset)
+
+
 def test_a_store_keeps_to_its_scan(tmp_path):
     store = tmp_path / "scan"
     scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store)
@@ -202,6 +243,7 @@ def test_what_a_process_does():
         ({"axes": AXES | {"J": range(1, 10**6)}}, "scan parts of the grid"),
         ({"axes": AXES, "degree": 60}, "take a smaller one"),
         ({"axes": AXES, "store": 7}, "path of a folder"),
+        ({"axes": AXES, "store": ""}, "path of a folder"),
         ({"axes": AXES, "on": "l1 = 0"}, "not invariant"),
     ],
 )

@@ -289,7 +289,7 @@ def _described(search: PointSearch) -> str:
 
 @contextmanager
 def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
-    if store is not None and not isinstance(store, (str, PathLike)):
+    if store is not None and (not isinstance(store, (str, PathLike)) or not str(store)):  # "" is the working folder
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}; write for example 'scan'")
     path = None if store is None else Path(cast("str", store))
     with nullcontext() if path is None else exclusive(path):
