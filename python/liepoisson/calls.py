@@ -19,7 +19,7 @@ from functools import wraps
 from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
-from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
+from liepoisson.errors import ExpressionError, LiePoissonError, MemoryLimitError, ParameterError, did_you_mean
 from liepoisson.wrong_values import shown
 
 P = ParamSpec("P")
@@ -65,6 +65,13 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **options)
         except ExpressionError as error:  # it says what is wrong and where; the frames of the parser say nothing more
             raise error.with_traceback(None) from None
+        except MemoryError as error:
+            if isinstance(error, LiePoissonError):
+                raise
+            said = str(error).removesuffix(".") or "there is no memory left"
+            raise MemoryLimitError(
+                f"{function.__qualname__}: wanted what fits into memory; {said}; ask for less at once"
+            ) from error
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # from inside the function
                 raise
