@@ -19,7 +19,7 @@ ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
     {"errors", "arrays", "field", "files", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
-     "streams", "read_only", "_lazy"},
+     "deadline", "streams", "read_only", "_lazy"},
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},

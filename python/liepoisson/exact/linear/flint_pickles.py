@@ -1,7 +1,7 @@
-"""Pickles and copies of FLINT's polynomials, matrices and balls, which python-flint cannot make.
+"""Pickles and copies of FLINT's polynomials and matrices over the rationals, which python-flint cannot make.
 
-A module whose objects are kept in results registers them with `copyreg`, which `pickle` and `copy` ask.  A ball keeps
-its midpoint and its radius exactly, a polynomial in several variables its names and their order.
+A module whose objects are kept in results registers them with `copyreg`, which `pickle` and `copy` ask.  A
+polynomial in several variables keeps their names and their order.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import copyreg
 from typing import Any
 
-from flint import acb, arb, fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz_mat, fmpz_poly
+from flint import fmpq_mat, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz_mat, fmpz_poly
 
 
 def _polynomial(value: fmpq_poly | fmpz_poly) -> tuple[Any, tuple[Any, ...]]:
@@ -32,16 +32,6 @@ def _from_terms(context: fmpq_mpoly_ctx, terms: dict[tuple[int, ...], Any]) -> f
     return context.from_dict(terms)
 
 
-def _ball(value: arb) -> tuple[Any, tuple[Any, ...]]:
-    if not value.is_finite():
-        return arb, (value.str(),)
-    return arb, (value.mid().man_exp(), value.rad().man_exp())
-
-
-def _complex_ball(value: acb) -> tuple[Any, tuple[Any, ...]]:
-    return acb, (value.real, value.imag)
-
-
 def register() -> None:
     """Tell `copyreg` of them; done again it changes nothing."""
     copyreg.pickle(fmpq_poly, _polynomial)
@@ -50,5 +40,3 @@ def register() -> None:
     copyreg.pickle(fmpz_mat, _matrix)
     copyreg.pickle(fmpq_mpoly_ctx, _context)
     copyreg.pickle(fmpq_mpoly, _in_variables)
-    copyreg.pickle(arb, _ball)
-    copyreg.pickle(acb, _complex_ball)
