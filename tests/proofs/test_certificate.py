@@ -37,6 +37,22 @@ REFUSED = {
 }
 
 
+def test_equations_that_lack_one_are_refused(shipped, twisted):
+    equations = shipped["system"]["equations"]
+    lines = [f"d{name}/dt = {rate}" for name, rate in equations.items()]
+    for name in twisted.names:
+        fewer = {k: v for k, v in equations.items() if k != name}
+        with pytest.raises(CertificateError, match=f"lack the rate of {name}"):
+            compare_equations(fewer, twisted)
+        with pytest.raises(CertificateError, match=f"lack the rate of {name}"):
+            compare_equations([line for line in lines if not line.startswith(f"d{name}/")], twisted)
+    with pytest.raises(CertificateError, match="wanted an equation for each of l1, .*; got 8"):
+        compare_equations(list(equations.values())[:-1], twisted)
+    with pytest.raises(CertificateError, match="lack the rate of l1"):
+        compare_equations([lines[1], *lines[1:]], twisted)
+    assert "not compared" in compare_equations(["l' = l x omega", "alpha' = alpha x omega"], twisted)
+
+
 @pytest.mark.parametrize("change", REFUSED.values(), ids=REFUSED)
 def test_another_form_is_refused(altered, tmp_path, change):
     change(altered)
