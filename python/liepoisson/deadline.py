@@ -12,7 +12,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from liepoisson.errors import TimeLimitError
-from liepoisson.scalars import as_time_limit
 
 _current: ContextVar[Deadline | None] = ContextVar("deadline of the call", default=None)
 
@@ -28,6 +27,8 @@ class Deadline:
     """
 
     def __init__(self, seconds: float) -> None:
+        from liepoisson.scalars import as_time_limit  # with NumPy, which the exact algebra does without
+
         self.seconds = as_time_limit(seconds)
         self._end = time.monotonic() + self.seconds
 

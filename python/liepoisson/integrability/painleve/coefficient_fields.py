@@ -18,13 +18,10 @@ from typing import Any, Protocol, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from liepoisson.exact.linear.flint_pickles import register
 from liepoisson.exact.polynomials.components import irreducible_factors
 from liepoisson.exact.polynomials.groebner import rational_context
 
 Element: TypeAlias = Any
-
-register()  # balances are kept in results, with elements of these fields
 
 
 class Field(Protocol):
