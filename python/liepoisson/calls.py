@@ -88,9 +88,17 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _argument_that_is(value: Any, function: Callable[..., Any], args: Any, options: dict[str, Any]) -> str | None:
-    """The name of the argument that is this very object, but for the object of a method; None if there is none."""
+    """The name of the argument that is this very object or has it in a list; None if there is none, as for `self`."""
     given = inspect.signature(function).bind(*args, **options).arguments
-    return next((name for name, one in given.items() if one is value and name not in _BOUND), None)
+    return next((name for name, one in given.items() if name not in _BOUND and _holds(one, value)), None)
+
+
+def _holds(given: Any, value: Any, depth: int = 4) -> bool:
+    """Whether something is an object, or a list with it, or a list of lists."""
+    if given is value:
+        return True
+    inner = given.values() if isinstance(given, dict) else given if isinstance(given, (list, tuple)) else ()
+    return depth > 0 and any(_holds(one, value, depth - 1) for one in inner)
 
 
 def explains_its_methods(cls: C) -> C:
