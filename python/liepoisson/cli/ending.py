@@ -1,8 +1,8 @@
 """How the command ends, whatever happens: the one place that turns errors into a sentence and an exit code.
 
-Done: 0.  Refused or failed: 2, with one sentence on standard error and no traceback.  130: Ctrl-C.  141: who read the
-output has gone.  143: SIGTERM, where a command has something to close.  `LIEPOISSON_TRACEBACK=1` shows where an error
-comes from that is none of the expected ones.
+Done: 0.  Refused or failed, or its output was closed: 2, with one sentence on standard error and no traceback.  130:
+Ctrl-C.  141: who read the output has gone.  143: SIGTERM, where a command has something to close.
+`LIEPOISSON_TRACEBACK=1` shows where an error comes from that is none of the expected ones.
 """
 
 from __future__ import annotations
