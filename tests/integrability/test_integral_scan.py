@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.deadline import Deadline
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 from liepoisson.integrability import integral_scan, scan_processes
 from liepoisson.integrability.integral_scan import scan_integrals
@@ -210,13 +211,13 @@ def test_errors_in_a_process_are_raised_here():
     broken = replace(search, n="six")
     pieces = [{0: [1, 1, 1]}, {1: [2, 1, 1]}]
     with pytest.raises(TypeError):
-        list(scan_processes.results(broken, pieces, 2, np.inf))
+        list(scan_processes.results(broken, pieces, 2, Deadline(np.inf)))
 
 
 def test_a_process_that_ends_is_an_outcome(monkeypatch):
     search, _ = integral_scan._search(TOP, 1, ())
     monkeypatch.setattr(scan_processes.sys, "executable", "/bin/false")
-    found = [f for f in scan_processes.results(search, [{0: [1, 1, 1]}, {1: [2, 1, 1]}], 2, np.inf) if f]
+    found = [f for f in scan_processes.results(search, [{0: [1, 1, 1]}, {1: [2, 1, 1]}], 2, Deadline(np.inf)) if f]
     assert sorted((k, r.outcome) for f in found for k, r in f.items()) == [(0, "failed"), (1, "failed")]
 
 

@@ -217,13 +217,13 @@ def integrable_families(
         on: Equations of an invariant level set, such as "C1 = 0", as for `first_integrals`: integrals on it alone.
         positive: Names of parameters that are positive.
         nonzero: Names of parameters that are not zero.
-        time_limit: Seconds after which the cases that are left are named.
+        time_limit: Seconds after which the cases that are left are named; integrals for all parameters are searched to
+            the end.
         progress: As for `integrate`.
 
     Raises:
         ParameterError: the system has no symbols or no polynomial equations, its numbers are not rational, the level is
             not invariant, or the search is too large.
-        TimeLimitError: there was no time for the search for all values of the parameters.
     """
     d, deadline = as_count(degree, "degree", least=1), Deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
@@ -251,8 +251,7 @@ def integrable_families(
         if any(map(any, remainder := search.level.remainder(polynomial))):
             search.generators.append(Generator(name, remainder, is_new=False))
     matrix = ParameterMatrix(derivation, zero_polynomials, search.level)
-    with deadline.running():
-        search.run(_monomials(len(system.variables), d))
+    search.run(_monomials(len(system.variables), d))
     splitting = CaseSplitting(
         matrix.context,
         frozenset(matrix.names.index(name) for name in positive),
