@@ -20,7 +20,7 @@ test: | tools ## set up, then run the tests (some 15 minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 
-test-slow: $(VENV)/.built $(VENV)/.notebooks $(VENV)/browser ## the anchors at full size (20,000 members), real notebooks, `make arm`
+test-slow: $(VENV)/.built $(VENV)/.notebooks $(VENV)/browser $(VENV)/floors ## the anchors at full size (20,000 members), real notebooks, `make arm`, the oldest versions
 	$(BIN)/pytest -m slow
 
 # The bits of the results are those that x86 has (crates/liepoisson-core/tests/core/same_bits.txt). Part of `make test-slow`.
@@ -73,6 +73,8 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	  --constraint requirements/dev.txt --output-file requirements/notebooks.txt
 	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
 	  --output-file requirements/docs.txt
+	$(BIN)/uv pip compile pyproject.toml --extra notebook --group test $(LOCK) --upgrade --resolution lowest-direct \
+	  --output-file requirements/floors.txt
 	$(BIN)/uv pip compile --group browser $(LOCK) --constraint requirements/dev.txt --output-file requirements/browser.txt
 	cargo update
 
@@ -203,6 +205,12 @@ $(VENV)/browser: requirements/browser.txt | $(VENV)/.run
 	$(BIN)/pip download --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary=:all: --python-version 3.14 \
 	  --implementation cp --abi cp314 --platform pyemscripten_2026_0_wasm32 -r requirements/browser.txt --dest $@
 	if command -v npm >/dev/null; then npm ci --prefix web --no-audit --no-fund; fi
+
+# Every direct dependency at the floor that pyproject.toml declares, for tests/test_floors.py.
+$(VENV)/floors: requirements/floors.txt | tools
+	rm -rf $@
+	$(PYTHON) -m venv $@
+	$@/bin/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/floors.txt
 
 $(VENV)/.build: requirements/build.txt | $(VENV)/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt

@@ -1,10 +1,12 @@
 import pickle
+import time
 
 import numpy as np
 import pytest
 
 import liepoisson as lp
 from liepoisson.arrays import norm, read_only
+from liepoisson.errors import MemoryLimitError
 
 ARRAYS = {
     "doubles": np.arange(6.0).reshape(2, 3),
@@ -65,3 +67,32 @@ def test_norms_of_numbers_whose_squares_are_no_doubles():
             assert np.ldexp(scaled, -power) == pytest.approx(np.linalg.norm(values, axis=axis), rel=1e-14)
     mixed = norm(np.array([[3e-200, 4e-200], [3.0, 4.0], [0.0, 0.0], [np.inf, 1.0], [3e300, -4e300]]), axis=1)
     assert mixed == pytest.approx([5e-200, 5, 0, np.inf, 5e300], rel=1e-14)
+
+
+HUGE = np.broadcast_to(lp.sample_states(lp.Top.kovalevskaya(), 1, seed=1), (10**11, 9))
+"""72 bytes, and 6.7 TiB as a copy."""
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda top: lp.integrate(top, HUGE, t_end=1),
+        lambda top: lp.integrate(top, HUGE[0], times=np.broadcast_to(1.0, 10**12)),
+        lambda top: lp.integrate(top, HUGE[0], t_end=1, tangents=HUGE),
+        lambda top: lp.finite_time_exponents(top, HUGE, t_end=1),
+        lambda top: lp.section(top, HUGE, surface="l3", t_end=1),
+        lambda top: lp.decide(top, HUGE),
+        lambda top: lp.lyapunov_spectrum(top, HUGE, t_end=1),
+        lambda top: lp.chaos.megno(top, HUGE, t_end=1),
+        lambda top: lp.sample_states(top, 10**12),
+        lambda top: lp.Leaf.through(top, HUGE[0]).sample(10**12, seed=0),
+        lambda top: lp.fits.window_scan(np.broadcast_to(1.0, 10**12), [[1]]),
+        lambda top: lp.fits.finite_time_fit(np.geomspace(1, 100, 9), np.ones((3, 9)), n_bootstrap=10**12),
+        lambda top: lp.fits.log_fit(np.geomspace(1, 100, 9), np.ones((3, 9)), n_bootstrap=10**12),
+    ],
+)
+def test_what_does_not_fit_into_memory_is_refused_before_it_is_copied(call):
+    began = time.monotonic()
+    with pytest.raises(MemoryLimitError, match=r"wanted what fits into memory; got [\d,]+ bytes"):
+        call(lp.Top.kovalevskaya())
+    assert time.monotonic() - began < 20

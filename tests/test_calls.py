@@ -9,7 +9,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson import calls
-from liepoisson.errors import ParameterError
+from liepoisson.errors import MemoryLimitError, ParameterError
 
 TOP = lp.Top.kovalevskaya()
 X = lp.sample_states(TOP, 2, seed=1)
@@ -224,3 +224,26 @@ def test_a_warning_points_to_the_line_of_the_user():
     with pytest.warns(lp.errors.SurfaceWarning) as caught:
         lp.section(TOP, [0, 0, 1, 0, 0, 0, 0, 0, 0], surface="l1", t_end=10)
     assert {one.filename for one in caught} == {__file__}
+
+
+def test_what_no_function_takes_is_named_also_inside_a_list():
+    top = lp.Top.kovalevskaya()
+    for given in ([["l1"]], [[["l1"]]], ["l1"]):
+        with pytest.raises(ParameterError, match="functions: got"):
+            top.function_tape(given)
+    for given in ([["x"]], ["x"], None):
+        with pytest.raises(ParameterError, match="v must be a number or a name"):
+            lp.charts.LeafConstants(epsilon=1, v=given, w=1, eta=1)
+    assert str(lp.charts.LeafConstants(epsilon=1, v="1/2", w=2, eta="k").casimirs) == "(k + 1/4, 1, 4)"
+
+
+def test_what_does_not_fit_into_memory_is_refused_by_name(monkeypatch):
+    """Whatever the function: NumPy's error becomes one of liepoisson."""
+    from liepoisson.calls import explains_its_arguments
+
+    @explains_its_arguments
+    def takes_all(n):
+        raise MemoryError(f"Unable to allocate {n} TiB for an array with shape (9,).")
+
+    with pytest.raises(MemoryLimitError, match=r"takes_all: wanted what fits into memory; Unable to allocate 7 TiB"):
+        takes_all(7)

@@ -19,7 +19,7 @@ ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
     {"errors", "arrays", "field", "files", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
-     "streams", "read_only", "portable", "_lazy"},
+     "deadline", "streams", "read_only", "portable", "_lazy"},
     {"tables"},
     {"result", "dataset"},
     {"exact", "numeric"},

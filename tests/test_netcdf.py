@@ -164,6 +164,17 @@ def test_a_file_that_xarray_wrote_can_be_read_and_run(path):
     assert lp.rerun(read_dataset(path, verify=False)).start[0, 0] == 0.5
 
 
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_file_without_one_of_its_variables_is_refused(tmp_path, kind):
+    """Along a dimension without its variable xarray counts 0, 1, 2, ...: such times would be read as times."""
+    dataset = RUNS[kind]().dataset
+    for name in dataset.variables:
+        path = tmp_path / f"{name}.nc"
+        dataset.drop_vars(name).to_netcdf(path, engine="h5netcdf")
+        with pytest.raises(DamagedFileError, match=name):
+            lp.load(path, verify=False)
+
+
 def altered(path, change):
     """The file with its HDF5 part changed, and a checksum that is right."""
     import hashlib

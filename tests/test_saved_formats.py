@@ -46,7 +46,12 @@ def test_a_file_of_each_format_that_is_written_is_kept():
     """When a format gets a new number, a file of the old one is here already, and must be read or refused by name."""
     kept = {path.stem for path in SAVED.iterdir()} - {"make", "__pycache__"}
     assert {f"{kind}-{number(text)}" for kind, text in WRITTEN.items()} <= kept
-    assert kept == {*(f"{kind}-{number(text)}" for kind, text in WRITTEN.items()), "result-1", "sweep-1"}
+    assert kept == {
+        *(f"{kind}-{number(text)}" for kind, text in WRITTEN.items()),
+        "result-1",
+        "sweep-1",
+        "integral-scan-1",
+    }
 
 
 def test_the_page_names_the_formats_that_are_written():
@@ -94,7 +99,7 @@ def test_a_covering_certificate_is_read_as_the_first_ones_that_name_no_format():
 
 def test_a_scan_of_integrals_goes_on_from_its_points(tmp_path):
     folder = tmp_path / "scan"
-    shutil.copytree(SAVED / "integral-scan-1", folder)
+    shutil.copytree(SAVED / "integral-scan-2", folder)
     before = (folder / "points.jsonl").read_bytes()
     scan = lp.integrability.scan_integrals(MAKER.scanned(), degree=2, axes={"J": [1, 2]}, store=folder)
     assert scan.complete
@@ -117,6 +122,15 @@ def test_a_sweep_of_format_1_is_refused_with_the_version_that_reads_it(tmp_path)
         lp.sweep(
             system="twisted-kovalevskaya", axes={"energy": [0.0, 1.0]}, n_starts=2, t_end=5.0, seed=2, store=folder
         )
+
+
+def test_a_scan_of_format_1_is_refused_with_the_version_that_reads_it(tmp_path):
+    folder = tmp_path / "scan"
+    shutil.copytree(SAVED / "integral-scan-1", folder)
+    before = (folder / "points.jsonl").read_bytes()
+    with pytest.raises(LiePoissonError, match=rf"integral scan 1, and liepoisson {VERSION} reads .* 2 alone"):
+        lp.integrability.scan_integrals(MAKER.scanned(), degree=2, axes={"J": [1, 2]}, store=folder)
+    assert (folder / "points.jsonl").read_bytes() == before
 
 
 READERS = {

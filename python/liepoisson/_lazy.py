@@ -2,15 +2,17 @@
 
 A name is written once, in the stub, as `from liepoisson.place import name as name`. Type checkers read it there, and so
 does `attach`. The package has its own loader since the stubs name their places absolutely, and to save a dependency.
+
+This module imports next to nothing: a command that Ctrl-C ends before `cli/ending.py` is there ends in a traceback.
 """
 
 from __future__ import annotations
 
-import ast
 import sys
-from collections.abc import Callable
-from importlib import import_module
-from pathlib import Path
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 
 def attach(module: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
@@ -20,14 +22,13 @@ def attach(module: str, file: str) -> tuple[Callable[[str], object], Callable[[]
         module: The module's `__name__`.
         file: Its `__file__`.
     """
-    homes = {
-        alias.name: node.module
-        for node in ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8")).body
-        if isinstance(node, ast.ImportFrom) and node.module
-        for alias in node.names
-    }
+    with open(f"{file.rpartition('.')[0]}.pyi", encoding="utf-8") as stub:
+        words = [line.split() for line in stub]
+    homes = {line[5]: line[1] for line in words if line[:1] == ["from"]}
 
     def load(name: str) -> object:
+        from importlib import import_module
+
         home = homes.get(name)
         if home is None:
             raise AttributeError(_unknown(module, name, list(homes)))
@@ -46,6 +47,8 @@ def _unknown(module: str, name: str, names: list[str]) -> str:
     message = f"module {module!r} has no attribute {name!r}"
     if name.startswith("_"):
         return message
+    from importlib import import_module
+
     from liepoisson.errors import did_you_mean
 
     elsewhere = {
@@ -82,6 +85,8 @@ def unknown(module: str, names: list[str], instead: Callable[[str], str] | None 
 
 def _chapters() -> list[str]:
     """All modules of names for users; those with a stub, and those that import their names at once."""
+    from pathlib import Path
+
     here = Path(__file__).parent
     lazy = [file.stem for file in here.glob("*.pyi") if not file.stem.startswith("_")]
     return sorted({*lazy, *(file.parent.name for file in here.glob("*/__init__.pyi")), "catalog", "errors", "plot"})

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, MemoryLimitError, ParameterError, ShapeError
 from liepoisson.portable import linear
 
 Array: TypeAlias = NDArray[np.float64]
@@ -26,22 +27,50 @@ def as_array(values: ArrayLike, name: str) -> Array:
     Raises:
         ShapeError: It is no array of numbers (names, rows of different lengths, objects).
         ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones).
+        MemoryLimitError: The copy does not fit into memory; an array that repeats a few numbers by strides takes none.
     """
     try:
         masked = _has_masks(values)
         given = np.asanyarray(() if masked else values)
+        check_memory(8 * given.size, name)
         if given.dtype.kind in "SUTO":
             given = _with_texts_read(given, name, written=isinstance(values, (list, tuple, str)))
         if not masked and given.dtype.kind not in "cmMV":
             return np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
     except ShapeError:
         raise
+    except MemoryError as error:
+        raise _too_large(8 * np.size(values), name) from error
     except (TypeError, ValueError, OverflowError) as error:
         raise ShapeError(
             f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
         ) from error
     kind = "a masked array" if masked else f"an array of {given.dtype}"
     raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
+
+
+def check_memory(n_bytes: int, name: str) -> None:
+    """Refuse what is larger than the memory of the machine, before anything is made.
+
+    Args:
+        n_bytes: What is wanted.
+        name: The argument that asks for it.
+
+    Raises:
+        MemoryLimitError: it is larger.
+    """
+    try:
+        memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # the system does not say
+        return
+    if n_bytes > memory:
+        raise _too_large(n_bytes, name)
+
+
+def _too_large(n_bytes: int, name: str) -> MemoryLimitError:
+    return MemoryLimitError(
+        f"{name}: wanted what fits into memory; got {n_bytes:,} bytes ({n_bytes / 2**30:.3g} GiB); ask for less at once"
+    )
 
 
 _SQUARABLE = 1e-140, 1e140

@@ -19,7 +19,7 @@ from functools import wraps
 from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
-from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
+from liepoisson.errors import ExpressionError, LiePoissonError, MemoryLimitError, ParameterError, did_you_mean
 from liepoisson.wrong_values import shown
 
 P = ParamSpec("P")
@@ -65,6 +65,13 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **options)
         except ExpressionError as error:  # it says what is wrong and where; the frames of the parser say nothing more
             raise error.with_traceback(None) from None
+        except MemoryError as error:
+            if isinstance(error, LiePoissonError):
+                raise
+            said = str(error).removesuffix(".") or "there is no memory left"
+            raise MemoryLimitError(
+                f"{function.__qualname__}: wanted what fits into memory; {said}; ask for less at once"
+            ) from error
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # from inside the function
                 raise
@@ -81,9 +88,17 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _argument_that_is(value: Any, function: Callable[..., Any], args: Any, options: dict[str, Any]) -> str | None:
-    """The name of the argument that is this very object, but for the object of a method; None if there is none."""
+    """The name of the argument that is this very object or has it in a list; None if there is none, as for `self`."""
     given = inspect.signature(function).bind(*args, **options).arguments
-    return next((name for name, one in given.items() if one is value and name not in _BOUND), None)
+    return next((name for name, one in given.items() if name not in _BOUND and _holds(one, value)), None)
+
+
+def _holds(given: Any, value: Any, depth: int = 4) -> bool:
+    """Whether something is an object, or a list with it, or a list of lists."""
+    if given is value:
+        return True
+    inner = given.values() if isinstance(given, dict) else given if isinstance(given, (list, tuple)) else ()
+    return depth > 0 and any(_holds(one, value, depth - 1) for one in inner)
 
 
 def explains_its_methods(cls: C) -> C:

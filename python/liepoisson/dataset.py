@@ -25,7 +25,7 @@ from liepoisson.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabe
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import DataArray, Dataset
 
 FORMAT = "liepoisson/2"
 
@@ -227,7 +227,18 @@ def result_of(kind: type[Any], dataset: Dataset, system: Any) -> Any:
 
 def text_of(dataset: Dataset, name: str) -> str:
     """A long text, from an attribute or from a variable of bytes."""
-    return str(dataset.attrs[name]) if name in dataset.attrs else dataset[name].to_numpy().tobytes().decode()
+    return str(dataset.attrs[name]) if name in dataset.attrs else stored(dataset, name).to_numpy().tobytes().decode()
+
+
+def stored(dataset: Dataset, name: str) -> DataArray:
+    """A variable that the dataset has; xarray itself counts 0, 1, 2, ... along a dimension that has none.
+
+    Raises:
+        KeyError: it has none of this name.
+    """
+    if name not in dataset.variables:
+        raise KeyError(name)
+    return dataset[name]
 
 
 def _read(kind: Any, dataset: Dataset, values: dict[str, Any], within: PartLabel, system: Any) -> Any:
@@ -261,7 +272,7 @@ def _in_order(kind: Any, dataset: Dataset, values: dict[str, Any]) -> Dataset:
     for item in fields(kind):
         label = item.metadata.get(KEY)
         if isinstance(label, NamesLabel):
-            names, given = list(map(str, values[item.name])), list(map(str, dataset[label.dim].to_numpy()))
+            names, given = list(map(str, values[item.name])), list(map(str, stored(dataset, label.dim).to_numpy()))
             if sorted(names) != sorted(given):
                 raise ValueError(f"{label.dim}: wanted {', '.join(names):.60} ({len(names)} names); got {len(given)}")
             if names != given:
@@ -274,7 +285,7 @@ def _renumbered(kind: Any, dataset: Dataset) -> Dataset:
     for item in fields(kind):
         label = item.metadata.get(KEY)
         if isinstance(label, ArrayLabel) and label.numbers:
-            members, owner = numbers_of(dataset, label.numbers), dataset[item.name].to_numpy()
+            members, owner = numbers_of(dataset, label.numbers), stored(dataset, item.name).to_numpy()
             if owner.dtype.kind not in "iu":
                 raise ValueError(f"{item.name}: wanted whole numbers; got {owner.dtype}")
             order = np.argsort(owner, kind="stable")
@@ -302,15 +313,15 @@ def numbers_of(dataset: Dataset, dim: str) -> NDArray[np.int64]:
 
 
 def _array(dataset: Dataset, name: str, label: ArrayLabel) -> Any:
-    variable = dataset[name]
+    variable = stored(dataset, name)
     array = variable.transpose(*_written_dims(label.dims, variable.ndim)).to_numpy()
     return array.astype(np.str_) if array.dtype.kind in "OT" else np.array(array, order="C")
 
 
 def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
-    owner, (first, second) = dataset[f"{label.dim}_trajectory"].to_numpy(), label.names
-    begins = dataset[first].to_numpy()
-    rest = dataset[second].transpose(label.dim, *label.dims).to_numpy()
+    owner, (first, second) = stored(dataset, f"{label.dim}_trajectory").to_numpy(), label.names
+    begins = stored(dataset, first).to_numpy()
+    rest = stored(dataset, second).transpose(label.dim, *label.dims).to_numpy()
     # which trajectories of the run these are: the dataset may be a part of it
     rows = numbers_of(dataset, "trajectory") if "trajectory" in dataset.dims else np.arange(1)
     if not (np.isin(rows, np.arange(n)).all() and np.isin(owner, np.arange(n)).all()):
@@ -320,7 +331,7 @@ def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
 
 def _first_member(dataset: Dataset) -> int:
     """The number of the first member; what is drawn for a member follows from its number."""
-    members = dataset["trajectory"].to_numpy()
+    members = stored(dataset, "trajectory").to_numpy()
     first = int(members[0]) if len(members) else 0
     if not np.array_equal(members, np.arange(first, first + len(members))):
         raise ValueError(f"trajectory: wanted members one after the other; got {shown(members.tolist())}")
@@ -364,6 +375,8 @@ def read_dataset(path: str | Path, *, verify: bool = True) -> Dataset:
         DamagedFileError: It is truncated, damaged or changed; or liepoisson did not write it.
     """
     try:
+        if not str(path):  # it would be the working folder
+            raise ValueError("an empty text")
         path = Path(path)
         found = path.is_file()
     except (TypeError, ValueError, OSError) as error:  # not a path, or a name that no file can have

@@ -32,6 +32,7 @@ __all__ = [
     "SurfaceWarning",
     "SystemFileError",
     "ThreadLimitError",
+    "TimeLimitError",
     "UnknownNameError",
     "UnsupportedFieldError",
 ]
@@ -129,6 +130,10 @@ class MemoryLimitError(LiePoissonError, MemoryError):
 
 class ThreadLimitError(LiePoissonError, RuntimeError):
     """The system starts no thread for a run; the message says how many were wanted."""
+
+
+class TimeLimitError(LiePoissonError, TimeoutError):
+    """A limit of time that has passed before there was anything to return; the message says what was under way."""
 
 
 class CoreError(LiePoissonError, RuntimeError):

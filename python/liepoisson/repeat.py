@@ -15,7 +15,7 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.calls import explains_its_arguments, level_of_the_caller
-from liepoisson.dataset import check_format, read_dataset, result_of, text_of
+from liepoisson.dataset import check_format, read_dataset, result_of, stored, text_of
 from liepoisson.errors import DamagedFileError, ParameterError
 from liepoisson.field import Field, field_of
 from liepoisson.numeric.methods import field_for
@@ -164,7 +164,7 @@ def rerun(
 def _is_folder(path: Any) -> bool:
     """Whether it is the folder of a sweep."""
     try:
-        return isinstance(path, (str, Path)) and Path(path).is_dir()
+        return isinstance(path, (str, Path)) and path != "" and Path(path).is_dir()
     except (ValueError, OSError):  # a name that no file can have
         return False
 
@@ -255,7 +255,9 @@ def _system(dataset: Dataset) -> Any:
     except KeyError:
         prefix = "" if "field" in dataset.attrs or "field" in dataset else "run_"
         field = field_of(json.loads(text_of(dataset, f"{prefix}field")))
-        return FieldSystem(str(dataset.attrs["system"]), tuple(map(str, dataset["component"].to_numpy())), field)
+        return FieldSystem(
+            str(dataset.attrs["system"]), tuple(map(str, stored(dataset, "component").to_numpy())), field
+        )
     from liepoisson.exact.system_text import read_system_text
 
     kind = str(dataset.attrs.get("system_kind"))

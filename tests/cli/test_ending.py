@@ -101,9 +101,10 @@ def test_outputs_that_are_closed_or_full_end_quietly_or_with_a_sentence():
     for arguments in (["catalog"], ["inspect", "kovalevskaya"]):
         shell = f"{sys.executable} -c 'from liepoisson.cli.main import main; main()' {' '.join(arguments)}"
         closed = subprocess.run(["sh", "-c", f"{shell} >&-"], stderr=subprocess.PIPE, timeout=120, check=False)
-        assert (closed.returncode, closed.stderr) == (0, b"")
+        said = b"liepoisson: the output could not be written: standard output is closed.\n"
+        assert (closed.returncode, closed.stderr) == (2, said)
         both = subprocess.run(["sh", "-c", f"{shell} >&- 2>&-"], timeout=120, check=False)
-        assert both.returncode == 0
+        assert both.returncode == 2
     with open("/dev/full", "wb") as full:
         result = finished("catalog", stdout=full)
     assert result.returncode == 2
@@ -249,6 +250,14 @@ def test_files_are_written_though_nobody_reads_the_result(here, arguments, files
     assert {path.name for path in here.iterdir()} == files
 
 
+def test_files_are_written_though_the_output_is_closed(here):
+    shell = f"{sys.executable} -c 'from liepoisson.cli.main import main; main()' orbit kovalevskaya {' '.join(ORBIT)}"
+    done = subprocess.run(["sh", "-c", f"{shell} --out a.nc >&-"], stderr=subprocess.PIPE, timeout=120, check=False)
+    assert done.returncode == 2
+    assert b"standard output is closed" in done.stderr
+    assert [path.name for path in here.iterdir()] == ["a.nc"]
+
+
 @pytest.mark.thorough
 def test_figures_do_not_need_the_backend_of_the_environment(here, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "junk")
@@ -284,6 +293,32 @@ def test_an_interruption_that_an_import_drops_is_repeated(tmp_path):
     assert done.stdout == "went on\n"
     assert done.returncode == 130
     assert done.stderr == "interrupted.\n"
+
+
+def test_an_interruption_while_the_command_is_imported_ends_with_a_word(tmp_path):
+    """Before the handler of `ending` is there: the module that Ctrl-C meets is the first one that is imported late."""
+    for module in ("liepoisson.calls", "liepoisson.cli.ending", "liepoisson.errors"):
+        code = (
+            "import sys, os, signal\n"
+            "class Finder:\n"
+            "    def find_spec(self, name, path, target=None):\n"
+            f"        if name == {module!r}:\n"
+            "            os.kill(os.getpid(), signal.SIGINT)\n"
+            "sys.meta_path.insert(0, Finder())\n"
+            "from liepoisson.cli import main\n"
+            "main()\n"
+        )
+        options = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}
+        call = [sys.executable, "-c", code, "catalog"]
+        done = subprocess.run(call, capture_output=True, text=True, check=False, timeout=60, **options)
+        assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted.\n"), module
+
+
+def test_before_the_command_is_imported_next_to_nothing_is():
+    """What is imported until then is where Ctrl-C ends in a traceback."""
+    code = "import sys; before = set(sys.modules); import liepoisson.cli; print(*sorted({*sys.modules} - before))"
+    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert set(done.stdout.split()) <= {"__future__", "liepoisson", "liepoisson._lazy", "liepoisson.cli"}
 
 
 def test_a_command_leaves_the_handlers_of_its_process_as_they_were():

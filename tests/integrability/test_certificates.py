@@ -210,7 +210,7 @@ def test_irrational_coefficients_make_no_certificate():
 def test_the_checker_is_short_and_stands_alone(tmp_path):
     path = Path(checker.__file__)
     text = path.read_text(encoding="utf-8")
-    assert len(text.splitlines()) < 100
+    assert len(text.splitlines()) < 120
     names = {
         getattr(node, "module", None) or alias.name
         for node in ast.walk(ast.parse(text))
@@ -228,6 +228,50 @@ def test_the_checker_is_short_and_stands_alone(tmp_path):
         file.write_text(json.dumps(data))
         ran = subprocess.run([sys.executable, path, file], capture_output=True, text=True, check=False)
         assert (ran.returncode, ran.stdout.strip(), ran.stderr) == (code, words, "")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "it cannot be read"),
+        ("{", "it cannot be read"),
+        ("[" * 100_000, "it cannot be read"),
+        ('{"a": 1, "a": 2}', "a key occurs twice"),
+        ("7", "it is none"),
+        ("null", "it is none"),
+        ("[]", "its entries should be casimirs, commuting"),
+        ("{}", "its entries should be casimirs, commuting"),
+        ('"text"', "its entries should be casimirs, commuting"),
+        ({"comment": ""}, "its entries should be"),
+        ({"format": "liepoisson certificate of Liouville integrability/2"}, "another format"),
+        ({"format": None}, "another format"),
+        ({"system": 7}, "another format"),
+        ({"variables": 7}, "it is none"),
+        ({"casimirs": []}, "it is none"),
+        ({"commuting": {"H": 7}}, "it is none"),
+        ({"point": None}, "it is none"),
+        ({"poisson_matrix": [[1]]}, "not enough values"),
+        ({"poisson_matrix": {"a": 1}}, ""),
+        ({"hamiltonian": [[]]}, "not enough values"),
+    ],
+    ids=lambda value: str(value)[:40],
+)
+def test_the_checker_refuses_what_the_loader_refuses_and_in_a_sentence(tmp_path, content, words):
+    path = tmp_path / "top.json"
+    path.write_text(content if isinstance(content, str) else json.dumps(certified() | content))
+    with pytest.raises(DamagedFileError):
+        lp.integrability.load_certificate(path)
+    call = [sys.executable, checker.__file__, path]
+    ran = subprocess.run(call, capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (1, "")
+    assert ran.stdout.startswith("REFUSED: ")
+    assert words in ran.stdout
+
+
+def test_the_checker_without_a_file_says_so():
+    ran = subprocess.run([sys.executable, checker.__file__], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (1, "")
+    assert "REFUSED: it cannot be read" in ran.stdout
 
 
 def test_functions_are_given_as_text_and_others_are_refused():

@@ -241,6 +241,8 @@ def test_cofactors_that_are_left_are_named():
         (lambda: darboux_polynomials(entry("zeitlin-3")), "irrational ones"),
         (lambda: darboux_polynomials(HESS, degree=40), "degree: wanted at most 6"),
         (lambda: darboux_polynomials(HESS, degree=0), "degree"),
+        (lambda: darboux_polynomials(HESS, degree=10**12), "degree: wanted at most 6"),
+        (lambda: darboux_polynomials(HESS, weight=10**12), "weight: wanted at most"),
         (lambda: darboux_polynomials(HESS, degree=2, weight=2), "got both"),
         (lambda: darboux_polynomials(HESS, weight=100), "weight: wanted at most"),
         (lambda: darboux_polynomials(entry("henon-heiles"), weight=4), "homogeneous for positive weights"),

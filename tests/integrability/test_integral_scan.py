@@ -1,6 +1,7 @@
 """Scans of a grid of parameters: at each point as a search there, on any number of cores, interrupted or not."""
 
 import io
+import json
 import pickle
 from dataclasses import replace
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.deadline import Deadline
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 from liepoisson.integrability import integral_scan, scan_processes
 from liepoisson.integrability.integral_scan import scan_integrals
@@ -118,6 +120,46 @@ def test_damaged_lines_are_computed_again(tmp_path, monkeypatch):
         scan_integrals(TOP, axes=AXES, degree=2, store=store)
 
 
+@pytest.mark.parametrize(
+    "record",
+    [
+        '["finished",1,[[["1/0",[0,0,1,0,0,0]]]]]',
+        '["finished",Infinity,[]]',
+        '["finished",' + "[" * 100_000 + "]" * 100_000 + ",[]]",
+        '["another",1,[]]',
+        '["finished",1]',
+        "7",
+    ],
+    ids=lambda text: text[:30],
+)
+def test_lines_with_a_right_checksum_that_say_nothing_are_computed_again(tmp_path, record):
+    from zlib import crc32
+
+    store = tmp_path / "scan"
+    whole = scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store)
+    path = store / "points.jsonl"
+    head, *lines = path.read_text().splitlines(keepends=True)
+    scan = lines[0].split()[1]
+    text = f'{scan} {{"0":{record}}}'
+    path.write_text(head + f"{crc32(text.encode()):08x} {text}\n")
+    assert scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store).dataset.identical(whole.dataset)
+
+
+def test_a_line_of_another_scan_is_left_out(tmp_path):
+    """Its checksum is right: it was copied."""
+    other = {"J": [3], "a1": [0, 1], "a3": [1]}
+    scan_integrals(TOP, axes=other, degree=1, threads=1, store=tmp_path / "other")
+    whole = scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=tmp_path / "scan")
+    path = tmp_path / "scan" / "points.jsonl"
+    head, foreign = path.read_text().splitlines(keepends=True)[0], (tmp_path / "other" / "points.jsonl").read_text()
+    path.write_text(head + "".join(foreign.splitlines(keepends=True)[1:]))
+    from liepoisson.integrability.scan_store import ScanStore
+
+    kept = ScanStore(tmp_path / "scan", json.loads(head[9:]))
+    assert not kept.known
+    assert scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=tmp_path / "scan").dataset.identical(whole.dataset)
+
+
 def test_a_store_keeps_to_its_scan(tmp_path):
     store = tmp_path / "scan"
     scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store)
@@ -169,13 +211,13 @@ def test_errors_in_a_process_are_raised_here():
     broken = replace(search, n="six")
     pieces = [{0: [1, 1, 1]}, {1: [2, 1, 1]}]
     with pytest.raises(TypeError):
-        list(scan_processes.results(broken, pieces, 2, np.inf))
+        list(scan_processes.results(broken, pieces, 2, Deadline(np.inf)))
 
 
 def test_a_process_that_ends_is_an_outcome(monkeypatch):
     search, _ = integral_scan._search(TOP, 1, ())
     monkeypatch.setattr(scan_processes.sys, "executable", "/bin/false")
-    found = [f for f in scan_processes.results(search, [{0: [1, 1, 1]}, {1: [2, 1, 1]}], 2, np.inf) if f]
+    found = [f for f in scan_processes.results(search, [{0: [1, 1, 1]}, {1: [2, 1, 1]}], 2, Deadline(np.inf)) if f]
     assert sorted((k, r.outcome) for f in found for k, r in f.items()) == [(0, "failed"), (1, "failed")]
 
 
@@ -202,6 +244,7 @@ def test_what_a_process_does():
         ({"axes": AXES | {"J": range(1, 10**6)}}, "scan parts of the grid"),
         ({"axes": AXES, "degree": 60}, "take a smaller one"),
         ({"axes": AXES, "store": 7}, "path of a folder"),
+        ({"axes": AXES, "store": ""}, "path of a folder"),
         ({"axes": AXES, "on": "l1 = 0"}, "not invariant"),
     ],
 )

@@ -184,3 +184,25 @@ def test_a_page_that_is_too_large_or_has_no_place_is_refused(tmp_path):
     with pytest.raises(OutputError, match="folder"):
         write_page(page, tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("surfaces", [[["m1"]], [None], None, 5, {"m1"}, {"m1": "p1"}, [["m1", ["p1"]]], b"m1"])
+def test_surfaces_that_are_no_formulas_are_refused(surfaces):
+    for system in (KIRCHHOFF, lp.Top.kovalevskaya()):
+        with pytest.raises(ParameterError, match="surfaces must be formulas, such as"):
+            page_of(system, surfaces=surfaces)
+
+
+def test_surfaces_may_be_an_array_of_texts():
+    texts = ["dot(m, p) - 1/2", "m1"]
+    assert page_of(KIRCHHOFF, surfaces=np.array(texts)) == page_of(KIRCHHOFF, surfaces=texts)
+
+
+@pytest.mark.parametrize("trajectory", [10**9, -1, 1.5, "a", None, True])
+def test_a_trajectory_without_a_result_is_refused(trajectory):
+    with pytest.raises(ParameterError, match="trajectory must be left out where there is no result"):
+        page_of(KIRCHHOFF, trajectory=trajectory)
+
+
+def test_the_text_of_a_page_does_not_have_all_of_it():
+    assert len(repr(page_of(KIRCHHOFF))) < 1000

@@ -145,7 +145,7 @@ def test_unknown_instructions_are_refused_by_the_core():
 
 
 def test_more_states_than_memory_are_refused():
-    with pytest.raises(lp.errors.ParameterError, match="fits into memory"):
+    with pytest.raises(lp.errors.MemoryLimitError, match="fits into memory"):
         lp.sample_states(lp.Top.kovalevskaya(), n_starts=10**13, seed=0)
 
 

@@ -183,7 +183,7 @@ def test_a_point_is_its_own_sample():
 
 def test_samples_beyond_the_memory_are_refused():
     for leaf in (LEAVES["twisted"], lp.Leaf.through(TWISTED, np.zeros(9))):
-        with pytest.raises(ParameterError, match="fits into memory"):
+        with pytest.raises(lp.errors.MemoryLimitError, match="fits into memory"):
             leaf.sample(10**14, seed=0, energy_below=2.0)
 
 

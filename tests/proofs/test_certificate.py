@@ -32,9 +32,29 @@ REFUSED = {
     "a time with a long exponent": lambda d: d["edges"][0].update(time="0x0p999999999999"),
     "a time that is tiny": lambda d: d["edges"][0].update(time="0x1p-999999999999"),
     "a level with a long exponent": lambda d: d["level"].update(H="1e999999999"),
+    "a radius that no interval has": lambda d: d.update(level_radius="1/1" + "0" * 40),
+    "a radius whose half no interval has": lambda d: d.update(level_radius="1/1" + "0" * 38),
+    "a radius with many digits": lambda d: d.update(level_radius="0.00000003" + "1" * 45),
+    "a level with many digits": lambda d: d["level"].update(H="0." + "3" * 45),
     "a radius with a long exponent": lambda d: d.update(level_radius="1e-\uff19\uff19\uff19999999"),
     "no system": lambda d: d.pop("system"),
 }
+
+
+def test_equations_that_lack_one_are_refused(shipped, twisted):
+    equations = shipped["system"]["equations"]
+    lines = [f"d{name}/dt = {rate}" for name, rate in equations.items()]
+    for name in twisted.names:
+        fewer = {k: v for k, v in equations.items() if k != name}
+        with pytest.raises(CertificateError, match=f"lack the rate of {name}"):
+            compare_equations(fewer, twisted)
+        with pytest.raises(CertificateError, match=f"lack the rate of {name}"):
+            compare_equations([line for line in lines if not line.startswith(f"d{name}/")], twisted)
+    with pytest.raises(CertificateError, match=r"wanted an equation for each of l1, .*; got 8"):
+        compare_equations(list(equations.values())[:-1], twisted)
+    with pytest.raises(CertificateError, match="lack the rate of l1"):
+        compare_equations([lines[1], *lines[1:]], twisted)
+    assert "not compared" in compare_equations(["l' = l x omega", "alpha' = alpha x omega"], twisted)
 
 
 @pytest.mark.parametrize("change", REFUSED.values(), ids=REFUSED)

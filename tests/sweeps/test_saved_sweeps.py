@@ -1,6 +1,7 @@
 """Sweeps that are loaded: from their store as far as they are computed, and from a file; nothing is computed."""
 
 import json
+import re
 import shutil
 
 import numpy as np
@@ -105,8 +106,30 @@ def test_altered_descriptions_are_refused(tmp_path, change):
 
 
 def test_a_folder_that_is_no_sweep_is_refused(tmp_path):
-    with pytest.raises(DamagedFileError, match="is no sweep"):
+    with pytest.raises(DamagedFileError, match="got a folder without one"):
         lp.load(tmp_path)
+
+
+@pytest.mark.parametrize("content", [None, "", "{", "[]", '{"attributes": {"kind": "other"}}', "[" * 100_000])
+def test_a_folder_that_is_no_sweep_stays(tmp_path, content):
+    """It may be any folder of the user, so no advice removes it."""
+    if content is not None:
+        (tmp_path / "zarr.json").write_text(content)
+    calls = [lambda: lp.load(tmp_path)]
+    if content is not None:
+        calls.append(lambda: made("name", store=tmp_path))
+    for call in calls:
+        with pytest.raises(DamagedFileError) as refused:
+            call()
+        assert not re.search("[Rr]emove|[Dd]elete", str(refused.value))
+        assert "Look at the name" in str(refused.value)
+
+
+def test_no_name_is_not_the_working_folder():
+    with pytest.raises(ParameterError, match="wanted the name of a file; got ''"):
+        lp.load("")
+    with pytest.raises(ParameterError, match="wanted the path of a folder; got ''"):
+        made("name", store="")
 
 
 def test_a_store_or_a_file_that_was_altered_is_refused(tmp_path):

@@ -261,7 +261,7 @@ def test_foreign_folders_and_files_are_left_alone(tmp_path):
         with pytest.raises(OutputError):
             sweep(**SPEC, store=path, fresh=True)
     (tmp_path / "data" / "zarr.json").write_text(json.dumps({"attributes": {"kind": "other"}}))
-    with pytest.raises(DamagedFileError, match="no sweep"):
+    with pytest.raises(DamagedFileError, match="wanted the folder of a sweep"):
         sweep(**SPEC, store=tmp_path / "data", fresh=True)
     assert (tmp_path / "data" / "precious").read_text() == "x"
 

@@ -1,12 +1,14 @@
 """How the command ends, whatever happens: the one place that turns errors into a sentence and an exit code.
 
-Done: 0.  Refused or failed: 2, with one sentence on standard error and no traceback.  130: Ctrl-C.  141: who read the
-output has gone.  143: SIGTERM, where a command has something to close.  `LIEPOISSON_TRACEBACK=1` shows where an error
-comes from that is none of the expected ones.
+Done: 0.  Refused or failed, or its output was closed: 2, with one sentence on standard error and no traceback.  130:
+Ctrl-C.  141: who read the output has gone.  143: SIGTERM, where a command has something to close.
+`LIEPOISSON_TRACEBACK=1` shows where an error comes from that is none of the expected ones.
 """
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import signal
 import sys
@@ -123,12 +125,14 @@ def _is_importing(frame: FrameType | None) -> bool:
 
 def end(command: Callable[[], object]) -> None:
     """Run a command and leave the process with its exit code."""
-    _open_what_is_closed()
-    _write_any_text()
     with _ControlC() as control_c:
         try:
+            _open_what_is_closed()
+            _write_any_text()
             code = _exit_code(command)
             sys.stdout.flush()
+            if code == 0 and isinstance(sys.stdout, _ClosedOutput) and sys.stdout.has_lost_text:
+                raise OSError(errno.EBADF, "standard output is closed")
         except BaseException as error:
             control_c.is_over = True
             code = _report(error)
@@ -210,9 +214,21 @@ def _open_what_is_closed() -> None:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # the lowest free number
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # until the process ends
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # until the process ends
+    if sys.stdout is None:
+        sys.stdout = _ClosedOutput()
+
+
+class _ClosedOutput(io.StringIO):
+    """Standard output that was closed before the command began."""
+
+    has_lost_text = False
+
+    def write(self, text: str) -> int:
+        """Drop the text, and remember that there was some: the command writes its files all the same."""
+        self.has_lost_text = True
+        return len(text)
 
 
 def _write_any_text() -> None:

@@ -89,6 +89,22 @@ def application(only: str | None = None) -> typer.Typer:
                     raise ParameterError(f"{option.opts[0]} must be given once; it comes twice. Remove one.")
             return super().parse_args(ctx, args)
 
+        def invoke(self, ctx: Any) -> Any:
+            from liepoisson.cli.output import arguments_are
+
+            with arguments_are(dict(self._texts(ctx))):
+                return super().invoke(ctx)
+
+        def _texts(self, ctx: Any) -> Generator[tuple[str, list[str]]]:
+            """What is given as text, under the names that a user knows."""
+            for parameter in self.params:
+                given = ctx.params.get(parameter.name)
+                name = parameter.opts[0] if parameter.param_type_name == "option" else parameter.human_readable_name
+                texts = [
+                    one for one in (given if isinstance(given, (list, tuple)) else [given]) if isinstance(one, str)
+                ]
+                yield name, texts
+
     class Commands(TyperGroup):
         """The commands, whose interruption is not left to Typer."""
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Sequence
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
@@ -22,6 +25,20 @@ KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is do
 """What to try after Ctrl-C."""
 
 DATA_ENDINGS = (".nc", ".csv")
+
+
+_ARGUMENTS: ContextVar[Mapping[str, Sequence[str]] | None] = ContextVar("arguments of the command", default=None)
+"""What the command was given, text by text, under the names of its options and arguments."""
+
+
+@contextmanager
+def arguments_are(given: Mapping[str, Sequence[str]]) -> Generator[None]:
+    """The block of a command, in which `checked_file` and `figure_stem` compare with all that it was given."""
+    token = _ARGUMENTS.set(given)
+    try:
+        yield
+    finally:
+        _ARGUMENTS.reset(token)
 
 
 class Format(StrEnum):
@@ -64,6 +81,7 @@ def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
         return None
     if figure is None:
         _check_folder(path := Path(f"{default}.png"))
+        _refuse_taken("--plot", path)
         return path
     from liepoisson.plot.style import FORMATS
 
@@ -83,7 +101,36 @@ def checked_file(name: str, option: str, endings: Sequence[str], example: str) -
         known = ("one of " if len(endings) > 1 else "") + ", ".join(filter(None, endings))
         raise ParameterError(f"{option} must end in {known}; got {name!r:.120}. Write for example {option} {example}.")
     _check_folder(path)
+    _refuse_taken(option, path)
     return path
+
+
+def _refuse_taken(option: str, path: Path) -> None:
+    """Refuse to write over a file that another option or argument names, be it read or written."""
+    for other, texts in (_ARGUMENTS.get() or {}).items():
+        named = [file for text in texts for file in _files(other, Path(text))]
+        if other != option and any(_is_one_file(a, b) for a in _files(option, path) for b in named):
+            raise ParameterError(
+                f"{option} must be another file than {other}, which it would overwrite; got {str(path)!r:.120}. Choose "
+                "another name."
+            )
+
+
+def _files(option: str, path: Path) -> list[Path]:
+    """The files that an option names: several for a figure without an ending."""
+    if option != "--figure" or path.suffix:
+        return [path]
+    from liepoisson.plot.style import FORMATS
+
+    return [path.with_name(f"{path.name}.{extension}") for extension in FORMATS] if path.name else []
+
+
+def _is_one_file(a: Path, b: Path) -> bool:
+    """Whether two paths lead to one file, which need not exist yet."""
+    try:
+        return os.path.realpath(a) == os.path.realpath(b) or a.samefile(b)
+    except (OSError, ValueError):  # one is not there, or is no path
+        return False
 
 
 def _check_folder(path: Path) -> None:

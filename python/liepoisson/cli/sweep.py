@@ -13,6 +13,7 @@ import typer
 from liepoisson.cli.ending import TERMINATED, TerminatedError, ends_on_sigterm
 from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.result import Sweep
@@ -56,9 +57,13 @@ def sweep(
     from liepoisson.sweeps.spec_file import read_sweep_file
     from liepoisson.sweeps.tasks import NO_SYSTEM
 
+    if store is not None and not store.strip():  # it would be the working folder
+        raise ParameterError(
+            f"--store must name a folder; got {store!r}. Leave it out for the folder beside FILE, or give its name."
+        )
+    stem = figure_stem(plot, figure, Path(file).stem)
     spec = read_sweep_file(file, allow_code=allow_code)
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
-    stem = figure_stem(plot, figure, Path(file).stem)
     try:
         with ends_on_sigterm(), progress_bar(quiet=quiet) as bar:
             # orbits times their time on the grid, for the rate; refinement adds points that nobody knows before

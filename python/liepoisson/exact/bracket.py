@@ -11,6 +11,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from liepoisson.calls import explains_its_methods
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.constant_part import read_constant, with_linear_part_at
 from liepoisson.exact.extension import Extension
@@ -262,6 +263,7 @@ class Bracket:
         r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded."""
         from sympy import S, expand
 
+        checkpoint("a Poisson bracket")
         slopes = self._gradient(f)
         if not any(slopes):
             return S.Zero

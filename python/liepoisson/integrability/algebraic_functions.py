@@ -27,6 +27,7 @@ from itertools import combinations
 from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Element
 from liepoisson.integrability.derivation import (
@@ -158,6 +159,7 @@ class _Reader:
     def _polynomial(self, expression: Any) -> Any:
         from sympy import cos, exp, sin
 
+        checkpoint("reading functions as polynomials")
         x = set(self.coordinates)
         if not expression.free_symbols & x or expression.is_polynomial(*self.coordinates):
             return expression

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
-FORMAT = "liepoisson certificate of Liouville integrability/1"
-KEYS = {"format", "system", "variables", "poisson_matrix", "hamiltonian", "casimirs", "commuting", "point"}
+FORMAT = checker.FORMAT
 _MOST_POINTS = 50
 _LARGEST = 7
 """Coordinates of the point are whole numbers up to this."""
@@ -92,7 +91,7 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
         OutputError: the file cannot be written, or its name does not end in .json.
     """
     path = Path(path)
-    if wrong := fault(data):
+    if wrong := checker.fault(data):
         raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")
     if path.suffix != ".json":
         raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example top.json")
@@ -125,23 +124,9 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
     if (named := data.get("format") if isinstance(data, dict) else None) != FORMAT and _is_of_a_version(named):
         raise DamagedFileError(f"{path}: {another_format(named, FORMAT)}")
-    if wrong := fault(data):
+    if wrong := checker.fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data
-
-
-def fault(data: Any) -> str:
-    """What is wrong with something that should be a certificate; empty if it is right."""
-    try:
-        if set(data) != KEYS:
-            return f"its entries should be {', '.join(sorted(KEYS))}"
-        if data["format"] != FORMAT or not isinstance(data["system"], str) or not data["system"].isprintable():
-            return "it has another format"
-        return checker.check(data)
-    except ValueError as error:
-        return str(error)
-    except (KeyError, TypeError, IndexError, AttributeError, RecursionError, ArithmeticError) as error:
-        return f"it is none ({error!r:.80})"
 
 
 def _is_of_a_version(named: object) -> bool:

@@ -11,6 +11,9 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 
+FORMAT = "liepoisson certificate of Liouville integrability/1"
+KEYS = {"format", "system", "variables", "poisson_matrix", "hamiltonian", "casimirs", "commuting", "point"}
+
 
 def want(condition, words):
     if not condition:
@@ -67,7 +70,18 @@ def rank(rows):
     return 1 + rank([[a - r[k] / first[k] * b for a, b in zip(r, first, strict=True)] for r in rows]) if first else 0
 
 
-def check(data):  # what is wrong with a certificate, as a text; empty if it is right
+def fault(data):  # what is wrong with something that should be a certificate, as a text; empty if it is right
+    try:
+        return check(data)
+    except ValueError as error:
+        return str(error)
+    except (KeyError, TypeError, IndexError, AttributeError, RecursionError, ArithmeticError) as error:
+        return f"it is none ({error!r:.80})"
+
+
+def check(data):  # the same for one that is well formed
+    want(set(data) == KEYS, f"its entries should be {', '.join(sorted(KEYS))}")
+    want(data["format"] == FORMAT and type(data["system"]) is str and data["system"].isprintable(), "another format")
     n, names = len(data["variables"]), (data["variables"], [*data["casimirs"], *data["commuting"]])
     want(0 < n <= 100 and len(data["point"]) == n, "the point has a coordinate for each of 1 to 100 variables")
     want(all(len({*a}) == len(a) and all(map(str.isprintable, a)) for a in names), "an unprintable name, or one twice")
@@ -94,6 +108,9 @@ def check(data):  # what is wrong with a certificate, as a text; empty if it is 
 
 
 if __name__ == "__main__":
-    fault = check(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"), object_pairs_hook=once))
-    print(f"REFUSED: {fault}" if fault else "accepted: Liouville integrable")
-    sys.exit(bool(fault))
+    try:
+        wrong = fault(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"), object_pairs_hook=once))
+    except (OSError, ValueError, RecursionError, IndexError) as error:
+        wrong = f"it cannot be read ({error!r:.80})"
+    print(f"REFUSED: {wrong}" if wrong else "accepted: Liouville integrable")
+    sys.exit(bool(wrong))

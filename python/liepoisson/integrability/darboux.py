@@ -8,14 +8,14 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, chain
+from itertools import chain, count
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
 from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.display import as_text
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients
@@ -29,7 +29,7 @@ from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weig
 from liepoisson.integrability.polynomial_integrals import gradings_of_known, gradings_of_level, read_search, tidied
 from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
 from liepoisson.integrability.square_roots import element, field_of
-from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -210,11 +210,13 @@ def darboux_polynomials(
         ParameterError: the equations are no polynomials or their numbers are not rational, a known integral is none,
             the level is not invariant, there is no positive grading for a weight, or the search is too large.
         ExpressionError: a text cannot be read.
+        TimeLimitError: there was no time to read the equations, and integrals that are known.
     """
     if field not in get_args(Field):
         raise ParameterError(f"field: wanted 'complex', 'real' or 'rational'; got {shown(field)}")
-    limit = as_time_limit(time_limit)
-    given, zeros, derivation, known_polynomials, zero_polynomials = read_search(system, known, on)
+    deadline = Deadline(time_limit)
+    with deadline.running():
+        given, zeros, derivation, known_polynomials, zero_polynomials = read_search(system, known, on)
     if not derivation.field.is_rational:
         raise ParameterError(
             f"darboux_polynomials: wanted rational numbers in the equations; got {system.name} with "
@@ -227,8 +229,8 @@ def darboux_polynomials(
     gradings = gradings_of_known(gradings, known_polynomials, weights)
     blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
     ordered = sorted(blocks.items(), key=lambda item: len(item[1]))
-    listen, deadline = progress or (lambda _: None), time.monotonic() + limit
-    cases = CofactorCases(derivation, level, monomials, field, lambda: time.monotonic() < deadline)
+    listen = progress or (lambda _: None)
+    cases = CofactorCases(derivation, level, monomials, field, deadline.lasts)
     values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
     numbers = field_of(v for of_block in values for one in of_block for v in one)
     equations = tuple(zero for zero in zero_polynomials if zero)
@@ -274,7 +276,7 @@ def _asked(
         d = 2 if degree is None else as_count(degree, "degree", least=1)
         size = n_monomials(n, d) - 1
         if size > MOST_MONOMIALS:
-            fits = max(k for k in range(d) if n_monomials(n, k) <= MOST_MONOMIALS)
+            fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
             raise ParameterError(
                 f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
                 f"with {size:,}. Search by weight, or on a level"
@@ -289,11 +291,14 @@ def _asked(
             "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
             "give a degree instead"
         )
-    sizes = list(accumulate(n_of_weight(grading.weights, k) for k in range(1, w + 1)))
-    if sizes[-1] > MOST_MONOMIALS:
-        fits = sum(size <= MOST_MONOMIALS for size in sizes)
-        raise ParameterError(f"weight: wanted at most {fits}, of {MOST_MONOMIALS:,} monomials; {w} has {sizes[-1]:,}")
-    return chain.from_iterable(of_weight(grading.weights, k) for k in range(w + 1)), sizes[-1], grading.weights
+    size = 0
+    for k in range(1, w + 1):
+        if (more := size + n_of_weight(grading.weights, k)) > MOST_MONOMIALS:
+            raise ParameterError(
+                f"weight: wanted at most {k - 1}, with {size:,} of {MOST_MONOMIALS:,} monomials; got {w}"
+            )
+        size = more
+    return chain.from_iterable(of_weight(grading.weights, k) for k in range(w + 1)), size, grading.weights
 
 
 def _cofactors(

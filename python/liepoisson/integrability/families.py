@@ -7,7 +7,6 @@ counts if not all integrals in it are polynomials in H and the Casimirs (`liepoi
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -16,6 +15,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.case_points import CasePoints
@@ -33,7 +33,7 @@ from liepoisson.integrability.polynomial_integrals import (
     zeros_on_level,
 )
 from liepoisson.integrability.search import Generator, Search
-from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -217,14 +217,15 @@ def integrable_families(
         on: Equations of an invariant level set, such as "C1 = 0", as for `first_integrals`: integrals on it alone.
         positive: Names of parameters that are positive.
         nonzero: Names of parameters that are not zero.
-        time_limit: Seconds after which the cases that are left are named.
+        time_limit: Seconds after which the cases that are left are named; integrals for all parameters are searched to
+            the end.
         progress: As for `integrate`.
 
     Raises:
         ParameterError: the system has no symbols or no polynomial equations, its numbers are not rational, the level is
             not invariant, or the search is too large.
     """
-    d, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
+    d, deadline = as_count(degree, "degree", least=1), Deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
     check_numbers(system, "integrable_families", zeros)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
@@ -263,7 +264,6 @@ def integrable_families(
     h, *casimirs = (
         matrix.without_denominators(search.level.remainder(polynomial)) for polynomial in polynomials[: len(known)]
     )
-    deadline = time.monotonic() + limit
     cases = FamilyCases(
         splitting,
         IntegralsAtPoints(matrix, _blocks(search, matrix, d), d),
@@ -271,7 +271,7 @@ def integrable_families(
         casimirs,
         [matrix.without_denominators(g.polynomial) for g in search.generators if g.is_new],
         lambda case: [matrix.read(c, system.variables) for c in _casimirs_of(system, case, matrix)],
-        lambda: time.monotonic() < deadline,
+        deadline.lasts,
     )
     cases.search({count.label: count.n_known for count in search.counts}, progress=progress)
     cases.settle()

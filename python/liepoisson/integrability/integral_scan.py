@@ -7,7 +7,6 @@ that what is found there, and that there is nothing else, is proved for this poi
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.calls import shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.files import exclusive
@@ -39,7 +39,7 @@ from liepoisson.integrability.scan_points import PointResult, PointSearch, plain
 from liepoisson.integrability.scan_processes import results
 from liepoisson.integrability.scan_store import ScanStore
 from liepoisson.result import Result, labelled, names_along, recorded
-from liepoisson.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_count, as_threads
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -180,8 +180,7 @@ def scan_integrals(
         DamagedFileError: the store cannot be read.
         KeyboardInterrupt: Ctrl-C; what is stored stays.
     """
-    d, limit, n_at_once = as_count(degree, "degree", least=1), as_time_limit(time_limit), as_threads(threads)
-    deadline = time.monotonic() + limit
+    d, deadline, n_at_once = as_count(degree, "degree", least=1), Deadline(time_limit), as_threads(threads)
     search, names = _search(system, d, on)
     grid = _axes(axes, names)
     points = [tuple(map(Fraction, point)) for point in product(*grid.values())]
@@ -217,7 +216,7 @@ def scan_integrals(
             for k, result in enumerate(whole)
             if result.found
         },
-        time_limit=limit,
+        time_limit=deadline.seconds,
     )
 
 
@@ -295,7 +294,7 @@ def _described(search: PointSearch) -> str:
 
 @contextmanager
 def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
-    if store is not None and not isinstance(store, (str, PathLike)):
+    if store is not None and (not isinstance(store, (str, PathLike)) or not str(store)):  # "" is the working folder
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}; write for example 'scan'")
     path = None if store is None else Path(cast("str", store))
     with nullcontext() if path is None else exclusive(path):

@@ -18,6 +18,7 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -54,6 +55,7 @@ class Level:
             return left
         done: Polynomial = {}
         while left:
+            checkpoint("a remainder on a level")
             monomial = max(left, key=order)
             divisor = next((b for b in self.basis if _divides(b[0], monomial)), None)
             if divisor is None:
@@ -170,6 +172,7 @@ def _over_the_rationals(generators: Sequence[Mapping[Exponents, Fraction]]) -> l
     try:
         basis = groebner_basis(given)
     except NotDecidedError as error:
+        checkpoint("the Gröbner basis of a level")
         raise ParameterError(
             f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
         ) from error

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, count
@@ -12,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson import _core
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.errors import OutputError, ParameterError
+from liepoisson.deadline import Deadline
+from liepoisson.errors import OutputError, ParameterError, TimeLimitError
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.system_text import system_text
 from liepoisson.files import write_atomically
@@ -27,7 +27,7 @@ from liepoisson.integrability.completeness import (
 from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named, search_record
-from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -235,13 +235,21 @@ def integrability_report(
     Args:
         system: A system as for `first_integrals`.
         degree: The largest degree.
-        time_limit: Seconds after which no further degree is begun.  Both other tests share what is left.
+        time_limit: Seconds after which the report is made of what is known.  Both other tests share what the searches
+            leave.
         progress: As for `integrate`.
 
     Raises:
         ParameterError: the equations are not such as `first_integrals` searches.
+        TimeLimitError: not even the rank and the Casimirs of the bracket were known in time.
     """
-    most, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
+    most, deadline = as_count(degree, "degree", least=1), Deadline(time_limit)
+    with deadline.running():
+        return _report(system, most, deadline, progress or (lambda _: None))
+
+
+def _report(system: System, most: int, deadline: Deadline, listen: Callable[[float], Any]) -> IntegrabilityReport:
+    """As `integrability_report`, before the deadline of the call."""
     notes: list[str] = []
     system = _without_quadratures(system, notes)
     rank = system.bracket.rank()
@@ -252,13 +260,14 @@ def integrability_report(
     if not any(system.bracket.vector_field(system.hamiltonian)):
         notes.append("nothing moves: H commutes with all functions")
     commuting, closed = _enough(system, integrals, dependent, rank, notes)
-    started, last = time.monotonic(), 0.0
+    last = 0.0
     for d in range(1, most + 1):
-        used = time.monotonic() - started
         if commuting or closed:
             break
-        if used + _GROWTH * last > limit:
-            notes.append(f"degree {d} was not searched: it may take longer than the time limit of {limit:g} s")
+        if (left := deadline.left) < _GROWTH * last or not left:
+            notes.append(
+                f"degree {d} was not searched: it may take longer than the time limit of {deadline.seconds:g} s"
+            )
             break
         try:
             found = first_integrals(system, degree=d, known=casimirs | integrals | dependent)
@@ -267,7 +276,10 @@ def integrability_report(
                 raise
             notes.append(f"degree {d}, {n_monomials(len(system.variables), d):,} monomials, was not searched")
             break
-        last = time.monotonic() - started - used
+        except TimeLimitError:
+            notes.append(f"degree {d} was not searched to its end: the time limit of {deadline.seconds:g} s has passed")
+            break
+        last = left - deadline.left
         searches.append(found)
         for f in found.found:
             (integrals if f.is_independent else dependent)[_next_name(system.component_names, integrals, dependent)] = (
@@ -275,14 +287,12 @@ def integrability_report(
             )
         if found.found:
             commuting, closed = _enough(system, integrals, dependent, rank, notes)
-        if progress:
-            progress(0.7 * d / most)
+        listen(0.7 * d / most)
     proof, obstruction, singularities = None, None, None
     if commuting:
         proof = _certificate(system, {name: (integrals | dependent)[name] for name in commuting}, notes)
     elif not closed:
-        left = max(limit - (time.monotonic() - started), 0.0)
-        obstruction, singularities = _reasons(system, left, notes)
+        obstruction, singularities = _reasons(system, deadline.left, notes)
     return IntegrabilityReport(
         system,
         verdict_of(rank, integrals, commuting, closed, searches, degree=most, obstruction=obstruction),
@@ -312,7 +322,7 @@ def _without_quadratures(system: System, notes: list[str]) -> System:
 def _certificate(system: System, commuting: Mapping[str, Expr], notes: list[str]) -> dict[str, Any] | None:
     try:
         return certificate(system, commuting)
-    except ParameterError as error:
+    except (ParameterError, TimeLimitError) as error:
         notes.append(f"no certificate: {error}")
         return None
 
@@ -330,11 +340,11 @@ def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisOb
         return None, None
     try:
         obstruction = galois_obstruction(system, time_limit=seconds / 2)
-    except ParameterError as error:
+    except (ParameterError, TimeLimitError) as error:
         notes.append(f"the differential Galois group was not examined: {error}")
     try:
         singularities = painleve_test(system, time_limit=min(seconds / 2, _LONGEST_TEST))
-    except ParameterError as error:
+    except (ParameterError, TimeLimitError) as error:
         notes.append(f"singularities in complex time were not examined: {error}")
     return obstruction, singularities
 
@@ -365,8 +375,18 @@ def _enough(
 ) -> tuple[tuple[str, ...], ClosedIntegrals | None]:
     """Commuting integrals that are enough, or closed ones, after independent brackets were added.
 
-    Where none commute, combinations of degree two are looked for.
+    Where none commute, combinations of degree two are looked for.  Where the deadline passes, what was found stays.
     """
+    try:
+        return _found_enough(system, integrals, dependent, rank, notes)
+    except TimeLimitError as error:
+        notes.append(f"whether the integrals that were found are enough is not decided: {error}")
+        return (), None
+
+
+def _found_enough(
+    system: System, integrals: dict[str, Expr], dependent: dict[str, Expr], rank: int, notes: list[str]
+) -> tuple[tuple[str, ...], ClosedIntegrals | None]:
     commuting = commuting_integrals(system, integrals | dependent, rank)
     if not commuting:
         notes += _add_brackets(system, integrals, dependent, rank)

@@ -14,13 +14,14 @@ import queue
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from liepoisson.deadline import Deadline
+from liepoisson.errors import TimeLimitError
 from liepoisson.integrability.scan_points import PointResult, PointSearch
 
 Piece: TypeAlias = "Mapping[int, Sequence[Fraction]]"
@@ -28,7 +29,9 @@ Piece: TypeAlias = "Mapping[int, Sequence[Fraction]]"
 Results: TypeAlias = "dict[int, PointResult]"
 
 
-def results(search: PointSearch, pieces: Sequence[Piece], processes: int, deadline: float) -> Iterator[Results | None]:
+def results(
+    search: PointSearch, pieces: Sequence[Piece], processes: int, deadline: Deadline
+) -> Iterator[Results | None]:
     """What is found at the points of each piece, in the order in which they are done, until the deadline.
 
     None stands for a while in which nothing was done, so that Ctrl-C comes through.
@@ -37,15 +40,16 @@ def results(search: PointSearch, pieces: Sequence[Piece], processes: int, deadli
         for piece in pieces:
             done: Results = {}
             for point, values in piece.items():
-                if time.monotonic() > deadline:
+                if not deadline.lasts():
                     break
-                done[point] = search.at(values)
+                with deadline.running(), suppress(TimeLimitError):
+                    done[point] = search.at(values)
             yield done
         return
     workers = _Workers(search, pieces, processes)
     try:
         left = len(pieces)
-        while left and time.monotonic() <= deadline:
+        while left and deadline.lasts():
             found = workers.next()
             left -= found is not None
             yield found

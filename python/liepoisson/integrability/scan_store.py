@@ -1,7 +1,8 @@
 """The folder of a scan: one file of lines, the first of which says what is scanned; each other one has some points.
 
-Each line begins with its checksum.  A line that is damaged, such as the last one of a process that was killed, is left
-out, and its points are computed again.
+Each line begins with its checksum, those of points also with a digest of the first line: they name their scan.  A line
+that is damaged or belongs to another scan, such as the last one of a process that was killed, is left out, and its
+points are computed again.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import json
 import os
 from collections.abc import Mapping
 from fractions import Fraction
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from zlib import crc32
@@ -17,9 +19,9 @@ from zlib import crc32
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.files import write_atomically, writing
 from liepoisson.formats import another_format
-from liepoisson.integrability.scan_points import PointResult
+from liepoisson.integrability.scan_points import OUTCOMES, PointResult
 
-FORMAT = "liepoisson integral scan 1"
+FORMAT = "liepoisson integral scan 2"
 _FILE = "points.jsonl"
 
 
@@ -40,6 +42,7 @@ class ScanStore:
         self.path = folder / _FILE
         self.known: dict[int, PointResult] = {}
         head = json.loads(json.dumps({"format": FORMAT, **description}))
+        self._scan = sha256(_line(head).encode()).hexdigest()[:16] + " "
         with writing(folder):
             is_there, is_used = self.path.exists(), any(p.name not in (".lock", _FILE) for p in folder.iterdir())
         if is_there and not fresh:
@@ -67,8 +70,9 @@ class ScanStore:
             )
         for line in lines[1:]:
             try:
-                self.known |= {int(point): _result(record) for point, record in (_content(line) or {}).items()}
-            except (ValueError, TypeError, KeyError, AttributeError):  # it had a right sum, and is none of ours
+                said = _content(line, self._scan) or {}
+                self.known |= {int(point): _result(record) for point, record in said.items()}
+            except (ArithmeticError, ValueError, TypeError, AttributeError):  # it had a right sum, and is none of ours
                 continue
         if not content.endswith(b"\n"):
             with writing(self.path), self.path.open("ab") as stream:
@@ -82,24 +86,24 @@ class ScanStore:
         """
         if records := {str(k): _record(r) for k, r in results.items() if r.outcome != "failed"}:
             with writing(self.path), self.path.open("a", encoding="utf-8") as stream:
-                stream.write(_line(records))
+                stream.write(_line(records, self._scan))
                 stream.flush()
                 os.fsync(stream.fileno())
 
 
-def _line(content: Any) -> str:
-    text = json.dumps(content, separators=(",", ":"))
+def _line(content: Any, scan: str = "") -> str:
+    text = scan + json.dumps(content, separators=(",", ":"))
     return f"{crc32(text.encode()):08x} {text}\n"
 
 
-def _content(line: str) -> Any:
+def _content(line: str, scan: str = "") -> Any:
     """What a line says, or None."""
     total, _, text = line.partition(" ")
-    if total != f"{crc32(text.encode()):08x}":
+    if total != f"{crc32(text.encode()):08x}" or not text.startswith(scan):
         return None
     try:
-        return json.loads(text)
-    except ValueError:
+        return json.loads(text.removeprefix(scan))
+    except (ValueError, RecursionError):
         return None
 
 
@@ -110,5 +114,7 @@ def _record(result: PointResult) -> list[Any]:
 
 def _result(record: list[Any]) -> PointResult:
     outcome, n_further, found = record
+    if outcome not in OUTCOMES:
+        raise ValueError("another outcome")
     polynomials = tuple({tuple(map(int, m)): Fraction(c) for c, m in polynomial} for polynomial in found)
-    return PointResult(str(outcome), int(n_further), polynomials)
+    return PointResult(outcome, int(n_further), polynomials)

@@ -18,6 +18,7 @@ from functools import cached_property
 from itertools import count
 from typing import Any
 
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod, rank_mod
@@ -198,6 +199,7 @@ class Search:
         rows: dict[Exponents, dict[int, int]] = {}
         p = self.residues.p
         for column, monomial in enumerate(block):
+            checkpoint("the search for integrals")
             if progress and not column % 100:
                 progress(column / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
@@ -210,6 +212,7 @@ class Search:
         return ModularDerivation.of(self.derivation, self.residues)
 
     def _image(self, monomial: Exponents) -> Polynomial:
+        checkpoint("the search for integrals")
         return self.level.remainder(self.derivation({monomial: self.derivation.field.one}))
 
     def _compare(self, excess: list[tuple[Label, list[Exponents], int]]) -> None:
@@ -305,6 +308,7 @@ class Search:
         p = self.residues.p
 
         def extend(start: int, left: int, product: Modular | None, contains: bool) -> None:
+            checkpoint("products of integrals")
             if product is not None and contains:
                 label = tuple(g.of(next(iter(product))) for g in gradings)
                 if label in spans:
@@ -374,6 +378,7 @@ def times(first: Polynomial, second: Polynomial) -> Polynomial:
     """The product of two polynomials."""
     product: Polynomial = {}
     for m, c in first.items():
+        checkpoint("a product of polynomials")
         for k, d in second.items():
             key = tuple(map(sum, zip(m, k, strict=True)))
             product[key] = product[key] + c * d if key in product else c * d

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from liepoisson.arrays import Array
+from liepoisson.wrong_values import shown
 
 VERSION = 1
 """Of the description of a page, which the page looks at."""
@@ -67,7 +68,7 @@ class Page:
         record: The description of the system that it carries; None for the page of tops.
     """
 
-    html: str
+    html: str = field(repr=False)
     address: str
     words: str
     record: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
@@ -118,6 +119,11 @@ def page_of(
             is of another system or kind, or has no such trajectory.
         ShapeError: the start has another number of components.
     """
+    given = _several(surfaces)
+    if result is None and (isinstance(trajectory, bool) or trajectory != 0):
+        raise ParameterError(
+            f"trajectory must be left out where there is no result, of which it is one; got {trajectory!r:.40}."
+        )
     field = as_field(system)
     n = field.n_components
     _check_size(system, n, _terms(field))
@@ -126,11 +132,11 @@ def page_of(
         start = saved.start
     begin = _start(system, n, start)
     words = str(system.name)[:_LONGEST_NAME]
-    if saved is None and not surfaces:
+    if saved is None and not given:
         address = address_of_top(system, begin)
         if address is not None:
             return Page(_carrying(f'<script type="text/plain" id="address">{address}</script>'), address, words)
-    record = _description(system, begin, surfaces, saved)
+    record = _description(system, begin, given, saved)
     text = json.dumps(record, allow_nan=False, separators=(",", ":"))
     record = {"id": hashlib.sha256(text.encode()).hexdigest()[:12], **record}
     element = f'<script type="application/json" id="system">{as_data(record)}</script>'
@@ -228,7 +234,7 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
         first = {**saved.functions, "outputs": saved.functions["outputs"][:1]}
         return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
     names = component_names(system, start.size)
-    chosen = {str(one): one for one in _several(given)}
+    chosen = {str(one): one for one in given}
     if not chosen:
         name, formula = _default_surface(system, start)
         chosen = {name: formula}
@@ -246,12 +252,15 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
 
 
 def _several(given: Any) -> list[Any]:
-    """Surfaces that were given as one or several."""
-    if isinstance(given, Sequence) and not isinstance(given, str):
-        return list(cast("Sequence[Any]", given))
-    if given is None:
-        raise ParameterError("surfaces must be formulas, such as ('l1*l2', 'l3'); got None. Leave them out for none.")
-    return [given]
+    """Surfaces that were given as one or several, in their order."""
+    listed = given.tolist() if isinstance(given, np.ndarray) else given
+    several = list(cast("Sequence[Any]", listed)) if isinstance(listed, (list, tuple)) else [listed]
+    for one in several:
+        if not isinstance(one, str) and not hasattr(one, "free_symbols") and not hasattr(one, "expression"):
+            raise ParameterError(
+                f"surfaces must be formulas, such as ('l1*l2', 'l3'); got {shown(one)}. Leave them out for none."
+            )
+    return several
 
 
 def _shortened(names: list[str]) -> list[str]:

@@ -18,8 +18,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array
+from liepoisson.arrays import as_array, check_memory
 from liepoisson.calls import explains_its_arguments
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.estimates import (
     Estimate,
@@ -437,7 +438,9 @@ def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
     n = values.shape[0]
     random = generator(np.random.SeedSequence(resampling.seed))
     blocks: list[FloatArray] = []
+    check_memory(8 * resampling.n_bootstrap * values.shape[1], "n_bootstrap")
     for start in range(0, resampling.n_bootstrap, _REPLICATES_AT_A_TIME):
+        checkpoint("the bootstrap")
         size = min(_REPLICATES_AT_A_TIME, resampling.n_bootstrap - start)
         draws = random.integers(0, n, size=(size, n), dtype=np.int64)
         draws += np.arange(size, dtype=np.int64)[:, np.newaxis] * n

@@ -8,8 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.arrays import check_memory
 from liepoisson.calls import explains_its_arguments
-from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
+from liepoisson.errors import UnknownNameError, did_you_mean
 from liepoisson.numeric.systems import HasField, as_field, vector_length
 from liepoisson.portable import linear
 from liepoisson.scalars import MOST, as_count
@@ -149,13 +150,8 @@ def _draw(
 ) -> NDArray[np.float64]:
     n = as_count(n, "n_starts")
     seed, first = as_seed(seed), as_first(first, n)
-    try:
-        result = np.empty((n, n_components))
-    except (MemoryError, ValueError):  # numpy refuses sizes beyond the address space as a ValueError
-        raise ParameterError(
-            f"n: wanted a number of states that fits into memory; got {n}, {8 * n * n_components / 2**30:.3g} GiB; "
-            "draw them in pieces with first="
-        ) from None
+    check_memory(8 * n * n_components, "n_starts")
+    result = np.empty((n, n_components))
     for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
         random = stream(seed, purpose, block)
         start = block * BLOCK - first

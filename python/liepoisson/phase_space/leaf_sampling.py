@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, check_memory
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import as_energy
@@ -35,7 +35,7 @@ _TRIAL_BLOCKS = 16
 def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:
     """Random states on a leaf; see `Leaf.sample`."""
     n_starts, seed = as_count(n_starts, "n_starts"), as_seed(seed)
-    _check_memory(n_starts, len(leaf.state))
+    check_memory(8 * n_starts * len(leaf.state), "n_starts")
     shell = _shell(energy, energy_below)
     if not leaf.rank:
         _check_point(leaf, shell)
@@ -120,13 +120,3 @@ def _shell(energy: float | None, energy_below: float | None) -> Shell | None:
     if value is None:
         return None
     return Shell(as_energy(value, "energy" if energy is not None else "energy_below"), is_filled=energy is None)
-
-
-def _check_memory(n: int, n_components: int) -> None:
-    try:
-        np.empty((n, n_components))
-    except (MemoryError, ValueError):  # numpy refuses sizes beyond the address space as a ValueError
-        raise ParameterError(
-            f"n: wanted a number of states that fits into memory; got {n}, {8 * n * n_components / 2**30:.3g} GiB; "
-            "draw several samples, with one seed each"
-        ) from None

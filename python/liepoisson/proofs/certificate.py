@@ -35,6 +35,10 @@ LEVEL_RADIUS = Fraction(3, 10**8)
 _MOST_BYTES = 20_000_000
 _MOST_SETS = 2_000
 _MOST_DIGITS, _MOST_DIGITS_OF_EXPONENT = 200, 4
+_MOST_OF_FRACTION = 2**127 - 1
+"""Largest numerator and denominator, as the checker in intervals has them."""
+_SMALLEST_RADIUS = Fraction(1, 10**37)
+"""Half of it, rounded down to a power of two, still has such a denominator."""
 _EXPONENTS = {"e": re.compile(r"[eE][+-]?([\d_]+)\s*$"), "p": re.compile(r"[pP][+-]?([\d_]+)\s*$")}
 """Of decimal and of hexadecimal numbers."""
 
@@ -142,8 +146,8 @@ def read_certificate(data: object) -> CoveringCertificate:
 
 def _radius(value: object) -> Fraction:
     found = _rational(value, "level_radius")
-    if not found > 0:
-        raise _FormatError(f"level_radius: wanted a positive number; got {found}")
+    if not found >= _SMALLEST_RADIUS:
+        raise _FormatError(f"level_radius: wanted a positive number, at least 1e-37; got {shown(value)}")
     return found
 
 
@@ -210,6 +214,10 @@ def _rational(value: object, where: str) -> Fraction:
         found = Fraction(text)
     except (ValueError, ZeroDivisionError) as error:
         raise _FormatError(f"{where}: wanted a rational number as text, such as 1/2; got {shown(text)}") from error
+    if max(abs(found.numerator), found.denominator) > _MOST_OF_FRACTION:
+        raise _FormatError(
+            f"{where}: wanted a fraction of two whole numbers of at most 38 digits, below 2**127; got {shown(text)}"
+        )
     return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from itertools import chain, repeat
 from typing import Any, cast
 
 from liepoisson.errors import CertificateError, ExpressionError
@@ -22,7 +23,7 @@ def compare_equations(equations: object, field: PolynomialField) -> str:
     formulas in the grammar of system files, given by the names of the coordinates, as a list or as lines.
 
     Raises:
-        CertificateError: they are formulas, and another system's.
+        CertificateError: they are formulas, and another system's, or one is missing.
     """
     formulas = _right_sides(equations, field.names)
     if formulas is None:
@@ -46,7 +47,12 @@ def compare_equations(equations: object, field: PolynomialField) -> str:
 
 
 def _right_sides(equations: object, names: Sequence[str]) -> list[str] | None:
-    """The formulas in the order of the coordinates, or None where there is none for each."""
+    """The formulas in the order of the coordinates, or None where they are in another form.
+
+    Raises:
+        CertificateError: a coordinate has none, or another number of them is listed.
+    """
+    is_list = isinstance(equations, list)
     if isinstance(equations, str):
         equations = [line for line in re.split(r"[\n;]", equations) if line.strip()]
     if isinstance(equations, Mapping):
@@ -54,17 +60,23 @@ def _right_sides(equations: object, names: Sequence[str]) -> list[str] | None:
         named = {_name(key, names): value for key, value in given.items()}
     elif isinstance(equations, list):
         lines = cast("list[Any]", equations)
-        if not all(isinstance(line, str) for line in lines) or len(lines) != len(names):
+        if not all(isinstance(line, str) for line in lines):
             return None
         sides = [cast("str", line).rpartition("=") for line in lines]
+        if not any(head for head, _, _ in sides) and is_list and len(lines) != len(names):
+            raise CertificateError(
+                f"the certificate is refused: wanted an equation for each of {', '.join(names)}; got {len(lines)}"
+            )
         heads = [_LEFT_SIDE.match(f"{head}=") if head else None for head, _, _ in sides]
         named = {
             (_name(head[1], names) if head else name): side[2]
-            for head, side, name in zip(heads, sides, names, strict=True)
+            for head, side, name in zip(heads, sides, chain(names, repeat("")), strict=False)
         }
     else:
         return None
-    if set(named) != set(names) or not all(isinstance(f, str) for f in named.values()):
+    if (missing := [name for name in names if name not in named]) and len(missing) < len(names):
+        raise CertificateError(f"the certificate is refused: its equations lack the rate of {missing[0]}")
+    if missing or set(named) != set(names) or not all(isinstance(f, str) for f in named.values()):
         return None
     return [named[name] for name in names]
 

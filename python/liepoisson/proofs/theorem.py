@@ -116,7 +116,7 @@ def prove_chaos(
             "the certificate is refused: its symmetry does not keep the bracket of the system, so that multipliers "
             "need not come in pairs"
         )
-    notes.append(_regularity(field, certificate))
+    _check_level(field, certificate)
     margins: list[Margins] = []
     for number, name in enumerate(chosen):
 
@@ -128,6 +128,7 @@ def prove_chaos(
             margins.append(_checkers()[name](certificate, field, listen))
         except EnclosureError as error:
             raise CertificateError(f"the certificate is refused by {_NAMES[name]}: {error}") from error
+    notes.append(_regularity(field, certificate))  # last: a Gröbner basis takes long, and refuses nothing
     if progress is not None:
         progress(1.0)
     return ChaosProof(system, certificate, field, tuple(margins), (*notes, *_undecided(margins), _MEASURE))
@@ -152,17 +153,21 @@ def keeps_bracket(bracket: Bracket, signs: Sequence[int]) -> bool:
     return linear and all(signs[i] * signs[j] == 1 for i, j in bracket.constant)
 
 
-def _regularity(field: PolynomialField, certificate: CoveringCertificate) -> str:
-    """What is known of the level, exactly.
+def _check_level(field: PolynomialField, certificate: CoveringCertificate) -> None:
+    """Refuse a level without values of H and all Casimirs.
 
     Raises:
-        CertificateError: the level is not regular.
+        CertificateError: it is one.
     """
     if set(certificate.level) != set(field.constants):
         raise CertificateError(
             f"the certificate is refused: wanted a level with values of {', '.join(field.constants)}; got "
             f"{', '.join(certificate.level)}"
         )
+
+
+def _regularity(field: PolynomialField, certificate: CoveringCertificate) -> str:
+    """What is known of the level, exactly."""
     try:
         regular = is_regular(field, certificate.level)
     except NotDecidedError:

@@ -165,7 +165,7 @@ def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False)
 
 
 def _check_options(store: Any, scheduler: Any, patience: Any) -> None:
-    if store is not None and not isinstance(store, (str, PathLike)):
+    if store is not None and (not isinstance(store, (str, PathLike)) or not str(store)):  # "" is the working folder
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}. Write FILE.zarr.")
     if scheduler is not None and not isinstance(scheduler, str):
         raise ParameterError(f"scheduler: wanted an address; got {shown(scheduler)}. Write tcp://node1:8786.")

@@ -306,10 +306,16 @@ def read_attributes(path: Path) -> dict[str, Any]:
         attributes = json.loads((path / "zarr.json").read_text(encoding="utf-8"))["attributes"]
         if attributes["kind"] != _MARK or not isinstance(attributes["fingerprint"], str):
             raise ValueError("it says something else")
+    except FileNotFoundError as error:
+        raise DamagedFileError(
+            f"{path}: wanted the folder of a sweep, which has a file zarr.json; got a folder without one. Look at the "
+            "name; for a result that was saved, give the name of its file"
+        ) from error
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise DamagedFileError(
-            f"{path} is no sweep that can be read ({error}). Remove the folder, or choose another store; fresh "
-            "(--fresh) does not help, as it discards only what its description says to be a sweep."
+            f"{path}: wanted the folder of a sweep; its description zarr.json cannot be read as that of one "
+            f"({error!s:.200}). Look at the name, or choose another store; fresh (--fresh) does not help: it "
+            "discards only what its description says to be a sweep."
         ) from error
     return attributes
 

@@ -3,7 +3,8 @@
 python tests/data/saved/make.py
 
 Its files are kept as they are, since tests/test_saved_formats.py asks whether later versions read them. So it refuses
-to write over one. `result-1.nc` and `sweep-1` were written by the states of 0.1.0 that wrote these formats.
+to write over one. `result-1.nc`, `sweep-1` and `integral-scan-1` were written by the states of 0.1.0 that wrote these
+formats.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def main() -> None:
     covering = free(f"covering-certificate-{number(COVERING_FORMAT)}.json")
     record = json.loads(COVERING.read_text(encoding="utf-8"))
     covering.write_text(json.dumps({"format": COVERING_FORMAT} | record, indent=1) + "\n", encoding="utf-8")
-    scan = free("integral-scan-1")
+    scan = free("integral-scan-2")
     lp.integrability.scan_integrals(scanned(), degree=2, axes={"J": [1, 2]}, store=scan)
     (scan / ".lock").unlink(missing_ok=True)
 

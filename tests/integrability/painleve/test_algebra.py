@@ -178,7 +178,7 @@ def expansion(rates, variables, weights, point):
     assert not any(local.indicial_residuals(values))
     matrix = local.kovalevskaya_matrix(values)
     exponents = exponents_of(characteristic_polynomial(matrix, Q), Q)
-    return expand(local, values, OverField(matrix, Q), exponents, lambda: True)
+    return expand(local, values, OverField(matrix, Q), exponents)
 
 
 def test_the_series_of_weierstrass_function():

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from fractions import Fraction
-from itertools import product
+from itertools import count, product
 from math import gcd
 
 import numpy as np
@@ -440,13 +440,14 @@ def test_balances_in_a_subspace_decide_where_not_all_are_found(monkeypatch):
 
 
 def test_balances_that_are_left_are_named(monkeypatch):
-    from liepoisson.integrability.painleve import singularity_analysis
+    from liepoisson import deadline
 
-    clock = iter([0.0])
-    monkeypatch.setattr(singularity_analysis.time, "monotonic", lambda: next(clock, 100.0))
+    n_asked = count()
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: 100.0 if next(n_asked) > 60 else 0.0)
     found = painleve_test(KDV, time_limit=60)
-    assert (found.verdict, len(found.left)) == ("undecided", 2)
-    assert all(text.endswith("the time limit was reached") for text in found.left)
+    assert found.verdict == "undecided"
+    assert found.left
+    assert all("the time limit" in text for text in found.left)
 
 
 def test_a_series_with_a_logarithm_is_refused(twisted_kovalevskaya):

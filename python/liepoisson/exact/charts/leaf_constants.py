@@ -75,6 +75,17 @@ class LeafConstants:
     w: Expr
     eta: Expr
 
+    def __post_init__(self) -> None:
+        """Reads what is no expression yet: numbers and texts, as parameters are.
+
+        Raises:
+            ParameterError: one is none.
+        """
+        for name in ("epsilon", "v", "w", "eta"):
+            given: Any = getattr(self, name)
+            if not hasattr(given, "free_symbols"):
+                object.__setattr__(self, name, to_sympy(read_parameter(given, name)))
+
     @classmethod
     def of(
         cls,

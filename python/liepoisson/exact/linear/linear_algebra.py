@@ -19,6 +19,7 @@ from itertools import pairwise
 from math import inf, isqrt, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.deadline import checkpoint
 from liepoisson.exact.linear.residues import PRIME
 
 if TYPE_CHECKING:
@@ -233,6 +234,7 @@ def _eliminate(
     for given in sorted(rows, key=len):
         row = dict(given)
         while row:
+            checkpoint("an elimination")
             column = min(row)
             if column in echelon:
                 subtract(row, echelon[column], row[column])
@@ -249,6 +251,7 @@ def _null_vectors(
 ) -> Iterator[Vector]:
     """Back substitution, then one vector for each column that leads no row."""
     for column in sorted(echelon, reverse=True):
+        checkpoint("an elimination")
         row = echelon[column]
         for other in [c for c in row if c != column and c in echelon]:
             subtract(row, echelon[other], row[other])

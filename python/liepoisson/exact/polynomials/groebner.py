@@ -26,6 +26,7 @@ from typing import Any
 
 from flint import Ordering, fmpq_mpoly_ctx, nmod_mpoly_ctx
 
+from liepoisson.exact.linear.flint_pickles import register
 from liepoisson.exact.polynomials.buchberger import (
     Monomial,
     Poly,
@@ -40,6 +41,8 @@ from liepoisson.exact.polynomials.buchberger import (
 from liepoisson.exact.polynomials.lifting import Residues, primes, residues_of
 from liepoisson.exact.polynomials.limits import Budget, Limits
 from liepoisson.exact.polynomials.monomial_ideals import degree, dimension, standard_monomials
+
+register()  # results have polynomials
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from liepoisson.deadline import has_passed
 from liepoisson.errors import LiePoissonError
 
 
@@ -45,8 +46,10 @@ class Budget:
         """Account for a step before it is taken.
 
         Raises:
-            NotDecidedError: it does not fit into what is left.
+            NotDecidedError: it does not fit into what is left, or the deadline of the call has passed.
         """
+        if has_passed():
+            raise NotDecidedError(f"not decided: the time limit was reached: {step}. Give a larger time_limit.")
         self.spent += units
         if self.spent > self.limits.work:
             raise NotDecidedError(

@@ -192,13 +192,12 @@ def exact_obstruction(flag: Flag) -> ExactObstruction | None:
 
 
 def commutators(
-    system: LinearSystem, *, until: float | None = None, precision: int = PRECISION, stop: bool = True
+    system: LinearSystem, *, precision: int = PRECISION, stop: bool = True
 ) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
     """Commutators of neat powers of the local monodromies, infinity included, and of their conjugates.
 
     Args:
         system: The system.
-        until: When to give up, by `time.monotonic`.
         precision: Bits that are wanted.
         stop: Whether to end with the first pair that does not commute.
 
@@ -206,7 +205,8 @@ def commutators(
         The commutators, and what was left out.
 
     Raises:
-        EnclosureError: the time does not suffice, or the loops cannot be made.
+        EnclosureError: the precision does not suffice, or the loops cannot be made.
+        TimeLimitError: the deadline of the call has passed.
     """
     from flint import ctx
 
@@ -215,7 +215,7 @@ def commutators(
     before = ctx.prec
     ctx.prec = 3 * precision
     try:
-        for first, second in _pairs(system, until, precision, left):
+        for first, second in _pairs(system, precision, left):
             found.append(commutator(first, second))
             if stop and found[-1].is_proved:
                 break
@@ -224,9 +224,7 @@ def commutators(
     return tuple(found), tuple(left)
 
 
-def _pairs(
-    system: LinearSystem, until: float | None, precision: int, left: list[str]
-) -> Iterator[tuple[NeatElement, NeatElement]]:
+def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tuple[NeatElement, NeatElement]]:
     """Pairs of elements that commute if the identity component is abelian; what was left out is added to a list."""
     loops = generators(system)
     if len(loops) > _MOST_LOOPS:
@@ -238,7 +236,7 @@ def _pairs(
     for f, loop in loops:
         if loop.corners[0] != base:
             raise EnclosureError(f"the loop around {loop.name}: it has another base point than the first one")
-        matrices.append(continued(system, loop, precision=precision, until=until))
+        matrices.append(continued(system, loop, precision=precision))
         if sum(abs(w) for _, w in matrices[-1].windings) != 1:
             raise EnclosureError(
                 f"the loop around {loop.name}: it goes around other singular points, too; give polygons to `monodromy`"
@@ -251,7 +249,7 @@ def _pairs(
         elements.append(new)
     if system.infinity_is_singular and not left:
         if system.local().is_regular:
-            outer = continued(system, loop_around_all(system, loops[0][1]), precision=precision, until=until)
+            outer = continued(system, loop_around_all(system, loops[0][1]), precision=precision)
             if any(winding != 1 for _, winding in outer.windings) or outer.loop.corners[0] != base:
                 raise EnclosureError(
                     "the loop around infinity does not go once around each singular point, from the base"

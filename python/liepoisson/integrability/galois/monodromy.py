@@ -16,7 +16,6 @@ All is computed in the balls of Arb, rounding included: the matrices contain the
 
 from __future__ import annotations
 
-import time
 from cmath import exp, phase, pi
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,6 +25,7 @@ from math import frexp
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
@@ -191,18 +191,18 @@ def loop_around_all(system: LinearSystem, like: Loop) -> Loop:
     return Loop((like.corners[0], *_rounded([*around, around[0]], radius)), "infinity")
 
 
-def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, until: float | None = None) -> Monodromy:
+def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -> Monodromy:
     """The monodromy along a loop.
 
     Args:
         system: The system.
         loop: The loop.
         precision: Bits that are wanted.
-        until: When to give up, by `time.monotonic`.
 
     Raises:
         ParameterError: the loop goes through a singular point.
-        EnclosureError: the precision or the time do not suffice.
+        EnclosureError: the precision does not suffice.
+        TimeLimitError: the deadline of the call has passed.
     """
     from flint import ctx
 
@@ -210,7 +210,7 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, u
     try:
         while True:
             ctx.prec = bits
-            found = _around(system, loop, bits // 2, until)
+            found = _around(system, loop, bits // 2)
             if found is not None and found.error < 2.0**-precision * max(1.0, abs(found.matrix).max()):
                 return found
             bits *= 2
@@ -223,7 +223,7 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, u
         ctx.prec = before
 
 
-def _around(system: LinearSystem, loop: Loop, precision: int, until: float | None) -> Monodromy | None:
+def _around(system: LinearSystem, loop: Loop, precision: int) -> Monodromy | None:
     """The monodromy with the bits that are set; None where they do not suffice."""
     from flint import acb, acb_mat, arb, fmpq
 
@@ -240,8 +240,7 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
         end = corners[(k + 1) % len(corners)]
         here, last = start, False
         while not last:
-            if until is not None and time.monotonic() > until:
-                raise EnclosureError("the monodromy: the time limit was reached; allow more")
+            checkpoint("a monodromy matrix")
             left = end - here
             distance = min((float((here - z).abs_lower()) for z in poles), default=1.0 + float(left.abs_upper()))
             if not distance > _NEAR * longest:

@@ -16,20 +16,20 @@ such matrices decide here (`liepoisson.integrability.galois.criteria`).
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.display import as_text
-from liepoisson.errors import EnclosureError
+from liepoisson.errors import EnclosureError, TimeLimitError
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
 from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS, root_text
 from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, solutions_on_planes
 from liepoisson.integrability.galois.variational import Flag, flag, variational_equations
-from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.scalars import as_count
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -127,7 +127,14 @@ def galois_obstruction(
     Raises:
         ParameterError: the equations are not polynomial, or have coefficients that are not rational.
     """
-    until = time.monotonic() + as_time_limit(time_limit)
+    with Deadline(time_limit).running():
+        return _obstruction(system, solution, most, progress or (lambda _: None))
+
+
+def _obstruction(
+    system: System, solution: ParticularSolution | None, most: int, listen: Callable[[float], Any]
+) -> GaloisObstruction:
+    """As `galois_obstruction`, before the deadline of the call."""
     check_polynomial(system)
     if solution is not None and not isinstance(solution, ParticularSolution):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a ParticularSolution", solution, "solution", "write particular_solution(system, ...)")
@@ -136,39 +143,41 @@ def galois_obstruction(
     theorem, hypotheses, statement = _theorem(system)
     tried: list[tuple[ParticularSolution, LinearSystem, list[Flag]]] = []
     left: list[GaloisStep] = []
-    for k, one in enumerate(found):
-        if tried and time.monotonic() > until:
+    for k in range(count):
+        try:
+            one = next(found, None)
+            if one is None:
+                break
+            whole = variational_equations(system, one)
+            pieces = [flag(whole.part(places)) for places in whole.summands if len(places) <= MOST_COMPONENTS]
+            proved = next(((p, exact) for p in pieces if (exact := exact_obstruction(p)) is not None), None)
+        except TimeLimitError:
             left.append(GaloisStep("further solutions were not tried: the time limit was reached", "not decided"))
             break
-        whole = variational_equations(system, one)
-        pieces = [flag(whole.part(places)) for places in whole.summands if len(places) <= MOST_COMPONENTS]
         if large := [places for places in whole.summands if len(places) > MOST_COMPONENTS]:
             text = f"a part of the variational equations with {len(large[0])} components was left out"
             left.append(GaloisStep(text, "not decided"))
         tried.append((one, whole, pieces))
-        for piece in pieces:
-            if (exact := exact_obstruction(piece)) is not None:
-                steps = (*_along(one, whole, pieces), *_exact_steps(piece, exact), hypotheses)
-                solutions = tuple(s for s, _, _ in tried)
-                return GaloisObstruction(system, "not integrable", theorem, statement, solutions, steps, exact)
-        if progress:
-            progress((k + 1) / (2 * count))
+        if proved is not None:
+            steps = (*_along(one, whole, pieces), *_exact_steps(*proved), hypotheses)
+            solutions = tuple(s for s, _, _ in tried)
+            return GaloisObstruction(system, "not integrable", theorem, statement, solutions, steps, proved[1])
+        listen((k + 1) / (2 * count))
     undecided = not tried or bool(left)
     about: dict[int, list[GaloisStep]] = {k: [] for k in range(len(tried))}
     # a part whose flag has steps of dimension one only has a solvable group, which is abelian more often
     waiting = [(max(piece.sizes) == 1, piece.system.n, k, piece) for k, (_, _, ps) in enumerate(tried) for piece in ps]
     for done, (_, _, k, piece) in enumerate(sorted(waiting, key=lambda one: one[:3]), start=1):
-        proof, more = _enclosed(piece.system, until)
+        proof, more = _enclosed(piece.system)
         if proof is not None:
             steps = (*_along(*tried[k]), *(s for s in more if s.how != "not decided"), hypotheses)
             solutions = (*(s for j, (s, _, _) in enumerate(tried) if j != k), tried[k][0])
             return GaloisObstruction(system, "not integrable", theorem, statement, solutions, steps, commutator=proof)
         undecided |= any(step.how == "not decided" for step in more)
         about[k] += more
-        if progress:
-            progress(0.5 + done / (2 * len(waiting)))
+        listen(0.5 + done / (2 * len(waiting)))
     left = [step for k, one in enumerate(tried) for step in (*_along(*one), *about[k])] + left
-    if not tried:
+    if not left:
         left.append(GaloisStep("an invariant plane with one degree of freedom: none was found", "not decided"))
     verdict: Verdict = "open" if undecided else "no obstruction found"
     return GaloisObstruction(system, verdict, theorem, "", tuple(s for s, _, _ in tried), tuple(left))
@@ -243,14 +252,14 @@ def _exact_steps(piece: Flag, exact: ExactObstruction) -> list[GaloisStep]:
     return [GaloisStep(fact, "checked exactly") for fact in facts]
 
 
-def _enclosed(system: LinearSystem, until: float) -> tuple[Commutator | None, list[GaloisStep]]:
+def _enclosed(system: LinearSystem) -> tuple[Commutator | None, list[GaloisStep]]:
     """Commutators of a part of the variational equations."""
     names = ", ".join(system.names)
     if system.n == 1 or not system.singular_points:
         return None, []
     try:
-        found, left = commutators(system, until=until)
-    except EnclosureError as error:
+        found, left = commutators(system)
+    except (EnclosureError, TimeLimitError) as error:
         return None, [GaloisStep(f"on ({names}) monodromy matrices were not computed ({error})", "not decided")]
     steps = [GaloisStep(f"on ({names}) {text}", "not decided") for text in left]
     if proof := next((c for c in found if c.is_proved), None):

@@ -25,6 +25,7 @@ from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.calls import explains_its_arguments
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.printing import Formula
 from liepoisson.scalars import as_count
@@ -156,8 +157,10 @@ def solutions_on_planes(system: System) -> Iterator[ParticularSolution]:
     check_polynomial(system)
     planes = [(plane, _Restricted(system, plane)) for plane in invariant_planes(system)]
     for plane, field in planes:
+        checkpoint("the search for particular solutions")
         yield from islice(_separatrices(system, plane, field), _PER_PLANE)
     for plane, field in planes:
+        checkpoint("the search for particular solutions")
         yield from islice(_elliptic(system, plane, field), 1)
 
 
@@ -187,6 +190,7 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
     if n <= MOST_COORDINATES:
         supports = [[frozenset(i for i, power in enumerate(m) if power) for m in terms] for terms in _terms(system)]
         for size in range(2, _LARGEST_PLANE + 1):
+            checkpoint("the search for invariant planes")
             for kept in combinations(range(n), size):
                 here = frozenset(kept)
                 if any(support <= here for i in range(n) if i not in here for support in supports[i]):

@@ -159,6 +159,9 @@ class EntryArithmetic:
         from flint import Ordering, fmpq_mpoly_ctx
         from sympy import I
 
+        from liepoisson.exact.linear.flint_pickles import register
+
+        register()  # pairs keep their entries
         expanded = [e.expand() for e in expressions]
         self.steps = _steps(expanded)
         self.context: Any = None

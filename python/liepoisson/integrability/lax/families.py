@@ -6,13 +6,13 @@ coefficients, and is split into the cases in which it has solutions (`liepoisson
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.polynomials.groebner import rational_context
 from liepoisson.exact.printing import Formula
@@ -20,7 +20,7 @@ from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.lax.search import MOST_DEGREE, linear_system, member, new_vectors, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
-from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ def lax_families(
         ParameterError: the system is not such a one, or a name is none of a parameter.
     """
     most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
-    deadline = time.monotonic() + as_time_limit(time_limit)
+    deadline = Deadline(time_limit)
     symbols: list[Any] = sorted(
         {s for e in (*system.equations.values(), system.hamiltonian) for s in e.free_symbols} - set(system.variables),
         key=str,
@@ -172,7 +172,7 @@ def lax_families(
     families: list[LaxFamily] = []
     n_undecided, n = 0, len(ansatz.partners)
     for first in range(n):
-        cases = splitting.cases(first, lambda: time.monotonic() < deadline)
+        cases = splitting.cases(first, deadline.lasts)
         n_undecided += len(cases.left)
         families += [splitting.family(case, first) for case in cases.found]
         if progress:

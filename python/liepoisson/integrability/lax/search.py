@@ -19,7 +19,6 @@ Multiples of pairs by powers of z, and pairs whose eigenvalues are Casimirs only
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -27,13 +26,14 @@ from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.polynomials.groebner import rational_context
 from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
-from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -126,17 +126,17 @@ def search_lax_pairs(
     References: [manakov1976]; [musso2005].
     """
     most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
-    deadline = time.monotonic() + as_time_limit(time_limit)
+    deadline = Deadline(time_limit)
     ansatz = Ansatz(system, form)
     pairs: list[LaxPair] = []
     trivial = trivial_vectors(ansatz)
     known: dict[tuple[Fraction, ...], list[tuple[int, Vector]]] = {}
     n_undecided, n_families = 0, 0
     for d in range(1, most + 1):
-        if d > 1 and time.monotonic() > deadline:
+        if d > 1 and not deadline.lasts():
             n_undecided += 1
             break
-        found = list(_partners(ansatz, d, len(trivial), lambda: time.monotonic() < deadline))
+        found = list(_partners(ansatz, d, len(trivial), deadline.lasts))
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)
         for b in dict.fromkeys(one.components for one in found if one is not None):

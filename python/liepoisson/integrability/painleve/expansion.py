@@ -19,10 +19,11 @@ from fractions import Fraction
 from math import lcm
 from typing import Protocol
 
+from liepoisson.deadline import checkpoint
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
 from liepoisson.integrability.painleve.exponents import Exponents
-from liepoisson.integrability.painleve.linear import Check, Matrix, OutOfTimeError, Solved, always, eliminated
+from liepoisson.integrability.painleve.linear import Matrix, Solved, eliminated
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 from liepoisson.integrability.painleve.resolvent import Resolvent, independent_columns
 
@@ -187,7 +188,6 @@ class OverField:
 
     matrix: Matrix
     field: Field
-    may_go_on: Check = always
 
     def kernel(self, r: Fraction) -> int:
         """The dimension of the kernel of K - r."""
@@ -197,7 +197,7 @@ class OverField:
         """The kernel, a solution and the conditions for it."""
         number, zero = self.field.number(k), self.field.number(0)
         shifted = [[(number if i == j else zero) - x for j, x in enumerate(row)] for i, row in enumerate(self.matrix)]
-        return eliminated(shifted, right, self.field, self.may_go_on)
+        return eliminated(shifted, right, self.field)
 
 
 @dataclass(frozen=True)
@@ -243,12 +243,11 @@ def expand(
     point: Sequence[Element],
     equations: Equations,
     exponents: Exponents,
-    may_go_on: Check,
 ) -> Expansion:
     """Follow the series of a balance up to its largest rational exponent, or to the first logarithm.
 
     Raises:
-        OutOfTimeError: the time limit was reached.
+        TimeLimitError: the deadline of the call has passed.
     """
     defects = [defect for of_one in local.terms for _, _, defect in of_one]
     rational = [r for r, _ in exponents.rational]
@@ -261,8 +260,7 @@ def expand(
     last = max((r for r in rational if r > 0), default=Fraction(0))
     ended = False
     for j in range(1, int(last * q) + 1):
-        if not may_go_on():
-            raise OutOfTimeError
+        checkpoint("a series")
         order = Fraction(j, q)
         multiplicity = exponents.multiplicity(order)
         if ended:

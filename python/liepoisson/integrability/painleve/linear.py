@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from liepoisson.deadline import checkpoint
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field
 
 Matrix = list[list[Element]]
-Check = Callable[[], bool]
-"""Whether there is time to go on."""
-
-
-class OutOfTimeError(Exception):
-    """The time limit was reached."""
-
-
-def always() -> bool:
-    """No limit of time."""
-    return True
 
 
 @dataclass(frozen=True)
@@ -37,11 +27,11 @@ class Solved:
     conditions: Matrix
 
 
-def eliminated(matrix: Matrix, right: Matrix, field: Field, may_go_on: Check = always) -> Solved:
+def eliminated(matrix: Matrix, right: Matrix, field: Field) -> Solved:
     """The kernel of a square matrix, and what solves M x = R.
 
     Raises:
-        OutOfTimeError: the time limit was reached.
+        TimeLimitError: the deadline of the call has passed.
     """
     n, m = len(matrix), len(right[0]) if right else 0
     zero, one = field.number(0), field.number(1)
@@ -49,8 +39,7 @@ def eliminated(matrix: Matrix, right: Matrix, field: Field, may_go_on: Check = a
     pivots: list[int] = []
     at = 0
     for column in range(n):
-        if not may_go_on():
-            raise OutOfTimeError
+        checkpoint("an elimination")
         found = next((k for k in range(at, n) if rows[k][column]), None)
         if found is None:
             continue
@@ -81,19 +70,18 @@ def solved(matrix: Matrix, right: Matrix, field: Field) -> Matrix:
     return eliminated(matrix, right, field).particular
 
 
-def characteristic_polynomial(matrix: Matrix, field: Field, may_go_on: Check = always) -> list[Element]:
+def characteristic_polynomial(matrix: Matrix, field: Field) -> list[Element]:
     r"""The coefficients of $\det(r - M)$ by powers of r, by the algorithm of Faddeev and Le Verrier.
 
     Raises:
-        OutOfTimeError: the time limit was reached.
+        TimeLimitError: the deadline of the call has passed.
     """
     n = len(matrix)
     zero, one = field.number(0), field.number(1)
     found = [zero] * n + [one]
     current: Matrix = [[zero] * n for _ in range(n)]
     for k in range(1, n + 1):
-        if not may_go_on():
-            raise OutOfTimeError
+        checkpoint("a characteristic polynomial")
         for i in range(n):
             current[i][i] = current[i][i] + found[n - k + 1]
         current = _product(matrix, current, zero)

@@ -10,15 +10,15 @@ References: [lyapunov1894]; [ablowitz1980]; [yoshida1983]; [adler1989]; [goriely
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.deadline import Deadline
 from liepoisson.display import as_text
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.exact.parameters import read_parameter
 from liepoisson.exact.polynomials.components import Assumptions, Component, components
 from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
@@ -31,11 +31,11 @@ from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, Di
 from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
 from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
-from liepoisson.integrability.painleve.linear import OutOfTimeError, characteristic_polynomial
+from liepoisson.integrability.painleve.linear import characteristic_polynomial
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
 from liepoisson.integrability.painleve.resolvent import Resolvent
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
-from liepoisson.scalars import as_time_limit
+from liepoisson.scalars import MOST
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -198,13 +198,13 @@ def painleve_test(
         ParameterError: numbers in the equations are not rational, the equations contain other functions, weights do not
             fit them, or there are too many choices of weights.
     """
-    limit = as_time_limit(time_limit)
-    derivation, functions = _equations(system)
-    chosen = maximal_weights(derivation) if weights is None else (_read(weights, derivation),)
-    listen, deadline = progress or (lambda _: None), time.monotonic() + limit
-    analysis = _Analysis(Limits(work=max(1, int(limit * 1e6))).budget(), lambda: time.monotonic() < deadline)
-    for k, one in enumerate(chosen):
-        analysis.run(QuasiHomogeneous.of(derivation, one), lambda f, k=k: listen((k + f) / len(chosen)))
+    deadline, listen = Deadline(time_limit), progress or (lambda _: None)
+    with deadline.running():
+        derivation, functions = _equations(system)
+        chosen = maximal_weights(derivation) if weights is None else (_read(weights, derivation),)
+        analysis = _Analysis(Limits(work=max(1, int(min(deadline.seconds * 1e6, MOST)))).budget())
+        for k, one in enumerate(chosen):
+            analysis.run(QuasiHomogeneous.of(derivation, one), lambda f, k=k: listen((k + f) / len(chosen)))
     return PainleveTest(
         system=system,
         variables=derivation.variables,
@@ -281,8 +281,8 @@ def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
 class _Analysis:
     """Finds the balances for one choice of weights after the other."""
 
-    def __init__(self, budget: Budget, may_go_on: Callable[[], bool]) -> None:
-        self.budget, self.may_go_on = budget, may_go_on
+    def __init__(self, budget: Budget) -> None:
+        self.budget = budget
         self.balances: list[Balance] = []
         self.special: list[str] = []
         self.left: list[str] = []
@@ -295,7 +295,7 @@ class _Analysis:
         try:
             parts = components(system.indicial_equations(), Assumptions(system.denominators), half)
             self._is_all = True
-        except NotDecidedError as error:
+        except (NotDecidedError, TimeLimitError) as error:
             self.left.append(f"balances with the orders {words}, besides those above: {error}")
             parts = self._in_subspaces(system)
             self._is_all = False
@@ -339,13 +339,10 @@ class _Analysis:
     def _test_part(self, part: Component, system: QuasiHomogeneous) -> None:
         equations = tuple(str(p) for p in part.equations)
         described = ", ".join(f"{e} = 0" for e in equations[:6]) + (", ..." if len(equations) > 6 else "")
-        if not self.may_go_on():
-            self.left.append(f"the balances {described}: the time limit was reached")
-            return
         try:
             tested = self._balances(part, system, equations)
-        except (NotDecidedError, OutOfTimeError) as error:
-            self.left.append(f"the balances {described}: {str(error) or 'the time limit was reached'}")
+        except (NotDecidedError, TimeLimitError) as error:
+            self.left.append(f"the balances {described}: {error}")
             return
         if not tested and system.parameter_names:
             conditions = [e for e in equations if not _names_in(e) & {str(v) for v in system.derivation.variables}]
@@ -390,7 +387,7 @@ class _Analysis:
         if any(local.indicial_residuals(values)):
             raise AssertionError(equations)
         matrix = local.kovalevskaya_matrix(values)
-        characteristic = characteristic_polynomial(matrix, field, self.may_go_on)
+        characteristic = characteristic_polynomial(matrix, field)
         ring = field if isinstance(field, CoordinateRing) else None
         if ring is not None and any(field.rational(c) is None for c in characteristic):
             raise _NotConstantError
@@ -403,15 +400,15 @@ class _Analysis:
         series: Expansion | None = None
         if ring is None or exponents.all_rational:
             equations_of_order = (
-                OverField(matrix, field, self.may_go_on)
+                OverField(matrix, field)
                 if ring is None or point.sample is None
                 else OverRing(
                     ring, Resolvent(matrix, exponents.rational, ring), point.sample.values, point.sample.field
                 )
             )
             try:
-                series = expand(local, values, equations_of_order, exponents, self.may_go_on)
-            except OutOfTimeError:
+                series = expand(local, values, equations_of_order, exponents)
+            except TimeLimitError:
                 left = "the series: the time limit was reached"
         resonances = () if series is None else tuple(series.resonances)
         family = tuple(name for name in names[: system.n] if name in field.parameters)

@@ -1,0 +1,71 @@
+"""The time that a call may take: one deadline, made where the call begins, which all of its parts see.
+
+A part deep inside has no argument for it: it asks with `checkpoint` as often as it does a little work.  A call without
+a limit of time has no deadline, and nothing is asked.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from liepoisson.errors import TimeLimitError
+
+_current: ContextVar[Deadline | None] = ContextVar("deadline of the call", default=None)
+
+
+class Deadline:
+    """When a call gives up.
+
+    Args:
+        seconds: From now.
+
+    Raises:
+        ParameterError: they are no positive number.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        from liepoisson.scalars import as_time_limit  # with NumPy, which the exact algebra does without
+
+        self.seconds = as_time_limit(seconds)
+        self._end = time.monotonic() + self.seconds
+
+    @property
+    def left(self) -> float:
+        """Seconds until then, at least 0."""
+        return max(self._end - time.monotonic(), 0.0)
+
+    def lasts(self) -> bool:
+        """Whether there is time left."""
+        return time.monotonic() < self._end
+
+    @contextmanager
+    def running(self) -> Generator[Deadline]:
+        """The block of the call, in which this deadline holds, or that of a call around it if it is the earlier one."""
+        outer = _current.get()
+        token = _current.set(outer if outer is not None and outer._end < self._end else self)
+        try:
+            yield self
+        finally:
+            _current.reset(token)
+
+
+def has_passed() -> bool:
+    """Whether the deadline of the call has passed; not where it has none."""
+    deadline = _current.get()
+    return deadline is not None and not deadline.lasts()
+
+
+def checkpoint(step: str) -> None:
+    """Give up where the deadline of the call has passed.
+
+    Args:
+        step: What is under way, in words.
+
+    Raises:
+        TimeLimitError: it has.
+    """
+    if has_passed():
+        raise TimeLimitError(f"the time limit has passed: {step} was under way. Give a larger time_limit")

@@ -1,0 +1,68 @@
+"""Every kind of result can be pickled and copied, and says the same afterwards."""
+
+import copy
+import pickle
+
+import pytest
+from test_results_own_their_numbers import results
+
+import liepoisson as lp
+
+OF, ENTRY = lp.integrability, lp.catalog.system
+TOP = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
+LAX = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
+
+
+def lax_pair():
+    return OF.search_lax_pairs(ENTRY("lagrange"), degree=2).pairs[0]
+
+
+EXACT = {
+    "CurveComponent": lambda: lax_pair().spectral_curve().components[0],
+    "DiscreteSymmetries": lambda: lp.systems.discrete_symmetries(ENTRY("henon-heiles")),
+    "FirstIntegral": lambda: OF.first_integrals(ENTRY("lagrange"), degree=1).found[0],
+    "FirstIntegrals": lambda: OF.first_integrals(ENTRY("lagrange"), degree=1),
+    "IntegrabilityReport": lambda: OF.integrability_report(ENTRY("lagrange"), degree=1),
+    "IntegrableFamilies": lambda: OF.integrable_families(TOP, degree=1),
+    "IntegralScan": lambda: OF.scan_integrals(TOP, axes={"J": [1, 2], "a": [0, 1]}, degree=1, threads=1),
+    "LaxFamilies": lambda: OF.lax_families(LAX, nonzero=["a3"], positive=["I1", "I2", "I3"]),
+    "LaxIntegrals": lambda: lax_pair().integrals(),
+    "LaxPair": lax_pair,
+    "LaxSearch": lambda: OF.search_lax_pairs(ENTRY("lagrange"), degree=2),
+    "PainleveTest": lambda: OF.painleve_test(ENTRY("henon-heiles-kdv")),
+    "PainleveTest of a family": lambda: OF.painleve_test(ENTRY("kovalevskaya")),
+    "SpectralCurve": lambda: lax_pair().spectral_curve(),
+    "DarbouxPolynomials": lambda: OF.darboux_polynomials(ENTRY("rattleback"), degree=1),
+    "GaloisObstruction": lambda: OF.galois_obstruction(ENTRY("henon-heiles")),
+    "Page": lambda: lp.laboratory.page_of(ENTRY("toda")),
+}
+"""Results of the exact algebra; those with arrays are in the other table."""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", [*EXACT, *results()])
+def test_a_result_can_be_pickled_and_copied(kind):
+    result = {**results(), **EXACT}[kind]()
+    for other in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result), copy.copy(result)):
+        assert type(other) is type(result)
+        assert (repr(other), str(other)) == (repr(result), str(result))
+
+
+def test_flint_s_numbers_are_copied_exactly():
+    from flint import fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly, fmpz_mat, fmpz_poly
+
+    from liepoisson.exact.linear.flint_pickles import register
+
+    register()
+    context = fmpq_mpoly_ctx.get(["x", "y"], "degrevlex")
+    polynomial = context.gen(0) ** 2 - context.gen(1) / 3
+    exact = [
+        fmpq_poly([fmpq(1, 3), 2]),
+        fmpz_poly([1, -2]),
+        fmpq_mat([[fmpq(1, 2), 0]]),
+        fmpz_mat([[1], [2]]),
+        polynomial,
+    ]
+    for make in (lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy):
+        assert all(make(value) == value for value in exact)
+        assert make(context) is context

@@ -1,0 +1,89 @@
+"""One deadline for all parts of a call: it returns soon after, with what it has or with a sentence."""
+
+import time
+from contextlib import suppress
+from itertools import count
+
+import pytest
+
+import liepoisson as lp
+from liepoisson import deadline
+from liepoisson.deadline import Deadline, checkpoint, has_passed
+from liepoisson.errors import ParameterError, TimeLimitError
+from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
+
+Q, P = ("q1", "q2", "q3"), ("p1", "p2", "p3")
+PAIRS = "1/(q1 - q2)^2 + 1/(q2 - q3)^2 + 1/(q1 - q3)^2"
+CALOGERO = lp.systems.CanonicalSystem(Q, P, f"(p1^2 + p2^2 + p3^2 + q1^2 + q2^2 + q3^2)/2 + {PAIRS}")
+"""Three particles of Calogero with an oscillator: superintegrable, which takes half a minute to prove."""
+TOP = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
+OF = lp.integrability
+CALLS = {
+    "report": lambda **limit: OF.integrability_report(CALOGERO, **limit),
+    "report of a field": lambda **limit: OF.integrability_report(lp.catalog.system("zeitlin-5"), **limit),
+    "galois": lambda **limit: OF.galois_obstruction(lp.catalog.system("leibniz-top-4"), **limit),
+    "painleve": lambda **limit: OF.painleve_test(lp.catalog.system("leibniz-lagrange-5"), **limit),
+    "darboux": lambda **limit: OF.darboux_polynomials(lp.catalog.system("manakov-so4"), degree=3, **limit),
+    "families": lambda **limit: OF.integrable_families(TOP, degree=5, **limit),
+    "lax": lambda **limit: OF.search_lax_pairs(lp.catalog.system("leibniz-lagrange-4"), degree=8, **limit),
+    "lax families": lambda **limit: OF.lax_families(
+        lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"]),
+        degree=8,
+        **limit,
+    ),
+    "scan": lambda **limit: OF.scan_integrals(TOP, axes={"J": range(1, 40), "a": [1, 2]}, degree=6, threads=1, **limit),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CALLS)
+def test_heavy_calls_return_soon_after_a_limit_of_a_second(name):
+    """Seconds more are those of a step that is not interrupted, and of a machine with other work."""
+    began = time.monotonic()
+    with suppress(TimeLimitError):
+        CALLS[name](time_limit=1)
+    assert time.monotonic() - began < 1 + 10
+
+
+QUICK = {
+    "report": lambda: OF.integrability_report(lp.catalog.system("lagrange"), degree=2),
+    "galois": lambda: OF.galois_obstruction(lp.catalog.system("henon-heiles")),
+    "painleve": lambda: OF.painleve_test(lp.catalog.system("henon-heiles-kdv")),
+}
+
+
+@pytest.mark.parametrize("n", [0, 10, 50, 100, 1000])
+@pytest.mark.parametrize("name", QUICK)
+def test_whenever_the_deadline_passes_there_is_a_result_or_a_sentence(monkeypatch, name, n):
+    """The clock stands still until it was looked at n times; little is looked at after that."""
+    looks = count()
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: 100.0 if next(looks) > n else 0.0)
+    with suppress(TimeLimitError):
+        QUICK[name]()
+    assert next(looks) < n + 200
+
+
+def test_a_part_sees_the_deadline_of_the_call_and_of_a_call_around_it():
+    checkpoint("nothing")  # without a limit
+    with Deadline(1e-9).running() as outer, Deadline(60).running():
+        assert not outer.lasts()
+        assert has_passed()
+        with pytest.raises(TimeLimitError, match="a step was under way"):
+            checkpoint("a step")
+    assert not has_passed()
+
+
+def test_work_that_is_counted_ends_at_the_deadline_too():
+    budget = Limits().budget()
+    with Deadline(1e-9).running(), pytest.raises(NotDecidedError, match="the time limit was reached: a step"):
+        budget.spend(1, "a step")
+
+
+@pytest.mark.parametrize("limit", [0, -1, float("nan"), "soon", None])
+def test_a_limit_is_a_positive_number(limit):
+    with pytest.raises(ParameterError, match="time_limit: wanted a positive number of seconds"):
+        Deadline(limit)
+
+
+def test_no_limit_is_a_limit():
+    assert OF.painleve_test(lp.catalog.system("henon-heiles-kdv"), time_limit=float("inf")).verdict == "passes"
