@@ -23,6 +23,7 @@ from liepoisson.exact.parameters import (
     read_parameter,
     substituted,
     symbols_of,
+    to_sympy,
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
@@ -160,7 +161,7 @@ class Bracket:
         )
         return Bracket(algebra, self.extension, constant=constant, name=f"{self!r}, frozen")
 
-    def coboundary(self) -> tuple[Exact, ...] | None:
+    def coboundary(self) -> tuple[Expr, ...] | None:
         r"""A point $\xi$ with $c_{ij} = \sum_m c_{ij}{}^m \xi_m$, shape (N,), or None if there is none.
 
         The constant part is then removed by the translation $x \mapsto x + \xi$; on a semisimple algebra there always
@@ -168,7 +169,8 @@ class Bracket:
         """
         from liepoisson.exact.poisson.poisson_tensor import potential_of_constant_part
 
-        return potential_of_constant_part(self.tensor)
+        found = potential_of_constant_part(self.tensor)
+        return None if found is None else tuple(to_sympy(value) for value in found)
 
     def rename(self, *field_names: str) -> Bracket:
         """The same bracket with other names for its fields: `(so(3) @ leibniz(2)).rename("m", "p")`.

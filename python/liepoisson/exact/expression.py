@@ -72,6 +72,7 @@ _NO_CONSTANTS = {
     "oo": "Formulas are finite",
     "inf": "Formulas are finite",
     "i": "Formulas are real",
+    "I": "Formulas are real",
     "j": "Formulas are real",
 }
 
@@ -144,6 +145,18 @@ def constant(text: str) -> Exact:
         ExpressionError: as in `read_formula`.
     """
     return evaluate(parse(text), text, Scope())
+
+
+def parameter(text: str) -> Exact:
+    """What a text stands for in which every name is that of a symbol: "sqrt(2)/2", "2*epsilon", "k*m".
+
+    Raises:
+        ExpressionError: as in `read_formula`.
+        ParameterError: a name is too long.
+    """
+    tree = parse(text)
+    symbols = [name for name in names_in(tree) if name not in CONSTANTS and name not in FUNCTIONS]
+    return evaluate(tree, text, Scope(symbols=symbols))
 
 
 def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:

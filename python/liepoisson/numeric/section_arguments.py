@@ -12,7 +12,7 @@ from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
-from liepoisson.scalars import as_number
+from liepoisson.scalars import as_time
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -99,10 +99,7 @@ def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[T
 
 def as_end(t_end: Any) -> float:
     """The time at which trajectories end."""
-    end = as_number(t_end, "t_end", "a finite time, not zero")
-    if not np.isfinite(end) or end == 0:
-        raise ParameterError(f"t_end: wanted a finite time, not zero; got {end}; try t_end=1000")
-    return end
+    return as_time(t_end, "t_end", example=1000, forwards=False)
 
 
 def as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:

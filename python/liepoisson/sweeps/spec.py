@@ -22,11 +22,10 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name, check_title
 from liepoisson.exact.system_file_reader import parse_system_file
-from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule, rule_of
-from liepoisson.scalars import as_count, as_number
+from liepoisson.scalars import as_count, as_number, as_time
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 from liepoisson.wrong_values import shown
 
@@ -263,12 +262,7 @@ class SweepSpec:
                 f"points with n_starts = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
             )
         as_seed(self.seed)
-        if not 0 < as_number(self.t_end, "t_end", "a positive number") < math.inf:
-            raise ParameterError(
-                f"t_end: wanted a positive number; got {self.t_end}; try 1_000 times what lp.orbits.time_scale gives"
-            )
-        if self.t_end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {self.t_end:g}")
+        as_time(self.t_end, "t_end", example=1000)
         as_rule(self.rule)
         as_method(self.method, DEFAULT_METHOD)
         self._check_quantity()
