@@ -68,10 +68,10 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
             raise ParameterError(f"--set must give each parameter once; {name} comes twice. Remove one.")
         given.add(name)
         if name not in file.scope.shapes or name in file.scope.scalars:
-            known = ", ".join(known for known in file.scope.shapes if known not in file.scope.scalars) or "none"
+            known = [known for known in file.scope.shapes if known not in file.scope.scalars]
             raise ParameterError(
                 f"--set must name a parameter of {file.name!r}; got {name!r:.60}. "
-                f"{did_you_mean(name, file.scope.shapes)}Known: {known}."
+                f"{did_you_mean(name, known)}Known: {', '.join(known) or 'none'}."
             )
         wanted, got = file.scope.shapes[name], (len(value),) if isinstance(value, tuple) else ()
         if wanted != got:
@@ -93,10 +93,10 @@ def with_symbols(file: SystemFile, names: Sequence[str]) -> SystemFile:
     for name in names:
         shape = file.scope.shapes.get(name, ())
         if name not in values or len(shape) > 1:
-            known = ", ".join(known for known in values if len(file.scope.shapes[known]) < 2) or "none"
+            known = [known for known in values if len(file.scope.shapes[known]) < 2]
             raise ParameterError(
                 f"--free must name a parameter of {file.name!r} that has a value; got {name!r:.60}. "
-                f"{did_you_mean(name, values)}Known: {known}."
+                f"{did_you_mean(name, known)}Known: {', '.join(known) or 'none'}."
             )
         del values[name]
         declared.append(f"{name}[{shape[0]}]" if shape else name)
@@ -118,7 +118,9 @@ def _read_setting(setting: str) -> tuple[str, Value]:
 
     name, sign, text = (part.strip() for part in setting.partition("="))
     if not (name and sign and text):
-        raise ParameterError(f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write --set epsilon=1.")
+        raise ParameterError(
+            f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write for example --set {name or 'k'}=1."
+        )
     is_vector = "," in text or text.startswith("[")
     items = text.removeprefix("[").removesuffix("]").split(",") if is_vector else [text]
     try:

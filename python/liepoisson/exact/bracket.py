@@ -97,7 +97,7 @@ class Bracket:
         check: bool = True,
     ) -> None:
         _check_type(algebra, LieAlgebra, "algebra", "so(3)")
-        _check_type(extension, Extension, "extension", "leibniz(3, epsilon)")
+        _check_type(extension, Extension, "extension", 'leibniz(3, "epsilon")')
         self.algebra = algebra
         self.extension = extension if field_names is None else _renamed(extension, field_names)
         names = self.coordinate_names

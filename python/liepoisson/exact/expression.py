@@ -328,9 +328,10 @@ class Reader:
         whole = parts[0]
         shape = shape_of(whole)
         if len(shape) != len(node.indices):
-            hint = f"one with {len(shape)}" if shape else "nothing of the kind"
+            hint = f"Write {len(shape)} of them" if shape else "Leave it out"
             raise RefusedError(
-                f"a vector has components with one index and a matrix with two; got {kind_of(whole)}, which has {hint}"
+                f"a vector has components with one index and a matrix with two; got {len(node.indices)} for "
+                f"{kind_of(whole)}. {hint}"
             )
         if any(i > n for i, n in zip(node.indices, shape, strict=True)):
             raise RefusedError(f"an index must not exceed the shape; got {list(node.indices)} for {kind_of(whole)}")

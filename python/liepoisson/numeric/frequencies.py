@@ -316,7 +316,7 @@ def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Arr
     if len(texts) not in (1, 2) or not all(isinstance(text, str) for text in texts):
         raise ParameterError(
             f"observable: wanted one name or formula, two for real and imaginary part, or a function; got "
-            f'{shown(observable)}; try ("beta1", "beta2")'
+            f'{shown(observable)}; try "{component_names(system, n)[-1]}"'
         )
     names = component_names(system, n)
     parts = [_real_part(system, names, text) for text in texts]

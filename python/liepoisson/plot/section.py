@@ -103,7 +103,7 @@ def section(
         ShapeError: values that are not one per crossing.
     """
     if not hasattr(points, "state") or not hasattr(points, "sign"):
-        raise not_a("what section returns", points, "points", 'try section(system, starts, surface="l3", t_end=100)')
+        raise not_a("what section returns", points, "points", "call section first")
     x, y = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
     values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]

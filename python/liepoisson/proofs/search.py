@@ -195,9 +195,9 @@ def find_certificate(
     if refused:
         return refused[0]
     raise OrbitError(
-        f"no chain of sets was found on {level.text}, with covering above 1 and stable below 1: {len(orbits)} symmetric "
-        f"periodic orbits, {len(hyperbolic)} of them between two reversers and with all unstable multipliers above "
-        f"kappa^2; {'; '.join(tried) or 'nothing to try'}. "
+        f"no chain of sets was found on {level.text}, with covering above 1 and stable below 1: {len(orbits)} "
+        f"symmetric periodic orbits, {len(hyperbolic)} of them between two reversers and with all unstable "
+        f"multipliers above kappa^2; {'; '.join(tried) or 'nothing to try'}. "
         + (
             "Manifolds that meet at small angles need a smaller radius or another level; or take more starts."
             if tried
@@ -265,7 +265,8 @@ def _check_that_it_has_no_equilibrium(level: Level) -> None:
     near = np.abs(energies - wanted) <= _CRITICAL * scale
     if near.any():
         raise LeafError(
-            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}"
+            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}. "
+            "Take another energy."
         )
 
 

@@ -250,7 +250,10 @@ class SweepSpec:
         if isinstance(self.system, Mapping):
             object.__setattr__(self, "system", deepcopy(cast("Any", self.system)))
         if len(self.axes) not in (1, 2) or not all(isinstance(axis, Axis) for axis in self.axes):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f"axes: wanted one or two of Axis; got {shown(self.axes)}. See Axis.linear.")
+            raise ParameterError(
+                f"axes: wanted one or two of Axis; got {shown(self.axes)}. Write "
+                "for example a mapping of names to values, or (Axis.linear(...),)."
+            )
         if len({axis.name for axis in self.axes}) != len(self.axes):
             raise ParameterError(f"axes: wanted two different names; got {self.axes[0].name!r} twice.")
         if math.prod(self.shape) > _MOST_POINTS:
@@ -270,7 +273,7 @@ class SweepSpec:
     def _check_types(self) -> None:
         """What the annotations say, for callers without a type checker."""
         wanted: dict[str, tuple[Any, str]] = {
-            "axes": (Sequence, "one or two of Axis, or a mapping of names to values"),
+            "axes": (Sequence, "a sequence of one or two of Axis, or a mapping of names to values"),
             "parameters": (Mapping, 'a mapping of names to values, such as {"epsilon": 1}'),
             "starts": (Starts, 'Starts or a mapping, such as {"C1": 1}'),
             "refine": ((Refinement, type(None)), 'Refinement or a mapping, such as {"levels": 2, "difference": 0.1}'),
