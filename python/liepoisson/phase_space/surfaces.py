@@ -63,7 +63,7 @@ def good_surface(system: System) -> str:
 
     Example:
         >>> lp.sections.good_surface(lp.Top.twisted_kovalevskaya())
-        'alpha3*beta2 - alpha2*beta3'
+        '-alpha2*beta3 + alpha3*beta2'
 
     Args:
         system: A top with two fields $\alpha, \beta$.
