@@ -13,6 +13,7 @@ import typer
 from liepoisson.cli.ending import TERMINATED, TerminatedError, ends_on_sigterm
 from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.result import Sweep
@@ -52,10 +53,16 @@ def sweep(
     Results are kept piece by piece: a sweep that was interrupted goes on when the same command is given again.  The
     exit code is 1 if a part could not be computed, or if there is a system at no point.
     """
+    from liepoisson.catalog import names
     from liepoisson.sweeps.run import sweep as run
     from liepoisson.sweeps.spec_file import read_sweep_file
     from liepoisson.sweeps.tasks import NO_SYSTEM
 
+    if file in names() and not Path(file).exists():
+        raise ParameterError(
+            f"FILE: wanted a sweep file; got the name of a system. Write a file that names it, system = {file!r}, with "
+            "axes and t_end; or call lp.sweep(system=...) in Python."
+        )
     spec = read_sweep_file(file, allow_code=allow_code)
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
     stem = figure_stem(plot, figure, Path(file).stem)

@@ -63,7 +63,7 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
     declared = {read_declaration(symbol)[0]: symbol for symbol in file.symbols}
     given: set[str] = set()
     for setting in settings:
-        name, value = _read_setting(setting)
+        name, value = _read_setting(setting, file)
         if name in given:
             raise ParameterError(f"--set must give each parameter once; {name} comes twice. Remove one.")
         given.add(name)
@@ -113,14 +113,15 @@ def setting_words(settings: Sequence[str]) -> str:
     return "".join(words)
 
 
-def _read_setting(setting: str) -> tuple[str, Value]:
+def _read_setting(setting: str, file: SystemFile) -> tuple[str, Value]:
     from liepoisson.exact.expression import constant
 
     name, sign, text = (part.strip() for part in setting.partition("="))
     if not (name and sign and text):
-        raise ParameterError(
-            f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write for example --set {name or 'k'}=1."
-        )
+        known = {key: shape for key, shape in file.scope.shapes.items() if key not in file.scope.scalars}
+        meant = name if name in known else next(iter(known), "")
+        hint = _example(meant, known[meant]) if meant else f"{file.name} has no parameters: leave it out."
+        raise ParameterError(f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. {hint}")
     is_vector = "," in text or text.startswith("[")
     items = text.removeprefix("[").removesuffix("]").split(",") if is_vector else [text]
     try:
@@ -143,4 +144,4 @@ def _words(shape: tuple[int, ...]) -> str:
 def _example(name: str, shape: tuple[int, ...]) -> str:
     if len(shape) > 1:
         return "Write the matrix into a system file."
-    return f"Write --set {name}={','.join(['1'] + ['0'] * (shape[0] - 1)) if shape else '1'}."
+    return f"Write for example --set {name}={','.join(['1'] * (shape[0] if shape else 1))}."

@@ -42,7 +42,7 @@ from liepoisson.exact.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
-from liepoisson.exact.names import CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
+from liepoisson.exact.names import CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS, NOT_FINITE
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
@@ -155,7 +155,8 @@ def parameter(text: str) -> Exact:
         ParameterError: a name is too long.
     """
     tree = parse(text)
-    symbols = [name for name in names_in(tree) if name not in CONSTANTS and name not in FUNCTIONS]
+    taken = {*CONSTANTS, *FUNCTIONS}
+    symbols = [name for name in names_in(tree) if name not in taken and name.lower() not in NOT_FINITE]
     return evaluate(tree, text, Scope(symbols=symbols))
 
 

@@ -19,6 +19,8 @@ ELEMENTARY_FUNCTIONS = (
 MATRIX_FUNCTIONS = ("dot", "cross", "norm", "diag", "inv", "transpose", "trace")
 FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
 CONSTANTS = ("pi",)
+NOT_FINITE = frozenset({"nan", "inf", "infinity"})
+"""What others write for no number, in small letters: never a symbol where a number is read."""
 
 GREEK = (
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",

@@ -15,7 +15,7 @@ from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
-from liepoisson.exact.names import CONSTANTS, check_name, check_not_reserved
+from liepoisson.exact.names import CONSTANTS, NOT_FINITE, check_name, check_not_reserved
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -76,7 +76,7 @@ def read_symbol(value: object, name: str) -> str | None:
         ParameterError: a user may not choose this name.
     """
     text = value.strip() if isinstance(value, str) else ""
-    if not _NAME.fullmatch(text) or text.lower() in {"nan", "inf", "infinity"} or text in CONSTANTS:
+    if not _NAME.fullmatch(text) or text.lower() in NOT_FINITE or text in CONSTANTS:
         return None
     return check_name(text, f"{name}: the name of a symbol")
 

@@ -91,7 +91,9 @@ class Scope:
         """The end of a message about an unknown name: the nearest known ones, and all of them."""
         known = [*self.fields, *self.shapes]
         counted = self._counted(name)
-        hint = f"Did you mean {counted}? " if counted else did_you_mean(name, [*known, *self.components])
+        hint = self._beyond(name) or (
+            f"Did you mean {counted}? " if counted else did_you_mean(name, [*known, *self.components])
+        )
         listed = [*known, *CONSTANTS]
         shown = ", ".join(listed[:40]) + (", ..." if len(listed) > 40 else "")
         remark = f". {self.remark}" if self.remark and not hint else ""
@@ -103,6 +105,14 @@ class Scope:
         components = self.fields.get(field, ())
         index = int(number[:3]) if number else 0
         return f"{field}{components[index - 1]}" if 0 < index <= len(components) else ""
+
+    def _beyond(self, name: str) -> str:
+        """How many components a vector has of which a later one is meant: l4 for l1, l2, l3."""
+        vector, number = name.rstrip("0123456789"), name[len(name.rstrip("0123456789")) :]
+        shape = (len(self.fields[vector]),) if vector in self.fields else self.shapes.get(vector, ())
+        return (
+            f"{vector} has {shape[0]} components. " if number and len(shape) == 1 and int(number[:3]) > shape[0] else ""
+        )
 
     def _components_in_words(self) -> str:
         """How the components of the fields are called: "; components lr1, lr2, lr3, ..., lt3"."""
