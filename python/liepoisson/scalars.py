@@ -16,7 +16,7 @@ from liepoisson.wrong_values import shown
 MOST = 2**63 - 1
 """Largest count: what a signed integer of 64 bits holds."""
 
-LEAST_TIME = 1e-300
+LEAST_TIME, MOST_TIME = 1e-300, 1e300
 """A shorter time has too few doubles for the times in between, and multiples of one above 1e300 are no doubles."""
 
 TIME_LIMIT = 3600.0
@@ -60,8 +60,8 @@ def as_time(value: Any, name: str, *, example: float, forwards: bool = True) -> 
     time = as_number(value, name, wanted)
     if not math.isfinite(time) or time == 0 or (forwards and time < 0):
         raise ParameterError(f"{name}: wanted {wanted}; got {time:g}; try {name}={example:g}")
-    if not LEAST_TIME <= abs(time) <= 1 / LEAST_TIME:
-        bound = f"at least {LEAST_TIME:g}" if abs(time) < 1 else f"at most {1 / LEAST_TIME:g}"
+    if not LEAST_TIME <= abs(time) <= MOST_TIME:
+        bound = f"at least {LEAST_TIME:g}" if abs(time) < 1 else f"at most {MOST_TIME:g}"
         raise ParameterError(f"{name}: wanted a time of {bound}; got {time:g}; try {name}={example:g}")
     return time
 

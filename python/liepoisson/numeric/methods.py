@@ -394,7 +394,8 @@ def field_for(system: Any, field: Field, method: Method) -> Field:
         if not has_pieces(system):
             raise ParameterError(
                 f"method: Splitting wants the pieces of a Hamiltonian; {shown(system.name)} is integrated as a "
-                f"{field.name} of {field.n_components} components, which has none; try Taylor()"
+                f"{field.name} of {field.n_components} components, which has none; "
+                + ("give the system that the field is from, or try Taylor()" if system is field else "try Taylor()")
             )
         return _with_precision(system.pieces(), method)
     return _with_precision(field, method)
