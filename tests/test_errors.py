@@ -26,6 +26,8 @@ def test_no_name_is_taken_for_a_function_or_a_constant(name):
 def test_a_component_beyond_the_last_is_not_taken_for_its_vector():
     with pytest.raises(lp.errors.ExpressionError, match=r"'l4' is unknown. l has 3 components. Known"):
         lp.System(lp.so(3) @ lp.trivial(), "l4")
+    with pytest.raises(lp.errors.ExpressionError, match=r"'l0' is unknown. l has 3 components. Known"):
+        lp.System(lp.so(3) @ lp.trivial(), "l0")
 
 
 @pytest.mark.parametrize(

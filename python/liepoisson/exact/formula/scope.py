@@ -111,7 +111,9 @@ class Scope:
         vector, number = name.rstrip("0123456789"), name[len(name.rstrip("0123456789")) :]
         shape = (len(self.fields[vector]),) if vector in self.fields else self.shapes.get(vector, ())
         return (
-            f"{vector} has {shape[0]} components. " if number and len(shape) == 1 and int(number[:3]) > shape[0] else ""
+            f"{vector} has {shape[0]} components. "
+            if number and len(shape) == 1 and not 1 <= int(number[:3]) <= shape[0]
+            else ""
         )
 
     def _components_in_words(self) -> str:
