@@ -13,6 +13,23 @@ def test_the_nearest_name_is_asked_for_whatever_the_case_of_its_letters():
     assert did_you_mean(3, ["lagrange"]) == ""
 
 
+@pytest.mark.parametrize("name", ["I", "epsilon", "sine", "p", "cosine"])
+def test_no_name_is_taken_for_a_function_or_a_constant(name):
+    """A name that is written without arguments is no function, and no constant is meant by some of its letters."""
+    with pytest.raises(lp.errors.ExpressionError, match=f"{name}' is unknown") as caught:
+        lp.System(lp.so(3) @ lp.trivial(), f"2*{name}*l1")
+    assert "Did you mean" not in str(caught.value)
+    with pytest.raises(lp.errors.ShapeError, match=f"the name '{name}' is unknown.* Known is pi"):
+        lp.proofs.Box([f"2*{name}"], [1])
+
+
+def test_a_component_beyond_the_last_is_not_taken_for_its_vector():
+    with pytest.raises(lp.errors.ExpressionError, match=r"'l4' is unknown. l has 3 components. Known"):
+        lp.System(lp.so(3) @ lp.trivial(), "l4")
+    with pytest.raises(lp.errors.ExpressionError, match=r"'l0' is unknown. l has 3 components. Known"):
+        lp.System(lp.so(3) @ lp.trivial(), "l0")
+
+
 @pytest.mark.parametrize(
     ("call", "error", "hint"),
     [

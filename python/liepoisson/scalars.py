@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 import os
 from typing import Any
@@ -14,6 +15,9 @@ from liepoisson.wrong_values import shown
 
 MOST = 2**63 - 1
 """Largest count: what a signed integer of 64 bits holds."""
+
+LEAST_TIME, MOST_TIME = 1e-300, 1e300
+"""A shorter time has too few doubles for the times in between, and multiples of one above 1e300 are no doubles."""
 
 TIME_LIMIT = 3600.0
 """Default budget: seconds that a run may take."""
@@ -48,6 +52,18 @@ def as_number(value: Any, name: str, wanted: str) -> float:
     except (TypeError, ValueError, OverflowError):
         pass  # refused below, with all the others
     raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; give a plain number")
+
+
+def as_time(value: Any, name: str, *, example: float, forwards: bool = True) -> float:
+    """A length of time that is divided into others, as a plain float; either way if not `forwards`."""
+    wanted = "a positive finite time" if forwards else "a finite time that is not 0"
+    time = as_number(value, name, wanted)
+    if not math.isfinite(time) or time == 0 or (forwards and time < 0):
+        raise ParameterError(f"{name}: wanted {wanted}; got {time:g}; try {name}={example:g}")
+    if not LEAST_TIME <= abs(time) <= MOST_TIME:
+        bound = f"at least {LEAST_TIME:g}" if abs(time) < 1 else f"at most {MOST_TIME:g}"
+        raise ParameterError(f"{name}: wanted a time of {bound}; got {time:g}; try {name}={example:g}")
+    return time
 
 
 def as_threads(threads: int | None) -> int:

@@ -21,7 +21,11 @@ _INSTEAD = {
 def not_a_system(value: object) -> ParameterError:
     """The refusal of what came where a system was wanted."""
     kind = type(value).__name__
-    hint = "call it to make one" if isinstance(value, type) else _INSTEAD.get(kind, "make one")
+    hint = (
+        "call it to make one"
+        if isinstance(value, type)
+        else _INSTEAD.get(kind, 'write System(bracket, hamiltonian), or liepoisson.catalog.system("kovalevskaya")')
+    )
     return ParameterError(f"system: wanted a system such as Top.kovalevskaya(); got {shown(value)}; {hint}")
 
 

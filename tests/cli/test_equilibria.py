@@ -46,7 +46,7 @@ def test_relative_equilibria_are_those_along_an_integral(command):
         (["kovalevskaja"], "Did you mean kovalevskaya"),
         (["lagrange", "--leaf", "C2=-1"], "C2"),
         (["lagrange", "--along", "l3"], "--along must be name=value; got 'l3'. Write for example --along l3=1/2"),
-        (["lagrange", "--along", "l4=1"], "the name 'l4' is unknown. Did you mean"),
+        (["lagrange", "--along", "l4=1"], "the name 'l4' is unknown. l has 3 components. Known are"),
         (["lagrange", "--starts", "0"], "n_starts"),
     ],
 )

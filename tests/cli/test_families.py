@@ -128,7 +128,7 @@ def test_what_is_left_is_said_and_is_the_exit_code(command, top, format_):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["families", "kovalevskaya"], "wanted a system with symbols"),
+        (["families", "kovalevskaya"], "must have parameters without a value"),
         (["families", "clebsch", "--free", "b"], "--free must name a parameter of 'clebsch'"),
         (["families", "clebsch", "--free", "a", "--positive", "a"], "wanted names of a1, a2, a3"),
         (["families", "clebsch", "--free", "a", "--time-limit", "0"], "--time-limit"),

@@ -33,6 +33,14 @@ def test_the_casimir_of_the_gyrostat_is_that_of_the_sphere_moved():
     assert report.verified
     assert report.exceptional == ()
     assert GYROSTAT.coboundary() == tuple(-k)
+    assert str((lp.so(3) @ lp.trivial()).coboundary()) == "(0, 0, 0)"  # numbers print as they are written
+    assert str((lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "1/2"}).coboundary()) == "(0, 0, -1/2)"
+
+
+def test_entries_may_be_formulas_in_symbols():
+    bracket = (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "2*k", ("l2", "l3"): "-m", ("l1", "l3"): "k*m"})
+    k, m = sp.symbols("k m")
+    assert bracket.constant == {(0, 1): 2 * k, (0, 2): k * m, (1, 2): -m}
 
 
 def test_a_casimir_that_is_not_homogeneous():
@@ -84,7 +92,7 @@ def test_what_is_no_cocycle_names_the_triple():
         ({("l1", "l1"): 1}, BracketError, "with itself"),
         ({"l1": 1}, ParameterError, "by pairs of coordinates"),
         ([("l1", "l2")], ParameterError, "a mapping from pairs"),
-        ({("l1", "l2"): object()}, ParameterError, r"\{l1, l2\} must be a number or a name"),
+        ({("l1", "l2"): object()}, ParameterError, r"\{l1, l2\} must be a number, a name or a formula"),
         ({("l1", "l2"): "l3"}, BracketError, "rename the parameters"),
     ],
 )

@@ -109,7 +109,7 @@ def test_parameters_stay_symbols_or_are_inserted_exactly():
         ("l1^sqrt(2)", 2, "rational"),
         ("l[4]", 1, "must not exceed"),
         ("A[1]", 1, "two"),
-        ("l1[1]", 2, "got a scalar"),
+        ("l1[1]", 2, "for a scalar. Leave it out"),
         ("dot(l)", 0, "two vectors.*got 1 arguments"),
         ("dot(l, M)", 0, "got a vector of length 3 and a vector of length 6"),
         ("cross(M, M)[1]", 0, "length 3"),

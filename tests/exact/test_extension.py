@@ -230,6 +230,14 @@ def test_products_of_the_wrong_kind_are_refused(n, products, error):
         Extension.from_products(n, products)
 
 
+def test_products_may_be_formulas_in_symbols_as_in_files():
+    """The text "2*epsilon" is what SymPy writes 2*Symbol("epsilon")."""
+    products = {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}}
+    texts = Extension.from_products(3, {**products, (1, 1): {2: "2*epsilon"}})
+    assert texts.products == Extension.from_products(3, {**products, (1, 1): {2: 2 * sp.Symbol("epsilon")}}).products
+    assert texts.symbols == {"epsilon"}
+
+
 @pytest.mark.parametrize("n", [4, 10, 11, 12, 100])
 def test_no_component_of_a_numbered_field_is_named_like_another_field(n):
     """With x1 and x11 as fields, x11 would be the first component of x1, too."""

@@ -92,7 +92,7 @@ def test_zero_entries_are_not_stored():
         ([1], ShapeError, "must be a mapping; got list"),
         ({(0, 1): {2: "1+"}}, ParameterError, r"brackets\[0, 1\]\[2\]"),
         ({(0, 1): {2: sp.nan}}, ParameterError, r"finite real number"),
-        ({(0, 1): {2: True}}, ParameterError, r"number or a name"),
+        ({(0, 1): {2: True}}, ParameterError, r"a number, a name or a formula"),
     ],
 )
 def test_sparse_brackets_are_read_strictly(brackets, error, message):

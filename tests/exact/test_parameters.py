@@ -28,6 +28,9 @@ HARMFUL = ("9" * 300, "1e999999999", None, True, 1j, sp.nan, sp.oo, sp.I, [1], o
         (sp.Integer(4), Fraction(4)),
         (sp.Float("0.1"), Fraction(1, 10)),
         ("epsilon", sp.Symbol("epsilon")),
+        ("2*epsilon", 2 * sp.Symbol("epsilon")),
+        ("-m", -sp.Symbol("m")),
+        ("sqrt(2)*k*m/3", sp.sqrt(2) * sp.Symbol("k") * sp.Symbol("m") / 3),
         (sp.sqrt(2), sp.sqrt(2)),
     ],
 )
@@ -39,7 +42,21 @@ def test_parameters_are_read_exactly(given, read):
 
 @pytest.mark.parametrize(
     "bad",
-    [float("nan"), float("inf"), np.float64("-inf"), "nan", "inf", "1/0", "", "2*x", "__import__('os')", *HARMFUL],
+    [
+        float("nan"),
+        float("inf"),
+        np.float64("-inf"),
+        "nan",
+        "inf",
+        "1/0",
+        "",
+        "2*inf",
+        "-nan",
+        "2*sin",
+        "x[1]",
+        "__import__('os')",
+        *HARMFUL,
+    ],
 )
 def test_what_is_not_a_finite_number_or_name_is_refused(bad):
     with pytest.raises(ParameterError, match=r"^mass must be .*got"):
@@ -136,10 +153,10 @@ def test_a_symbolic_parameter_has_no_float_and_is_named():
     assert as_float(sp.sqrt(2), "a[0]") == np.sqrt(2)
 
 
-def test_a_formula_without_names_is_an_exact_number():
+def test_a_formula_is_exact():
     for text in ("sqrt(2)", "sqrt(2)/2", "pi", "exp(1)", "2*(1/3)", "-sqrt(3)"):
         assert read_parameter(text, "x") == sp.sympify(text)
     assert read_parameter("(1 + 2)/9", "x") == Fraction(1, 3)
-    for text in ("2*x", "sqrt(-1)", "sqrt(2", "dot(1, 2)", "abs(-1)"):
+    for text in ("2*sin", "sqrt(-1)", "sqrt(2", "dot(1, 2)", "abs(-1)"):
         with pytest.raises(ParameterError, match=r'Write for example .*"sqrt\(2\)"'):
             read_parameter(text, "x")

@@ -116,7 +116,7 @@ def test_methods_that_do_not_apply_say_what_does():
     x0 = lp.sample_states(manakov, 2, seed=1)
     with pytest.raises(ParameterError, match="which is for tops"):
         lp.integrate(manakov, x0, times=[0, 1], method=lp.Taylor(tol=1e-8, precision="mixed"))
-    with pytest.raises(ParameterError, match="give the System itself"):
+    with pytest.raises(ParameterError, match="give the system that the field is from, or try Taylor"):
         lp.integrate(manakov.field(), x0, times=[0, 1], method=lp.Splitting(step=0.1))
     with pytest.raises(ParameterError, match="wanted Splitting for a field given by its pieces"):
         lp.integrate(manakov.pieces(), x0, times=[0, 1], method=lp.Taylor())

@@ -12,6 +12,23 @@ from liepoisson.phase_space.surfaces import section_state
 
 TWISTED = lp.Top.twisted_kovalevskaya()
 SURFACE = lp.sections.good_surface(TWISTED)
+
+
+@pytest.mark.parametrize("a", [(-1, 0, 0), (0, 0, 1), ("3/5", 0, "4/5"), ("sqrt(2)", 0.5, 1)])
+def test_the_surface_is_written_out(a):
+    """No factor stands in brackets before a bracket, and the numbers of its crossings are those of the product."""
+    top = lp.Top(inertia=(1, 1, 2), a=a, epsilon=1)
+    text = lp.sections.good_surface(top)
+    assert "(1)*" not in text
+    assert "(-1)*" not in text
+    product = " + ".join(
+        f"({value})*(alpha{i}*beta{j} - alpha{j}*beta{i})"
+        for value, (i, j) in zip(a, ((2, 3), (3, 1), (1, 2)), strict=True)
+        if value != 0
+    )
+    assert top.function_tape(text) == top.function_tape(product)
+
+
 START = np.array([0.3, -0.5, 0.4, 0.6, 0.2, -0.3, 0.5, 0.1, 0.8])
 
 numbers = st.integers(-3, 3)

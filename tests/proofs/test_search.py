@@ -174,6 +174,25 @@ def test_other_levels_and_systems_fail_honestly():
         find_certificate(TOP, LEVEL, "1/2", radius=-1)
 
 
+@pytest.mark.thorough
+def test_loops_are_closed_by_changes_of_signs_where_components_may_be_exchanged():
+    """x and y may be exchanged here: half a loop between two reversers of which one does so is closed by no signs."""
+    coupled = lp.System(lp.canonical(names=("x", "y")), "(p_x^2 + p_y^2)/2 + (x^2 + y^2)/2 + 3*x^2*y^2")
+    assert any(one.permutation != (0, 1, 2, 3) for one in lp.systems.discrete_symmetries(coupled).reversers)
+    found = find_certificate(coupled, {}, 2, n_starts=20)
+    assert found.check.passes
+    assert sorted(found.chain.symmetry) != [1, 1, 1, 1]
+
+
+@pytest.mark.thorough
+def test_what_is_in_the_way_of_a_certificate_is_named():
+    """The loop is found, and its manifolds meet; the norms of the sets do not grow enough."""
+    weakly = lp.System(lp.canonical(names=("x", "y")), "(p_x^2 + p_y^2)/2 + (x^2 + y^2)/2 + x^2*y^2/10")
+    with pytest.raises(OrbitError, match=r"manifolds at [0-9.e-]+ rad: covering \S+, stable .*small angles") as caught:
+        find_certificate(weakly, {}, 5, n_starts=3)
+    assert "exchanges" not in str(caught.value)
+
+
 def test_sets_own_their_numbers():
     center = np.zeros(3)
     one = HSet("a", center, np.eye(3))

@@ -208,3 +208,16 @@ def test_no_scheduler_is_an_error():
         sweep(**SPEC, scheduler=f"tcp://127.0.0.1:{free_port()}", patience=1.0)
     with pytest.raises(SweepError, match="no scheduler answers"):
         sweep(**SPEC, scheduler="bogus://x", patience=1.0)
+
+
+def test_processes_say_nothing_on_the_way(tmp_path):
+    """What Dask logs of its own processes is no message to the user."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import liepoisson as lp\n"
+        "if __name__ == '__main__':\n"
+        "    lp.sweep(system='heavy-top', axes={'a3': [0, 1]}, n_starts=2, t_end=5, processes=2)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120, check=True)
+    assert done.stdout + done.stderr == ""
+    assert "DASK_DISTRIBUTED__LOGGING__DISTRIBUTED" not in os.environ

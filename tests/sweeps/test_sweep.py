@@ -225,7 +225,7 @@ def test_refinement_in_two_dimensions_halves_the_cells_that_differ():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"axes": None}, "axes: wanted one or two"),
+        ({"axes": None}, "axes: wanted a sequence of one or two"),
         ({"store": 3}, "store: wanted the path"),
         ({"scheduler": 3}, "scheduler: wanted an address"),
         ({"patience": "x"}, "patience: wanted"),

@@ -80,7 +80,10 @@ def path(name: str) -> Path:
     """
     if name in names():
         return _FOLDER / f"{name}.toml"
-    hint = did_you_mean(name, names()) or "Try one of these, or the path of a file. "
+    hint = (
+        did_you_mean(name, names())
+        or "Try one of these; a file is read by lp.read_system(path), or by its path in a command. "
+    )
     raise UnknownNameError(f"there is no system {name!r} in the catalog. {hint}Known: {', '.join(names())}.")
 
 

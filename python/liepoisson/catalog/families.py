@@ -476,7 +476,8 @@ def _top(
     n, fields = bracket.algebra.dimension, list(bracket.fields.values())
     if len(vectors) >= len(fields):
         raise ShapeError(
-            f"vectors must be at most {len(fields) - 1}, one per field after the first; got {len(vectors)}"
+            f"vectors must be at most {len(fields) - 1}, one per field after the first; got {len(vectors)}. Leave out "
+            "the others."
         )
     moments = _numbers(inertia, n, "inertia")
     _check_divisors(moments, "moments of inertia")

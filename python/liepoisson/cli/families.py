@@ -12,6 +12,7 @@ from liepoisson.cli.integrals import FORMAT_HELP, ON_HELP
 from liepoisson.cli.limits import check_limits
 from liepoisson.cli.progress import QuietOption, progress_bar
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_file, with_settings, with_symbols
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from liepoisson.integrability.families import IntegrableFamilies, ParameterCase
@@ -45,7 +46,14 @@ def families(
     from liepoisson.integrability.families import integrable_families
 
     check_limits(seed=0, time_limit=time_limit)
-    chosen = with_symbols(with_settings(read_file(system), settings or ()), free or ()).system()
+    file = with_symbols(with_settings(read_file(system), settings or ()), free or ())
+    if not file.symbols:
+        known = ", ".join(name for name in file.parameters if len(file.scope.shapes[name]) < 2)
+        raise ParameterError(
+            f"{file.name} must have parameters without a value, which are searched; all have one. "
+            + (f"Name some of {known} with --free." if known else "Its integrals are found by liepoisson integrals.")
+        )
+    chosen = file.system()
     with progress_bar(quiet=quiet) as bar:
         listen = None if bar is None else (lambda done: bar("splitting", done, 1.0))
         found = integrable_families(

@@ -75,13 +75,19 @@ def _searched(system: System, level: Sequence[str], **options: Any) -> Any:
 
     if level:
         values = assignments(split_at_commas(level), "--level", "--level H=1/2,C1=1", "constant of motion")
-        if "H" not in values:
-            raise ParameterError("--level: wanted the value of H, too; add --level H=1/2")
+        missing = [name for name in ("H", *system.functions.casimirs) if name not in values]
+        if missing:
+            added = ",".join(f"{name}=1" for name in missing)
+            raise ParameterError(
+                f"--level: wanted the values of H and all Casimirs; got none of {', '.join(missing)}; add for example "
+                f"--level {added}"
+            )
     elif has_shipped_certificate(system):
         values = {name: str(value) for name, value in shipped_certificate(system).level.items()}
     else:
+        example = ",".join(f"{name}=1" for name in ("H", *system.functions.casimirs))
         raise ParameterError(
-            f"--search: wanted a level of {system.name}; name the values of H and all Casimirs, as in --level H=1,C1=1"
+            f"--search: wanted a level of {system.name}; name the values of H and all Casimirs, as in --level {example}"
         )
     energy = values.pop("H")
     return find_certificate(system, values, energy, **options)

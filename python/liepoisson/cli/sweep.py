@@ -53,10 +53,16 @@ def sweep(
     Results are kept piece by piece: a sweep that was interrupted goes on when the same command is given again.  The
     exit code is 1 if a part could not be computed, or if there is a system at no point.
     """
+    from liepoisson.catalog import names
     from liepoisson.sweeps.run import sweep as run
     from liepoisson.sweeps.spec_file import read_sweep_file
     from liepoisson.sweeps.tasks import NO_SYSTEM
 
+    if file in names() and not Path(file).exists():
+        raise ParameterError(
+            f"FILE: wanted a sweep file; got the name of a system. Write a file that names it, system = {file!r}, with "
+            "axes and t_end; or call lp.sweep(system=...) in Python."
+        )
     if store is not None and not store.strip():  # it would be the working folder
         raise ParameterError(
             f"--store must name a folder; got {store!r}. Leave it out for the folder beside FILE, or give its name."

@@ -59,7 +59,7 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
     """
     title, given = file.name, set[str]()
     for setting in settings:
-        name, value = _read_setting(setting)
+        name, value = _read_setting(setting, file)
         if name in given:
             raise ParameterError(f"--set must give each parameter once; {name} comes twice. Remove one.")
         given.add(name)
@@ -82,10 +82,10 @@ def with_symbols(file: SystemFile, names: Sequence[str]) -> SystemFile:
     for name in names:
         shape = file.scope.shapes.get(name, ())
         if name not in values or len(shape) > 1:
-            known = ", ".join(known for known in values if len(file.scope.shapes[known]) < 2) or "none"
+            known = [known for known in values if len(file.scope.shapes[known]) < 2]
             raise ParameterError(
                 f"--free must name a parameter of {file.name!r} that has a value; got {name!r:.60}. "
-                f"{did_you_mean(name, values)}Known: {known}."
+                f"{did_you_mean(name, known)}Known: {', '.join(known) or 'none'}."
             )
         del values[name]
         declared.append(f"{name}[{shape[0]}]" if shape else name)
@@ -102,12 +102,15 @@ def setting_words(settings: Sequence[str]) -> str:
     return "".join(words)
 
 
-def _read_setting(setting: str) -> tuple[str, Value]:
+def _read_setting(setting: str, file: SystemFile) -> tuple[str, Value]:
     from liepoisson.exact.expression import constant
 
     name, sign, text = (part.strip() for part in setting.partition("="))
     if not (name and sign and text):
-        raise ParameterError(f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write --set epsilon=1.")
+        known = {key: shape for key, shape in file.scope.shapes.items() if key not in file.scope.scalars}
+        meant = name if name in known else next(iter(known), "")
+        hint = _example(meant, known[meant]) if meant else f"{file.name} has no parameters: leave it out."
+        raise ParameterError(f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. {hint}")
     is_vector = "," in text or text.startswith("[")
     items = text.removeprefix("[").removesuffix("]").split(",") if is_vector else [text]
     try:
@@ -115,3 +118,9 @@ def _read_setting(setting: str) -> tuple[str, Value]:
     except ExpressionError as error:
         raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error.within_formula()}") from error
     return name, numbers if is_vector else numbers[0]
+
+
+def _example(name: str, shape: tuple[int, ...]) -> str:
+    if len(shape) > 1:
+        return "Write the matrix into a system file."
+    return f"Write for example --set {name}={','.join(['1'] * (shape[0] if shape else 1))}."

@@ -24,6 +24,7 @@ from liepoisson.exact.parameters import (
     read_parameter,
     substituted,
     symbols_of,
+    to_sympy,
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
@@ -97,7 +98,7 @@ class Bracket:
         check: bool = True,
     ) -> None:
         _check_type(algebra, LieAlgebra, "algebra", "so(3)")
-        _check_type(extension, Extension, "extension", "leibniz(3, epsilon)")
+        _check_type(extension, Extension, "extension", 'leibniz(3, "epsilon")')
         self.algebra = algebra
         self.extension = extension if field_names is None else _renamed(extension, field_names)
         names = self.coordinate_names
@@ -161,7 +162,7 @@ class Bracket:
         )
         return Bracket(algebra, self.extension, constant=constant, name=f"{self!r}, frozen")
 
-    def coboundary(self) -> tuple[Exact, ...] | None:
+    def coboundary(self) -> tuple[Expr, ...] | None:
         r"""A point $\xi$ with $c_{ij} = \sum_m c_{ij}{}^m \xi_m$, shape (N,), or None if there is none.
 
         The constant part is then removed by the translation $x \mapsto x + \xi$; on a semisimple algebra there always
@@ -169,7 +170,8 @@ class Bracket:
         """
         from liepoisson.exact.poisson.poisson_tensor import potential_of_constant_part
 
-        return potential_of_constant_part(self.tensor)
+        found = potential_of_constant_part(self.tensor)
+        return None if found is None else tuple(to_sympy(value) for value in found)
 
     def rename(self, *field_names: str) -> Bracket:
         """The same bracket with other names for its fields: `(so(3) @ leibniz(2)).rename("m", "p")`.

@@ -27,7 +27,7 @@ def read_constant(
     entries: Any = {} if given is None else given
     if not isinstance(entries, Mapping):
         raise ParameterError(
-            f'constant must be a mapping from pairs of coordinates; got {entries!r:.60}. Write {{("l1", "l2"): "k"}}.'
+            f"constant must be a mapping from pairs of coordinates; got {entries!r:.60}. Write {_example(names)}."
         )
     found: dict[tuple[int, int], Exact] = {}
     for pair, value in cast("Mapping[Any, Any]", entries).items():
@@ -43,11 +43,15 @@ def read_constant(
     return {pair: value for pair, value in sorted(found.items()) if not is_zero(value)}
 
 
+def _example(names: Sequence[str]) -> str:
+    return f'{{("{names[0]}", "{names[1 % len(names)]}"): "k"}}'
+
+
 def _read_pair(pair: object, names: Sequence[str]) -> tuple[int, int]:
     """The numbers of two coordinates."""
     if not isinstance(pair, tuple) or len(cast("tuple[object, ...]", pair)) != 2:
         raise ParameterError(
-            f'the constant part is given by pairs of coordinates; got {pair!r:.60}. Write {{("l1", "l2"): "k"}}.'
+            f"the constant part is given by pairs of coordinates; got {pair!r:.60}. Write {_example(names)}."
         )
     first, second = (_read_coordinate(one, names) for one in cast("tuple[object, ...]", pair))
     return first, second

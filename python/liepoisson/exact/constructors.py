@@ -68,7 +68,8 @@ def _read(text: str, registry: _Registry[T], symbols: Sequence[str]) -> T:
     terms = tree.children if isinstance(tree, Sum) else (tree,)
     if isinstance(tree, Sum) and "-" in tree.signs:
         position = tree.positions[tree.signs.index("-")]
-        raise ExpressionError(f"a direct sum is written with +; got '-'. Write {registry.example}", text, position)
+        message = f"a direct sum is written with +; got '-'. Write {registry.example} + {registry.example}"
+        raise ExpressionError(message, text, position)
     scope = Scope(symbols=symbols)
     built = [_build(term, text, registry, scope) for term in terms]
     total: Any = built[0]

@@ -44,7 +44,7 @@ from liepoisson.exact.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
-from liepoisson.exact.names import ANGLE, CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
+from liepoisson.exact.names import ANGLE, CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS, NOT_FINITE
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
@@ -74,6 +74,7 @@ _NO_CONSTANTS = {
     "oo": "Formulas are finite",
     "inf": "Formulas are finite",
     "i": "Formulas are real",
+    "I": "Formulas are real",
     "j": "Formulas are real",
 }
 
@@ -147,6 +148,19 @@ def constant(text: str) -> Exact:
         ExpressionError: as in `read_formula`.
     """
     return evaluate(parse(text), text, Scope())
+
+
+def parameter(text: str) -> Exact:
+    """What a text stands for in which every name is that of a symbol: "sqrt(2)/2", "2*epsilon", "k*m".
+
+    Raises:
+        ExpressionError: as in `read_formula`.
+        ParameterError: a name is too long.
+    """
+    tree = parse(text)
+    taken = {*CONSTANTS, *FUNCTIONS}
+    symbols = [name for name in names_in(tree) if name not in taken and name.lower() not in NOT_FINITE]
+    return evaluate(tree, text, Scope(symbols=symbols))
 
 
 def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:
@@ -322,9 +336,10 @@ class Reader:
         whole = parts[0]
         shape = shape_of(whole)
         if len(shape) != len(node.indices):
-            hint = f"one with {len(shape)}" if shape else "nothing of the kind"
+            hint = f"Write {len(shape)} of them" if shape else "Leave it out"
             raise RefusedError(
-                f"a vector has components with one index and a matrix with two; got {kind_of(whole)}, which has {hint}"
+                f"a vector has components with one index and a matrix with two; got {len(node.indices)} for "
+                f"{kind_of(whole)}. {hint}"
             )
         if any(i > n for i, n in zip(node.indices, shape, strict=True)):
             raise RefusedError(f"an index must not exceed the shape; got {list(node.indices)} for {kind_of(whole)}")

@@ -19,7 +19,7 @@ Hamiltonian: TypeAlias = "str | Expr | Callable[..., Expr]"
 """Text in our grammar, an expression in `bracket.variables`, or a function of the field vectors (SymPy columns)."""
 
 
-def check_hamiltonian(hamiltonian: object) -> None:
+def check_hamiltonian(hamiltonian: object, bracket: Bracket) -> None:
     """Refuse what is neither text nor an expression nor a function.
 
     Raises:
@@ -27,9 +27,10 @@ def check_hamiltonian(hamiltonian: object) -> None:
     """
     if not (isinstance(hamiltonian, str) or callable(hamiltonian) or is_expression(hamiltonian)):
         raise ParameterError(
-            "the Hamiltonian must be a text such as 'dot(l, l)/2', a SymPy expression in bracket.variables or a Python "
-            f"function of the field vectors; got {hamiltonian!r} of type {type(hamiltonian).__name__}. "
-            "Write for example lambda l, alpha, beta: l.dot(l) / 2 + alpha[2]."
+            "the Hamiltonian must be a text, a SymPy expression in bracket.variables or a Python function of the field "
+            f"vectors; got {hamiltonian!r:.60} of type {type(hamiltonian).__name__}. Write for example "
+            f"'{bracket.coordinate_names_in_order[0]}^2/2', or lambda {', '.join(bracket.field_names)}: "
+            f"{bracket.field_names[0]}.dot({bracket.field_names[0]}) / 2."
         )
 
 
@@ -59,14 +60,16 @@ def read_functions(functions: Mapping[str, str | Expr] | None, what: str) -> dic
     given = cast("Any", {} if functions is None else functions)
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
         raise ParameterError(
-            f'{what} must be a mapping from names to functions; got {given!r:.60}. Write {{"K": "l3"}}.'
+            f'{what} must be a mapping from names to functions; got {given!r:.60}. Write {{"K": "..."}} with a formula.'
         )
     for name, function in cast("Mapping[str, Any]", given).items():
         check_title(name, f"{what}: a name")
         if RESERVED_NAME.fullmatch(name):
             raise ParameterError(f"{what} must not be named H, C1, C2, ...; got {name!r}. Choose another name.")
         if not isinstance(function, str) and not is_expression(function):
-            raise ParameterError(f'{what}: {name} must be a text or an expression; got {function!r:.60}. Write "l3^2".')
+            raise ParameterError(
+                f"{what}: {name} must be a text or an expression; got {function!r:.60}. Write a formula."
+            )
     return dict(cast("Mapping[str, Any]", given))
 
 

@@ -346,7 +346,7 @@ def _check_basis_names(names: tuple[str, ...]) -> None:
         if not _NAME_PART.fullmatch(name):
             raise ParameterError(
                 f"a basis name must be 1 to 100 letters, digits and _; got {name!r:.60}, so that no formula could name "
-                'the coordinate. Write for example basis_names=["1", "2", "3"].'
+                f"the coordinate. Write for example basis_names={[str(i + 1) for i in range(len(names))]}."
             )
     if (k := _misplaced(names)) is not None:
         raise ParameterError(

@@ -21,6 +21,8 @@ ANGLE = "atan2"
 """The angle of a pair, which jumps: for functions of sections and figures, not for Hamiltonians."""
 FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS, ANGLE)
 CONSTANTS = ("pi",)
+NOT_FINITE = frozenset({"nan", "inf", "infinity"})
+"""What others write for no number, in small letters: never a symbol where a number is read."""
 
 GREEK = (
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",

@@ -15,7 +15,7 @@ from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
-from liepoisson.exact.names import CONSTANTS, check_name, check_not_reserved
+from liepoisson.exact.names import CONSTANTS, NOT_FINITE, check_name, check_not_reserved
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -41,8 +41,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 def read_parameter(value: object, name: str) -> Exact:
     """Read one parameter exactly.
 
-    A float is read as the decimal it prints as (0.1 is 1/10); a string is a number ("1/3", "0.25", "sqrt(2)/2") or an
-    identifier, which stays symbolic.  No string is ever evaluated as code.
+    A float is read as the decimal it prints as (0.1 is 1/10); a string is a number ("1/3", "0.25", "sqrt(2)/2"), an
+    identifier, which stays symbolic, or a formula in such ("2*epsilon").  No string is ever evaluated as code.
 
     Args:
         value: int, Fraction, float, NumPy scalar, string or SymPy expression.
@@ -76,7 +76,7 @@ def read_symbol(value: object, name: str) -> str | None:
         ParameterError: a user may not choose this name.
     """
     text = value.strip() if isinstance(value, str) else ""
-    if not _NAME.fullmatch(text) or text.lower() in {"nan", "inf", "infinity"} or text in CONSTANTS:
+    if not _NAME.fullmatch(text) or text.lower() in NOT_FINITE or text in CONSTANTS:
         return None
     return check_name(text, f"{name}: the name of a symbol")
 
@@ -253,19 +253,19 @@ def _read_string(text: str, name: str) -> Exact:
     if len(stripped) > _MAX_CHARACTERS:
         raise _not_a_parameter(text, name)
     if not _NUMBER.fullmatch(stripped):
-        return _read_constant(stripped, name)
+        return _read_formula(stripped, name)
     try:
         return Fraction(stripped)
     except ZeroDivisionError:
         raise ParameterError(f"{name} must be a finite number; got {text!r}. Use a nonzero denominator.") from None
 
 
-def _read_constant(text: str, name: str) -> Exact:
-    """A formula without names, such as "sqrt(2)"."""
-    from liepoisson.exact.expression import constant
+def _read_formula(text: str, name: str) -> Exact:
+    """A formula whose names are those of symbols: "sqrt(2)", "2*epsilon"."""
+    from liepoisson.exact.expression import parameter
 
     try:
-        return constant(text)
+        return parameter(text)
     except ExpressionError as error:
         raise _not_a_parameter(text, name, error.message) from None
 
@@ -309,9 +309,9 @@ def _not_a_parameter(value: object, name: str, reason: str = "") -> ParameterErr
     shown = repr(value)
     shown = shown if len(shown) <= 60 else shown[:57] + "..."
     return ParameterError(
-        f"{name} must be a number or a name; got {shown} of type {type(value).__name__}"
+        f"{name} must be a number, a name or a formula; got {shown} of type {type(value).__name__}"
         f"{f' ({reason})' if reason else ''}. "
-        'Write for example 2, 0.5, Fraction(1, 3), "1/3", "sqrt(2)" or "epsilon".'
+        'Write for example 2, 0.5, Fraction(1, 3), "1/3", "sqrt(2)", "epsilon" or "2*epsilon".'
     )
 
 

@@ -20,6 +20,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.names import ANGLE
 from liepoisson.exact.private_symbols import evaluated, first_of_equal
 from liepoisson.exact.rational_polynomials import expression_of, values_of
+from liepoisson.portable import elementary
 
 if TYPE_CHECKING:
     from flint import arb
@@ -117,7 +118,7 @@ class PhaseFunction:
             return values_of([self._polynomial], self._states(states))[..., 0]
         if self._pair is not None:
             y, x = np.moveaxis(values_of(self._pair, self._states(states)), -1, 0)
-            return np.arctan2(y, x)
+            return elementary.arctan2(y, x)
         if self._traces is not None:
             return self._traces.value(self._states(states))
         return self._evaluate(self._values, states, ())

@@ -124,7 +124,7 @@ class System:
     ) -> None:
         if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise not_a("a Bracket", bracket, "bracket", _bracket_hint(bracket))
-        check_hamiltonian(hamiltonian)
+        check_hamiltonian(hamiltonian, bracket)
         self._given_hamiltonian = hamiltonian
         self._given_symbols = read_declarations(symbols)
         self._given_integrals = read_functions(integrals, "integrals")
@@ -455,8 +455,8 @@ class System:
         if not isinstance(given, str):
             if not is_expression(given):
                 raise ParameterError(
-                    f"a function on phase space must be a text such as 'l1 - 1/2', a SymPy expression or a "
-                    f"PhaseFunction; got {given!r:.60}."
+                    f"a function on phase space must be a text such as '{self.component_names[0]} - 1/2', a SymPy "
+                    f"expression or a PhaseFunction; got {given!r:.60}."
                 )
             return self._function(given)
         try:
@@ -598,9 +598,10 @@ class System:
 
     def _check_that_parameters_occur(self) -> None:
         known = self.symbolic_bracket.symbols | {str(symbol) for symbol in self.symbolic_hamiltonian.free_symbols}
+        known -= set(self.component_names)
         for name, value in self.values.items():
             if not known & set(flattened({name: value})):
                 raise ParameterError(
                     f"a parameter must occur in the bracket or in the Hamiltonian; {name!r} occurs in neither. "
-                    f"Known there: {', '.join(sorted(known))}."
+                    + (f"Known there: {', '.join(sorted(known))}." if known else "Leave it out.")
                 )

@@ -15,7 +15,7 @@ from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, P
 from liepoisson.files import write_atomically
 from liepoisson.formats import another_format
 from liepoisson.integrability import checker
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -90,6 +90,8 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
         ParameterError: it proves nothing; the message says what fails.
         OutputError: the file cannot be written, or its name does not end in .json.
     """
+    if not isinstance(data, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a("a certificate", data, "data", "try what certificate(...) returns, or report.certificate")
     path = Path(path)
     if wrong := checker.fault(data):
         raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")

@@ -279,7 +279,7 @@ def _asked(
             fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
             raise ParameterError(
                 f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
-                f"with {size:,}. Search by weight, or on a level"
+                f"with {size:,}. Take degree={fits}, or search by weight where the equations are homogeneous"
             )
         return chain.from_iterable(of_degree(n, k) for k in range(d + 1)), size, ()
     if degree is not None:

@@ -323,7 +323,8 @@ def check_parameters(system: System, derivation: Derivation, caller: str) -> Non
     if not symbols or not all(s.is_Symbol for s in symbols) or not (ring.is_QQ or ring.is_ZZ):
         raise ParameterError(
             f"{caller}: wanted a system with symbols for parameters and rational numbers; got "
-            f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}"
+            f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}; leave parameters without values, "
+            "symbols=[...], or call first_integrals"
         )
 
 

@@ -139,7 +139,7 @@ def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
         if level.remainder(derivation(zero)):
             raise ParameterError(
                 f"on: wanted a level set that orbits do not leave; got {derivation.expression(zero)} = 0, which is not "
-                "invariant. Write for example a Casimir equal to a number"
+                "invariant. Write a constant of the motion equal to a number, such as H = 1"
             )
     return level
 

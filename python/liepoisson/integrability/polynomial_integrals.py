@@ -204,6 +204,8 @@ def first_integrals(
     if known is not None:
         given = {check_title(name, "known: the name of an integral"): system.expression(f) for name, f in known.items()}
     zeros = zeros_on_level(system, on)
+    if weight is None and degree is not None:  # before anything is written out
+        _n_up_to(len(system.variables), as_count(degree, "degree", least=1))
     used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
     slopes: list[Expr] = []
@@ -336,13 +338,7 @@ def _asked(
     n = len(derivation.variables)
     if weight is None:
         d = 2 if degree is None else as_count(degree, "degree", least=1)
-        size = n_monomials(n, d) - 1
-        if size > MOST_MONOMIALS:
-            fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
-            raise ParameterError(
-                f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
-                f"with {size:,}. Search by weight, or on a level"
-            )
+        size = _n_up_to(n, d)
         return chain.from_iterable(of_degree(n, k) for k in range(1, d + 1)), size, ()
     if degree is not None:
         raise ParameterError(f"wanted a degree or a weight; got both, {degree} and {weight}; leave one out")
@@ -360,6 +356,22 @@ def _asked(
             f"{'' if size is None else f', with {size:,}'}; take a smaller weight"
         )
     return of_weight(grading.weights, w), size, grading.weights
+
+
+def _n_up_to(n: int, degree: int) -> int:
+    """How many monomials of n coordinates have at most this degree, without 1.
+
+    Raises:
+        ParameterError: more than are searched.
+    """
+    size = n_monomials(n, degree) - 1
+    if size > MOST_MONOMIALS:
+        fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
+        raise ParameterError(
+            f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {degree}, "
+            f"with {size:,}. Take degree={fits}, or search by weight where the equations are homogeneous"
+        )
+    return size
 
 
 def tidied(polynomial: Polynomial) -> Polynomial:

@@ -109,7 +109,7 @@ def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | N
         return page_of(shown.system, result=shown, trajectory=trajectory), shown.system
     if isinstance(shown, type) or not callable(getattr(shown, "field", None)):
         kind = type(shown).__name__
-        of = "its `.system`" if hasattr(shown, "system") else "lp.Top, lp.System or lp.catalog.system"
+        of = "its `.system`" if hasattr(shown, "system") else "lp.Top(...), lp.System(...) or lp.catalog.system(...)"
         raise ParameterError(
             f"what can be viewed is a system, a top, an orbit, a section, a rod or a sweep; got {kind!r:.40}. "
             f"View {of} instead."

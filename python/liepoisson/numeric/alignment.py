@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
@@ -23,7 +22,7 @@ from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.portable import elementary, linear
 from liepoisson.result import labelled
-from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
 from liepoisson.wrong_values import shown
 
 Within: TypeAlias = Literal["space", "leaf", "energy"]
@@ -336,9 +335,7 @@ def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
     if (t_end is None) == (times is None):
         raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
     if times is None:
-        end = as_positive_time(t_end, "t_end")
-        if end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1000")
+        end = as_time(t_end, "t_end", example=1000)
         wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted
@@ -362,11 +359,3 @@ def bound_memory(size: int, n_samples: int, n_trajectories: int) -> None:
             f"n_samples={n_samples} of {n_trajectories} trajectories; take fewer samples, or fewer trajectories at a "
             "time"
         )
-
-
-def as_positive_time(value: Any, name: str) -> float:
-    """A time, positive and finite, as a plain float."""
-    time = as_number(value, name, "a positive finite time")
-    if not 0.0 < time < np.inf:
-        raise ParameterError(f"{name}: wanted a positive finite time; got {time}; try {name}=1000")
-    return time

@@ -22,14 +22,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
-from liepoisson.numeric.alignment import as_positive_time
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.portable import elementary
-from liepoisson.scalars import TIME_LIMIT, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_time, as_time_limit
 
 _LEAST_SAMPLES, _MOST_DOUBLINGS = 4096, 4
 _PART = 0.6
@@ -80,7 +79,7 @@ def average_drift(
     """
     method = as_method(method, Taylor(tol=1e-13))
     states = as_starts(system, starts, as_field(system).n_components)
-    end, deadline = as_positive_time(t_end, "t_end"), clock.monotonic() + as_time_limit(time_limit)
+    end, deadline = as_time(t_end, "t_end", example=1000), clock.monotonic() + as_time_limit(time_limit)
     drift, outcome = np.full(len(states), np.nan), np.full(len(states), "not finite", dtype="<U16")
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     lengths = np.broadcast_to(np.asarray(natural_time, np.float64), len(states))

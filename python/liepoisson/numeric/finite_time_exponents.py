@@ -22,11 +22,9 @@ from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field, core_fields
 from liepoisson.portable import elementary
 from liepoisson.result import labelled
-from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_threads, as_time, as_time_limit
 
 N_TIMES = 200
-LEAST_TIME = 1e-300
-"""Shortest time of a run: a thousandth of it is still a normal double."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,11 +228,7 @@ def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
     if (t_end is None) == (times is None):
         raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
     if times is None:
-        end = as_number(t_end, "t_end", "a positive finite time")
-        if not 0.0 < end < np.inf:
-            raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent needs t_end > 0")
-        if end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1000")
+        end = as_time(t_end, "t_end", example=1000)
         wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.alignment import as_positive_time, bound_memory
+from liepoisson.numeric.alignment import bound_memory
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
@@ -22,7 +22,7 @@ from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
 from liepoisson.portable import elementary, linear
 from liepoisson.result import labelled, recorded
-from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time, as_time_limit
 from liepoisson.wrong_values import shown
 
 Signal: TypeAlias = NDArray[np.complex128]
@@ -178,7 +178,7 @@ def frequency_drift(
     """
     method = as_method(method, Taylor(tol=1e-13))
     n = as_field(system).n_components
-    states, window = as_starts(system, starts, n), as_positive_time(t_end, "t_end") / 2
+    states, window = as_starts(system, starts, n), as_time(t_end, "t_end", example=1000) / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
     at_once = min(_CHUNK, len(states))
     bound_memory((_STATE_BYTES * n + _SIGNAL_BYTES) * samples * (at_once + 1), samples, at_once)
@@ -327,7 +327,7 @@ def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Arr
     if len(texts) not in (1, 2) or not all(isinstance(text, str) for text in texts):
         raise ParameterError(
             f"observable: wanted one name or formula, two for real and imaginary part, or a function; got "
-            f'{shown(observable)}; try ("beta1", "beta2")'
+            f'{shown(observable)}; try "{component_names(system, n)[-1]}"'
         )
     names = component_names(system, n)
     parts = [_real_part(system, names, text) for text in texts]

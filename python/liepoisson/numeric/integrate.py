@@ -21,7 +21,7 @@ from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled, pieces
-from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time, as_time_limit
 
 _N_TIMES = 1001
 """Times of a run of which only the end is given."""
@@ -114,9 +114,12 @@ class Orbit(IntegratedRun, KeepsInvariants):
             raise ParameterError("go_on: wanted times or t_end; got both or neither; try t_end=200")
         if times is None:
             end = as_number(t_end, "t_end", "a finite time")
-            if not np.isfinite(end) or end == last:
-                raise ParameterError(f"t_end: wanted a finite time beyond {last:g}; got {end:g}")
-            onward = np.linspace(last, end, len(self.time))
+            onward = np.linspace(last, end, len(self.time)) if np.isfinite(end) else np.zeros(2)
+            if (np.diff(onward) == 0).any():
+                raise ParameterError(
+                    f"t_end: wanted a finite time beyond {last:g}, with room for {len(self.time)} times; got {end:g}; "
+                    f"try t_end={2 * last - float(self.time[0]):g}"
+                )
         else:
             onward = np.atleast_1d(as_array(times, "times"))
             onward = onward if onward.size and onward[0] == last else np.concatenate([[last], onward])
@@ -306,10 +309,7 @@ def _as_orbit_times(times: ArrayLike | None, t_end: float | None) -> Array:
     if times is None:
         if t_end is None:
             raise ParameterError("times: wanted times or t_end; got neither; try t_end=100")
-        end = as_number(t_end, "t_end", "a finite time")
-        if not np.isfinite(end) or end == 0.0:
-            raise ParameterError(f"t_end: wanted a finite time that is not 0; got {end:g}; try 100")
-        return np.linspace(0.0, end, _N_TIMES)
+        return np.linspace(0.0, as_time(t_end, "t_end", example=100, forwards=False), _N_TIMES)
     wanted = as_array(times, "times")
     return as_times(np.array([0.0, float(wanted)]) if wanted.ndim == 0 else wanted, "times", least=2)
 

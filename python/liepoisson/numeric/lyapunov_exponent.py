@@ -345,10 +345,12 @@ def _as_plan(
         block = min(natural_duration(BLOCK, scale, fastest=True, otherwise=most), most)
         if t_end is None:
             longest = block * math.ceil(longest / block)
-    n_blocks = n_intervals(longest, as_duration(block, "block"), names=("t_end", "block"))
+    else:
+        block = as_duration(block, "block")
+    n_blocks = n_intervals(longest, block, names=("t_end", "block"))
     if n_blocks < _LEAST_BLOCKS:
         raise ParameterError(
-            f"t_end: wanted at least {_LEAST_BLOCKS} blocks, or there is no error to tell; got t_end={longest:g} with "
+            f"t_end: wanted at least {_LEAST_BLOCKS} blocks, as fewer give no error; got t_end={longest:g} with "
             f"block={block:g}; try block={longest / 100:g}"
         )
     return wanted, n_blocks, longest / n_blocks

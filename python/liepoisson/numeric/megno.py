@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
-from liepoisson.numeric.alignment import as_positive_time, bound_memory
+from liepoisson.numeric.alignment import bound_memory
 from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
@@ -22,7 +22,7 @@ from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.result import labelled
-from liepoisson.scalars import TIME_LIMIT, as_count, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
 
 _N_TIMES = 200
 # Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
@@ -149,7 +149,7 @@ def megno(
     """
     method = as_method(method, Taylor(tol=1e-13))
     states = as_starts(system, starts, as_field(system).n_components)
-    end = as_positive_time(t_end, "t_end")
+    end = as_time(t_end, "t_end", example=1000)
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
     seed, first = as_seed(seed), as_first(first, len(states))
     vectors = sample_tangents(states.shape[1], len(states), seed=seed, first=first) if tangents is None else tangents

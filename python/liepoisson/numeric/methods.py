@@ -388,12 +388,14 @@ def field_for(system: Any, field: Field, method: Method) -> Field:
             )
         return _with_precision(field, method)
     if isinstance(method, LagrangeMap) and not (isinstance(field, TopField) and _is_lagrange(field)):
-        raise ParameterError(f"method: LagrangeMap {_NOT_LAGRANGE}; got another field; try Splitting")
+        instead = "Splitting(step=0.1)" if isinstance(field, TopField) else "Taylor()"
+        raise ParameterError(f"method: LagrangeMap {_NOT_LAGRANGE}; got another field; try {instead}")
     if isinstance(method, Splitting) and not isinstance(field, TopField):
         if not has_pieces(system):
             raise ParameterError(
-                f"method: wanted a system whose Hamiltonian is a sum of pieces with known flows; got a {field.name}, "
-                "which does not tell its pieces; give the System itself, or use Taylor()"
+                f"method: Splitting wants the pieces of a Hamiltonian; {shown(system.name)} is integrated as a "
+                f"{field.name} of {field.n_components} components, which has none; "
+                + ("give the system that the field is from, or try Taylor()" if system is field else "try Taylor()")
             )
         return _with_precision(system.pieces(), method)
     return _with_precision(field, method)

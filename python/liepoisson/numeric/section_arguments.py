@@ -12,7 +12,7 @@ from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
-from liepoisson.scalars import as_number
+from liepoisson.scalars import as_time
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ def as_formula(given: Any, what: str) -> str | Expr:
     formula = given if isinstance(given, str) else getattr(given, "expression", given)
     if not isinstance(formula, str) and not (hasattr(formula, "free_symbols") and hasattr(formula, "diff")):
         raise ParameterError(
-            f'{what}: wanted a function of the state; got {shown(given)}; try a text such as "l3", or an expression in '
-            "System.variables"
+            f"{what}: wanted a function of the state; got {shown(given)}; try the name of a component as a text, or an "
+            "expression in system.variables"
         )
     return formula
 
@@ -63,17 +63,20 @@ def check_that_it_varies(system: Any, surface: str | Expr) -> None:
         return
     if system.is_casimir(surface):
         occurs = system.expression(surface).free_symbols
+        names = component_names(system, len(system.variables))
+        moves = next((name for name in names if not system.is_casimir(name)), names[0])
         kind = "its bracket with every component is zero" if occurs else "no component occurs in it"
         raise ParameterError(
             f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
-            f'leaf: {kind}; try a component such as "{component_names(system, len(system.variables))[0]}"'
+            f'leaf: {kind}; try a component such as "{moves}"'
         )
 
 
 def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:
     """Surface function and kept functions as data, and the names of the latter; None for whole states."""
     if keep is not None and (isinstance(keep, str) or not hasattr(keep, "__len__") or not len(keep)):
-        raise ParameterError(f'keep: wanted a sequence of functions such as ("l3", "alpha1"); got {shown(keep)}')
+        hint = f"try [{shown(keep)}]" if isinstance(keep, str) and keep else "leave it out for whole states"
+        raise ParameterError(f"keep: wanted a sequence of functions; got {shown(keep)}; {hint}")
     kept = None if keep is None else [as_formula(function, "keep") for function in keep]
     names = None if kept is None else tuple(map(str, kept))
     if isinstance(surface, TapeFunction):
@@ -104,10 +107,7 @@ def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[T
 
 def as_end(t_end: Any) -> float:
     """The time at which trajectories end."""
-    end = as_number(t_end, "t_end", "a finite time, not zero")
-    if not np.isfinite(end) or end == 0:
-        raise ParameterError(f"t_end: wanted a finite time, not zero; got {end}; try t_end=1000")
-    return end
+    return as_time(t_end, "t_end", example=1000, forwards=False)
 
 
 def as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:

@@ -26,7 +26,7 @@ from liepoisson.numeric.outcomes import outcome_names
 from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field, core_field
-from liepoisson.scalars import as_count, as_number, as_threads, as_time_limit
+from liepoisson.scalars import as_count, as_number, as_threads, as_time, as_time_limit
 from liepoisson.streams import Purpose, stream
 
 MOST_INTERVALS = 10_000_000
@@ -338,10 +338,11 @@ def as_duration(value: Any, name: str, *, zero: bool = False) -> float:
     Raises:
         ParameterError: it is none.
     """
-    wanted = "a finite time >= 0" if zero else "a positive finite time"
-    duration = as_number(value, name, wanted)
-    if not (0.0 <= duration < np.inf) or (duration == 0.0 and not zero):
-        raise ParameterError(f"{name}: wanted {wanted}; got {duration}; try {name}={0 if zero else 5}")
+    if not zero:
+        return as_time(value, name, example=5)
+    duration = as_number(value, name, "a finite time >= 0")
+    if not 0.0 <= duration < np.inf:
+        raise ParameterError(f"{name}: wanted a finite time >= 0; got {duration}; try {name}=0")
     return duration
 
 
@@ -355,6 +356,6 @@ def n_intervals(duration: float, interval: float, *, names: tuple[str, str] = ("
     if not number <= MOST_INTERVALS:
         raise ParameterError(
             f"{names[0]}: wanted at most {MOST_INTERVALS} intervals; got {names[0]}={duration:g} with "
-            f"{names[1]}={interval:g}; take a shorter time, or a longer {names[1]}"
+            f"{names[1]}={interval:g}; take a shorter {names[0]}, or a longer {names[1]}"
         )
     return max(1, int(number)) if duration else 0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
+from liepoisson.numeric.alignment import Alignment, alignment
 from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
 from liepoisson.numeric.megno import Megno, megno
@@ -32,7 +32,7 @@ from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.portable import elementary
 from liepoisson.result import labelled, recorded
-from liepoisson.scalars import TIME_LIMIT, as_number, as_time_limit
+from liepoisson.scalars import TIME_LIMIT, as_number, as_time, as_time_limit
 from liepoisson.wrong_values import shown
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
@@ -301,7 +301,7 @@ def decide(
         Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Skokos, J. Phys. A 34 (2001) 10029; Cincotta
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
-    end, limit = None if t_end is None else as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
+    end, limit = None if t_end is None else as_time(t_end, "t_end", example=1000), as_time_limit(time_limit)
     rule, method = as_rule(rule), as_method(method, METHOD)
     starts = given_starts(system, starts)  # once, as several runs start from it
     deadline = clock.monotonic() + limit

@@ -28,9 +28,8 @@ from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis
 from liepoisson.orbits.symmetric_orbits import group_of_level, reversers_of
 from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
 from liepoisson.portable import elementary, linear
-from liepoisson.scalars import as_count, as_number, as_threads
+from liepoisson.scalars import as_count, as_threads, as_time
 from liepoisson.streams import Purpose, stream
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
@@ -112,13 +111,8 @@ def symmetric_homoclinic_orbits(
         chosen = [one for one in chosen if np.abs((one(space.state) - space.state) / level.units).max() < _SAME_STATE]
         if not chosen:
             raise ParameterError("origin: wanted an equilibrium in the fixed set of a reverser; none keeps this one")
-    longest = (
-        (elementary.log(1 / AMPLITUDE) + _EXCURSION) / space.rate
-        if t_end is None
-        else as_number(t_end, "t_end", "a time")
-    )
-    if not (np.isfinite(longest) and longest > 0):
-        raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out to have it chosen")
+    usual = float((elementary.log(1 / AMPLITUDE) + _EXCURSION) / space.rate)
+    longest = usual if t_end is None else as_time(t_end, "t_end", example=usual)
     search = _Search(space, Flow(level.system, threads), float(longest))
     amplitudes = search.drawn(n_starts, seed)
     guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts)

@@ -27,7 +27,7 @@ from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits
 from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis
 from liepoisson.phase_space._checks import are_equal
 from liepoisson.portable import linear
-from liepoisson.scalars import as_count, as_number, as_threads
+from liepoisson.scalars import as_count, as_threads, as_time
 from liepoisson.streams import Purpose, stream
 from liepoisson.wrong_values import shown
 
@@ -121,9 +121,8 @@ def symmetric_periodic_orbits(
     if not level.is_regular_at(every).any():
         raise LeafError(f"H and the Casimirs must be independent on {level.text}; their gradients are dependent there.")
     unit = _natural_time(level, seed)
-    longest = _NATURAL_TIMES * unit if t_end is None else as_number(t_end, "t_end", "a positive time")
-    if not (np.isfinite(longest) and longest > 0):
-        raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out for 15 natural times")
+    natural = _NATURAL_TIMES * unit
+    longest = natural if t_end is None else as_time(t_end, "t_end", example=natural)
     found: list[Segment] = []
     n_families = 0
     pairs = list(combinations_with_replacement(range(len(chosen)), 2))

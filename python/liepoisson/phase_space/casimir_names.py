@@ -62,4 +62,7 @@ def _name_of(system: System, formula: str) -> str | None:
 def _example(what: str, known: tuple[str, ...]) -> str:
     if not known:
         return ""
-    return f"Write {what} {known[0]}=1." if what.startswith("--") else f'Write {{"{known[0]}": 1}}.'
+    if what.startswith("--"):
+        return f"Write {what} {known[0]}=1."
+    values = ", ".join(f'"{name}": ...' for name in known)
+    return f"Write {{{values}}}."

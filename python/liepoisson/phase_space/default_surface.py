@@ -123,10 +123,7 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     system, top = leaf.system, leaf.system.top_parameters
     names = system.component_names
     if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:
-        surface = good_surface(system)
-        polynomial = system.polynomial(surface)
-        written_out = formula_text(system.expression(surface)) if polynomial is None else in_words(polynomial, names)
-        return written_out, "-dot(l, beta)"
+        return good_surface(system), "-dot(l, beta)"
     # A leaf of lower rank may make a rate zero that is not zero elsewhere: compare with the rates at moved states.
     view = leaf.in_units()
     size = float(linear.norm(view.state)) + unit_length(system.bracket)

@@ -335,13 +335,13 @@ def check_rotates(system: object) -> None:
     if algebra.structure_constants != so(3).structure_constants or not has_unit or not ideal:
         raise ParameterError(
             "system: wanted one on so(3) (x) A, where the first basis element of A is its unit and the others span an "
-            f"ideal; got {system.bracket!r}, whose group has no single rotation; write it as so(3) @ leibniz(n, ...)"
+            f"ideal; got {system.bracket!r}, whose group has no single rotation; take one on so(3) @ leibniz(n, ...)"
         )
     if system.bracket.constant:
         raise ParameterError(
             f"system: wanted a bracket without a constant part, whose group acts on the attitude; got "
-            f"{system.bracket!r}; if the constant part is a coboundary, write the system in the coordinates x + xi "
-            "with xi = bracket.coboundary()"
+            f"{system.bracket!r}; if bracket.coboundary() gives a point xi, take bracket.translated(-xi) and x - xi "
+            "in the place of x in the Hamiltonian"
         )
     check_numeric(system.bracket, system.hamiltonian)
 
@@ -410,10 +410,12 @@ def quaternion_of(rotation: Array) -> Array:
     """
     R = rotation
     defect = np.abs(linear.einsum("...ki,...kj->...ij", R, R) - np.eye(3)).max()
-    if not (defect < _UNIT and (linear.det(R) > 0).all()):
+    if not defect < _UNIT:
         raise ParameterError(
-            f"attitude: wanted rotation matrices; got one with |R^T R - 1| = {defect:.1e} or det R < 0; orthonormalise"
+            f"attitude: wanted rotation matrices; got one with |R^T R - 1| = {defect:.1e}; orthonormalise its columns"
         )
+    if not (linear.det(R) > 0).all():
+        raise ParameterError("attitude: wanted rotations; got a reflection, det R < 0; reverse one column")
     K = np.empty((*R.shape[:-2], 4, 4))
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         K[..., i + 1, i + 1] = 1 + R[..., i, i] - R[..., j, j] - R[..., k, k]

@@ -258,9 +258,10 @@ def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] |
     named = set(given) == set(integrals)
     numbers = {name: as_number(given[name], f"values[{name!r}]", "a finite number") for name in integrals if named}
     if not named or not np.isfinite([*numbers.values()]).all():
+        example = f"Write for example values={dict.fromkeys(integrals, 0.5)}." if integrals else "Leave values out."
         raise ParameterError(
             f"values must give a finite number for each integral of along, {', '.join(integrals) or 'none'}; "
-            f"got {shown(asked)}. Write for example values={{'l3': 0.5}} with along=('l3',)."
+            f"got {shown(asked)}. {example}"
         )
     return np.array([*numbers.values()])
 

@@ -137,7 +137,8 @@ def _refuse_impossible(system: System, place: Place, values: Array) -> None:
     for (name, function), value in zip(place.casimirs.items(), values, strict=True):
         if value < 0 and _is_sum_of_squares(function):
             raise LeafError(
-                f"{name} = {function.expression} is a sum of squares; {value:g} was asked for. Make it >= 0."
+                f"{name} = {function.expression} is a sum of squares; {value:g} was asked for. Make it "
+                "positive, or give a state: Leaf.through(system, state)."
             )
     top = system.top_parameters
     if top is None or not top.has_bracket(system.bracket):

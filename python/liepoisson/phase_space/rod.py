@@ -32,7 +32,7 @@ from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
 from liepoisson.portable import elementary, linear
 from liepoisson.result import Result, labelled, part
-from liepoisson.scalars import TIME_LIMIT, as_count, as_number
+from liepoisson.scalars import TIME_LIMIT, as_count, as_time
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -262,9 +262,7 @@ def _arclengths(length: float | None, n_points: int, given: ArrayLike | None) ->
         raise ParameterError(f"rod: wanted either length or arclengths; got {both}; try length=20")
     if given is not None:
         return as_array(given, "arclengths")
-    end = as_number(length, "length", "a finite number other than 0")
-    if not np.isfinite(end) or end == 0:
-        raise ParameterError(f"length: wanted a finite number other than 0; got {end!r}; try length=20")
+    end = as_time(length, "length", example=20, forwards=False)
     return np.linspace(0.0, end, as_count(n_points, "n_points", least=2, most=10_000_000, hint="try n_points=401"))
 
 

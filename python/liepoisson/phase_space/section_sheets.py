@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.exact.names import ANGLE
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -143,7 +144,7 @@ class SectionPlane:
 
     def _flow(self, function: PhaseFunction) -> tuple[Array, Array]:
         slope = function.gradient(self.states)
-        return slope, np.einsum("nij,nj->ni", self._tensor, slope)
+        return slope, linear.einsum("nij,nj->ni", self._tensor, slope)
 
     def _slope(self, function: Any) -> tuple[Array, Array]:
         if function not in self._known:
@@ -256,7 +257,7 @@ def _towards(system: System, functions: Sequence[PhaseFunction], x: Array, way: 
 def _brackets(system: System, functions: Sequence[PhaseFunction], x: Array) -> tuple[list[Array], list[Array]]:
     tensor = system.functions.poisson_tensor(x)
     slopes = [f.gradient(x) for f in functions]
-    flows = [np.einsum("nij,nj->ni", tensor, slope) for slope in slopes]
+    flows = [linear.einsum("nij,nj->ni", tensor, slope) for slope in slopes]
     return flows, [_dot(slopes[a], flows[b]) for a, b in combinations(range(4), 2)]
 
 
@@ -266,7 +267,7 @@ def _pfaffian(b: Sequence[Array]) -> Array:
 
 
 def _dot(first: Array, second: Array) -> Array:
-    return np.einsum("ni,ni->n", first, second)
+    return linear.einsum("ni,ni->n", first, second)
 
 
 def _length(x: Array) -> Array:

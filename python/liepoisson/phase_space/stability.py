@@ -281,9 +281,10 @@ def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunctio
     if isinstance(along, str):
         raise ParameterError(f"along must be a sequence of integrals; got the text {along!r}. Write ({along!r},).")
     if not _are_texts(along):
+        example = "".join(f"along={(name,)!r} or " for name in _with_own_motion(system)[:1])
         raise ParameterError(
-            f"along must be a sequence of integrals, each a name or a formula; got {shown(along)}. Write for example "
-            'along=("l3",), or along=() for an equilibrium.'
+            f"along must be a sequence of integrals, each a name or a formula; got {shown(along)}. Write {example}"
+            "along=() for an equilibrium."
         )
     found: dict[str, PhaseFunction] = {}
     for name in along:
@@ -291,11 +292,15 @@ def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunctio
         if known is None and not system.is_constant(name):
             raise ParameterError(
                 f"along must name integrals of {system.name!r}; {name} is not constant: its derivative is "
-                f"{system.derivative(name)}. Known: {', '.join(system.invariants)}."
+                f"{system.derivative(name)}. Known: {', '.join(_with_own_motion(system)) or 'none'}."
             )
         found[name] = system.functions.of(name if known is None else known)
         _refuse_idle(system, name, found[name])
     return found
+
+
+def _with_own_motion(system: System) -> list[str]:
+    return [name for name in system.invariants if has_own_motion(system, name)]
 
 
 def _are_texts(given: Any) -> bool:

@@ -17,6 +17,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
+from liepoisson.exact.rational_polynomials import in_words
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
@@ -63,7 +64,7 @@ def good_surface(system: System) -> str:
 
     Example:
         >>> lp.sections.good_surface(lp.Top.twisted_kovalevskaya())
-        '(-1)*(alpha2*beta3 - alpha3*beta2)'
+        '-alpha2*beta3 + alpha3*beta2'
 
     Args:
         system: A top with two fields $\alpha, \beta$.
@@ -77,7 +78,10 @@ def good_surface(system: System) -> str:
 
     References: [twistedtop2001], the equation for the derivative of $\ell\cdot\beta$.
     """
-    parameters = as_system(system).top_parameters
+    from liepoisson.exact.system_text import formula_text
+
+    system = as_system(system)
+    parameters = system.top_parameters
     if parameters is None:
         raise ParameterError(
             f"a top with fields alpha, beta and numbers for its parameters was wanted; {system.name} is none. For "
@@ -93,7 +97,11 @@ def good_surface(system: System) -> str:
         for value, (i, j) in zip(parameters.a, ((2, 3), (3, 1), (1, 2)), strict=True)
         if not is_zero(value)
     ]
-    return " + ".join(terms)
+    surface = " + ".join(terms)
+    polynomial = system.polynomial(surface)
+    if polynomial is not None:
+        return in_words(polynomial, system.component_names)
+    return formula_text(system.expression(surface))
 
 
 def as_leaf(leaf: Any) -> Leaf:

@@ -54,8 +54,8 @@ class Box(ReadOnlyArrays):
         if not np.all(lower <= upper):
             place = tuple(int(k[0]) for k in np.nonzero(~(lower <= upper)))
             raise ParameterError(
-                f"box: wanted lower bounds that are not above the upper ones; got {lower[place]!r} and "
-                f"{upper[place]!r} at {place}, which is an empty box; exchange them?"
+                f"box: wanted lower bounds that are not above the upper ones; got "
+                f"{lower[place].item()!r} and {upper[place].item()!r} at {place}, an empty box; exchange them?"
             )
         vars(self).update(lower=lower, upper=upper)
         super().__post_init__()

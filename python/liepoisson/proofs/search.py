@@ -5,7 +5,7 @@ Nothing here is rigorous and nothing need be: what is found is checked by a prog
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,7 @@ from liepoisson.files import write_json
 from liepoisson.numeric.progress import part_of
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.symmetric_orbits import symmetric_periodic_orbits
+from liepoisson.orbits.symmetric_orbits import reversers_of, symmetric_periodic_orbits
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.leaf_equilibria import equilibria
 from liepoisson.portable import linear
@@ -30,6 +30,7 @@ from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
 from liepoisson.scalars import as_count, as_number
 
 if TYPE_CHECKING:
+    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
     from liepoisson.exact.system import System
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
@@ -137,16 +138,26 @@ def find_certificate(
     field = polynomial_field(system)
     level = level_of(system, leaf, energy)
     _check_that_it_has_no_equilibrium(level)
-    orbits = symmetric_periodic_orbits(
-        system,
-        leaf,
-        energy,
-        n_starts=n_starts,
-        t_end=t_end,
-        seed=seed,
-        threads=threads,
-        progress=part_of(progress, 0, 0.4),
-    )
+    families = _closed_by_signs(reversers_of(level))
+    orbits: list[SymmetricOrbit] = []
+    without: list[LeafError] = []
+    for k, reversers in enumerate(families):
+        try:
+            orbits += symmetric_periodic_orbits(
+                system,
+                leaf,
+                energy,
+                reversers=reversers,
+                n_starts=n_starts,
+                t_end=t_end,
+                seed=seed,
+                threads=threads,
+                progress=part_of(progress, 0.4 * k / len(families), 0.4 / len(families)),
+            )
+        except LeafError as error:  # the fixed sets of these do not meet the level
+            without.append(error)
+    if len(without) == len(families):
+        raise without[0]
     # the adapted norm needs a growth of kappa in each half of a loop, and the checkers a symmetry that closes it
     hyperbolic = [one for one in orbits if one.slowest > kappa**2 and one.first is not one.last]
     hyperbolic.sort(key=lambda one: (-round(one.rate, 9), one.period))
@@ -173,7 +184,8 @@ def find_certificate(
                 tried.append(str(error))
                 break
             check = float_check(chain, seed=seed)
-            tried.append(f"covering {check.covering:.3g}, stable {check.stable:.3g}")
+            angle = float(homoclinic.angles.min())
+            tried.append(f"manifolds at {angle:.2g} rad: covering {check.covering:.3g}, stable {check.stable:.3g}")
             if check.passes:
                 passed.append(CertificateCandidate(maker.orbit, homoclinic, chain, check))
         passed.sort(key=lambda one: -min(one.check.covering - 1, 1 - one.check.stable))
@@ -184,10 +196,27 @@ def find_certificate(
     if refused:
         return refused[0]
     raise OrbitError(
-        f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of "
-        f"them between two reversers and with all unstable multipliers above kappa^2; "
-        f"{'; '.join(tried) or 'nothing to try'}. Take more starts, another level, or a smaller radius."
+        f"no chain of sets was found on {level.text}, with covering above 1 and stable below 1: {len(orbits)} "
+        f"symmetric periodic orbits, {len(hyperbolic)} of them between two reversers and with all unstable "
+        f"multipliers above kappa^2; {'; '.join(tried) or 'nothing to try'}. "
+        + (
+            "Manifolds that meet at small angles need a smaller radius or another level; or take more starts."
+            if tried
+            else "Take more starts, a larger t_end, or another level."
+        )
     )
+
+
+def _closed_by_signs(reversers: Sequence[DiscreteSymmetry]) -> list[list[DiscreteSymmetry]]:
+    """The reversers in families that exchange the same components: products of two of one only change signs.
+
+    A certificate says the symmetry that closes half of a loop by signs.  An orbit that meets fixed sets of several
+    families is found in each, with another half of its loop.
+    """
+    families: dict[tuple[int, ...], list[DiscreteSymmetry]] = {}
+    for one in reversers:
+        families.setdefault(one.permutation, []).append(one)
+    return list(families.values())
 
 
 def _accepted(
@@ -237,7 +266,8 @@ def _check_that_it_has_no_equilibrium(level: Level) -> None:
     near = np.abs(energies - wanted) <= _CRITICAL * scale
     if near.any():
         raise LeafError(
-            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}"
+            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}. "
+            "Take another energy."
         )
 
 

@@ -17,7 +17,7 @@ from liepoisson.proofs.margins import Margins
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
 from liepoisson.proofs.regularity import is_regular
 from liepoisson.proofs.search import CertificateCandidate
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -108,8 +108,10 @@ def prove_chaos(
         certificate = shipped_certificate(system)
     elif isinstance(certificate, CertificateCandidate):
         certificate = read_certificate(certificate.chain.record())
-    elif not isinstance(certificate, CoveringCertificate):
+    elif isinstance(certificate, (str, Path)):
         certificate = load_covering_certificate(certificate)
+    elif not isinstance(certificate, CoveringCertificate):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a("a certificate or the path of one", certificate, "certificate", "try what find_certificate returns")
     notes = [compare_equations(certificate.equations, field)]
     if not keeps_bracket(system.bracket, certificate.symmetry):
         raise CertificateError(

@@ -6,7 +6,8 @@ import os
 import queue
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -300,13 +301,28 @@ def _processes(count: int, folder: str) -> Any:
     from distributed.deploy.subprocess import SubprocessCluster
 
     watch = [_END_WITH_PARENT.format(pid=os.getpid())]
-    return SubprocessCluster(
-        n_workers=count,
-        threads_per_worker=1,
-        dashboard_address=cast("Any", None),
-        scheduler_kwargs={"scheduler_file": str(Path(folder) / "scheduler.json"), "preload": watch},
-        worker_kwargs={"local_directory": folder, "memory_limit": 0, "dashboard": False, "preload_nanny": watch},
-    )
+    with _quiet_children():
+        return SubprocessCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            dashboard_address=cast("Any", None),
+            scheduler_kwargs={"scheduler_file": str(Path(folder) / "scheduler.json"), "preload": watch},
+            worker_kwargs={"local_directory": folder, "memory_limit": 0, "dashboard": False, "preload_nanny": watch},
+        )
+
+
+@contextmanager
+def _quiet_children() -> Generator[None]:
+    """Processes that begin here log warnings alone, unless the user's environment has set what they log."""
+    level = "DASK_DISTRIBUTED__LOGGING__DISTRIBUTED"
+    if level in os.environ:
+        yield
+        return
+    os.environ[level] = "warning"  # Dask starts them, and takes no other environment for them
+    try:
+        yield
+    finally:
+        del os.environ[level]
 
 
 @dataclass

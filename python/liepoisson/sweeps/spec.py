@@ -22,12 +22,11 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name, check_title
 from liepoisson.exact.system_file_reader import parse_system_file
-from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule, rule_of
 from liepoisson.portable import elementary
-from liepoisson.scalars import as_count, as_number
+from liepoisson.scalars import as_count, as_number, as_time
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 from liepoisson.wrong_values import shown
 
@@ -252,7 +251,10 @@ class SweepSpec:
         if isinstance(self.system, Mapping):
             object.__setattr__(self, "system", deepcopy(cast("Any", self.system)))
         if len(self.axes) not in (1, 2) or not all(isinstance(axis, Axis) for axis in self.axes):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f"axes: wanted one or two of Axis; got {shown(self.axes)}. See Axis.linear.")
+            raise ParameterError(
+                f"axes: wanted one or two of Axis; got {shown(self.axes)}. Write "
+                "for example a mapping of names to values, or (Axis.linear(...),)."
+            )
         if len({axis.name for axis in self.axes}) != len(self.axes):
             raise ParameterError(f"axes: wanted two different names; got {self.axes[0].name!r} twice.")
         if math.prod(self.shape) > _MOST_POINTS:
@@ -264,12 +266,7 @@ class SweepSpec:
                 f"points with n_starts = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
             )
         as_seed(self.seed)
-        if not 0 < as_number(self.t_end, "t_end", "a positive number") < math.inf:
-            raise ParameterError(
-                f"t_end: wanted a positive number; got {self.t_end}; try 1_000 times what lp.orbits.time_scale gives"
-            )
-        if self.t_end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {self.t_end:g}")
+        as_time(self.t_end, "t_end", example=1000)
         as_rule(self.rule)
         as_method(self.method, DEFAULT_METHOD)
         self._check_quantity()
@@ -277,7 +274,7 @@ class SweepSpec:
     def _check_types(self) -> None:
         """What the annotations say, for callers without a type checker."""
         wanted: dict[str, tuple[Any, str]] = {
-            "axes": (Sequence, "one or two of Axis, or a mapping of names to values"),
+            "axes": (Sequence, "a sequence of one or two of Axis, or a mapping of names to values"),
             "parameters": (Mapping, 'a mapping of names to values, such as {"epsilon": 1}'),
             "starts": (Starts, 'Starts or a mapping, such as {"C1": 1}'),
             "refine": ((Refinement, type(None)), 'Refinement or a mapping, such as {"levels": 2, "difference": 0.1}'),

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.exact.values import Shape, component_name
 from liepoisson.sweeps.spec import CASIMIR, COMPONENT
 from liepoisson.wrong_values import shown
 
@@ -155,11 +157,26 @@ def _refuse_unused(columns: Mapping[str, Array], used: set[str], family: Family)
         if name not in used:
             if name == "H":
                 raise ParameterError("axis H: nothing depends on it. Call it energy if it is the energy of the starts.")
-            known = ", ".join((*family.shapes, "energy", "C1, C2, ..."))
+            known = [entry for parameter, shape in family.shapes.items() for entry in _entries(parameter, shape)]
             raise ParameterError(
-                f"axis {name}: nothing depends on it. Name it like one of {known}, or use it in a formula, such as "
-                f'a = ["cos({name})", "sin({name})", 0].'
+                f"axis {name}: nothing depends on it. Name it like one of "
+                f"{', '.join((*known, 'energy', 'C1, C2, ...'))}{_formula_with(name, family.shapes)}."
             )
+
+
+def _entries(parameter: str, shape: Shape) -> list[str]:
+    """What an axis may be called to stand for a parameter or its entries."""
+    return [component_name(parameter, index, shape) for index in product(*(range(1, n + 1) for n in shape))]
+
+
+def _formula_with(axis: str, shapes: Mapping[str, Shape]) -> str:
+    """How a parameter is given by a formula in an axis; nothing where there is none but matrices."""
+    few = [(name, shape) for name, shape in sorted(shapes.items(), key=lambda one: len(one[1])) if len(shape) < 2]
+    if not few:
+        return ""
+    name, shape = few[0]
+    given = ", ".join([f'"1 + {axis}^2"'] * (shape[0] if shape else 1))
+    return f", or use it in a formula, such as {name} = {f'[{given}]' if shape else given}"
 
 
 def _refuse_nonfinite(values: Mapping[str, Array]) -> None:

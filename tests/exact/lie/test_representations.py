@@ -54,7 +54,7 @@ def test_open_spans_are_refused():
 
 def test_complex_constants_are_refused():
     # sigma_1, sigma_2, sigma_3 themselves have [sigma_1, sigma_2] = 2 i sigma_3.
-    with pytest.raises(BracketError, match="outside of their span"):
+    with pytest.raises(BracketError, match=r"outside of their real span. Multiply all of them by i"):
         LieAlgebra.from_matrices(SIGMA)
 
 

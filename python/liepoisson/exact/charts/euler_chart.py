@@ -47,7 +47,7 @@ ROUNDING = 1e-14
 
 _HINTS = {
     "beta != 0": "QuaternionChart has the same limit: integrate the top itself; on beta = 0 a Lagrange top has "
-    "ReducedLagrange.ordinary.",
+    "OrdinaryLagrange.",
     "alpha x beta != 0": "Use QuaternionChart, which has no such limit.",
     "sin(theta) != 0": "Use EulerChart in another gauge, or QuaternionChart, which has no poles.",
 }

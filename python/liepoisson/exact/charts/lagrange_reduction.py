@@ -33,7 +33,7 @@ class ReducedLagrange:
 
     Coordinates (phi, theta) with momenta (p_phi, p_theta), at fixed $\ell_3 = p_\psi$ and Casimirs; the gauge is
     $(e_3, e_1)$, in which $\ell\cdot\beta = w p_\phi$.  The domain is that of `EulerChart`.  On beta = 0 one degree of
-    freedom is left: `ReducedLagrange.ordinary`.
+    freedom is left: `OrdinaryLagrange`.
 
     Example:
         >>> chart = lp.charts.ReducedLagrange(lp.Top.twisted_lagrange())

@@ -226,7 +226,7 @@ def beta_is_zero(got: str) -> ChartError:
     """The error for a leaf without a second field."""
     return ChartError(
         f"a chart of this kind needs beta != 0; got {got}. On beta = 0 the motion is that of an ordinary heavy top: "
-        "integrate the top itself, or use ReducedLagrange.ordinary for a Lagrange top.",
+        "integrate the top itself, or use OrdinaryLagrange for a Lagrange top.",
         "beta != 0",
     )
 

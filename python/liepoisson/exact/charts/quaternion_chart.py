@@ -98,9 +98,10 @@ class QuaternionChart:
         self.leaf: LeafConstants = LeafConstants.of(system, self.top, state, leaf)
         self.is_twisted: bool = not is_zero(self.leaf.epsilon)
         if not self.is_twisted and self.leaf.eta.is_negative:
+            got = ", ".join(f"C{k} = {decimal(value)}" for k, value in enumerate(self.leaf.casimirs, start=1))
             raise ChartError(
-                f"the leaf needs C1 C3 >= C2^2 when epsilon = 0; got eta = {decimal(self.leaf.eta)} < 0, which is "
-                "|alpha x beta|^2/|beta|^2. Give the Casimirs of a state.",
+                f"the leaf needs (alpha.beta)^2 <= |alpha|^2 |beta|^2, that is C2^2 <= C1 C3, when epsilon = 0; got "
+                f"{got}. Give the Casimirs of a state, or the state with state=.",
                 "on the leaf",
             )
 

@@ -332,6 +332,8 @@ class _Parser:
         if token.kind in ("number", "name", "(") and before.kind in ("number", "name", ")", "]"):
             left, right = before.text[:20], token.text[:20]
             return self.error(f"a product needs its sign. Write {left}*{right}")
+        if token.kind == "," and before.kind == "number":
+            return self.error("',' is not expected here. Write decimals with a point: 0.5")
         return self.error(f"{self.shown(token)} is not expected here. Remove it, or write what belongs before it")
 
     def shown(self, token: _Token) -> str:

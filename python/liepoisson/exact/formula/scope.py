@@ -9,7 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from liepoisson.errors import ParameterError, did_you_mean
-from liepoisson.exact.names import CONSTANTS, FUNCTIONS, check_name, check_not_reserved
+from liepoisson.exact.names import CONSTANTS, check_name, check_not_reserved
 from liepoisson.exact.values import GivenValue, Shape, Value, component_name, read_values
 
 if TYPE_CHECKING:
@@ -89,12 +89,15 @@ class Scope:
 
     def suggestion(self, name: str) -> str:
         """The end of a message about an unknown name: the nearest known ones, and all of them."""
-        known = [*self.fields, *self.shapes, *CONSTANTS]
+        known = [*self.fields, *self.shapes]
         counted = self._counted(name)
-        hint = f"Did you mean {counted}? " if counted else did_you_mean(name, [*known, *self.components, *FUNCTIONS])
-        shown = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
+        hint = self._beyond(name) or (
+            f"Did you mean {counted}? " if counted else did_you_mean(name, [*known, *self.components])
+        )
+        listed = [*known, *CONSTANTS]
+        shown = ", ".join(listed[:40]) + (", ..." if len(listed) > 40 else "")
         remark = f". {self.remark}" if self.remark and not hint else ""
-        return f"{hint}Known are {shown}{self._components_in_words()}{remark}"
+        return f"{hint}Known {'are' if len(listed) > 1 else 'is'} {shown}{self._components_in_words()}{remark}"
 
     def _counted(self, name: str) -> str:
         """The component that a field with a number stands for where components have names: lr for l1 on se(2)."""
@@ -102,6 +105,16 @@ class Scope:
         components = self.fields.get(field, ())
         index = int(number[:3]) if number else 0
         return f"{field}{components[index - 1]}" if 0 < index <= len(components) else ""
+
+    def _beyond(self, name: str) -> str:
+        """How many components a vector has of which a later one is meant: l4 for l1, l2, l3."""
+        vector, number = name.rstrip("0123456789"), name[len(name.rstrip("0123456789")) :]
+        shape = (len(self.fields[vector]),) if vector in self.fields else self.shapes.get(vector, ())
+        return (
+            f"{vector} has {shape[0]} components. "
+            if number and len(shape) == 1 and not 1 <= int(number[:3]) <= shape[0]
+            else ""
+        )
 
     def _components_in_words(self) -> str:
         """How the components of the fields are called: "; components lr1, lr2, lr3, ..., lt3"."""

@@ -140,7 +140,7 @@ def _instead_of(path: Path) -> str:
     """What to try where there is no such file: a bare name was most likely meant for the catalog."""
     if path.suffix or path.name != str(path):
         return "Check the path."
-    return f'Check the path; a system of the catalog is lp.catalog.system("{path.name:.60}").'
+    return f'Check the path. In Python a system of the catalog is lp.catalog.system("{path.name:.60}").'
 
 
 def _decimal(text: str) -> Fraction | UnreadableNumber:

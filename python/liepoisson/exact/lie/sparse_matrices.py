@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import combinations
 from typing import Any, TypeAlias, cast
 
-from liepoisson.errors import BracketError, ShapeError
+from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients, Element
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import Vector
@@ -16,6 +17,12 @@ from liepoisson.exact.tensors import Brackets
 
 SparseMatrix: TypeAlias = dict[int, dict[int, Any]]
 """A matrix by its nonzero rows, each by its nonzero entries."""
+
+PairMatrix: TypeAlias = list[list[tuple[Exact, Exact]]]
+"""A matrix by its rows, with the real and the imaginary part of each entry."""
+
+_IMAGINARY = re.compile(r"(?<![A-Za-z_])[iIj](?!\w)")
+"""What others write for the imaginary unit; in a text these are names of parameters."""
 
 
 def brackets_of_matrices(matrices: Sequence[object]) -> Brackets:
@@ -28,7 +35,23 @@ def brackets_of_matrices(matrices: Sequence[object]) -> Brackets:
         ShapeError: not a sequence of square matrices of one size.
         BracketError: linearly dependent, or a commutator outside of the span.
     """
-    read, size = read_matrices(matrices, "matrices")
+    pairs = _read_pairs(matrices, "matrices")
+    found, outside = _brackets(*_as_real(pairs))
+    if outside is not None:
+        i, j = outside
+        raise BracketError(
+            f"matrices must be closed under commutators; that of matrices {i} and {j} is outside of their real span. "
+            + (
+                "Multiply all of them by i: i M_1, i M_2, ... are closed."
+                if _brackets(*_as_real([_times_i(matrix) for matrix in pairs]))[1] is None
+                else "Add it to them; if others are then outside, add these, too."
+            )
+        )
+    return found
+
+
+def _brackets(read: list[SparseMatrix], size: int) -> tuple[Brackets, tuple[int, int] | None]:
+    """The brackets, and the first pair whose commutator is outside of the span; None if there is none."""
     field = Coefficients.containing(entries_of(read))
     basis = [in_field(matrix, field) for matrix in read]
     end = size * size
@@ -46,13 +69,10 @@ def brackets_of_matrices(matrices: Sequence[object]) -> Brackets:
     for i, j in combinations(range(len(basis)), 2):
         left = span.reduce(_flat(commutator(basis[i], basis[j], field), size))
         if any(position < end for position in left):
-            raise BracketError(
-                f"matrices must be closed under commutators; that of matrices {i} and {j} is outside of their span. "
-                "Add it to them."
-            )
+            return result, (i, j)
         if left:
             result[i, j] = {position - end: field.write(-value, 1) for position, value in sorted(left.items())}
-    return result
+    return result, None
 
 
 def read_matrices(matrices: object, name: str) -> tuple[list[SparseMatrix], int]:
@@ -62,6 +82,11 @@ def read_matrices(matrices: object, name: str) -> tuple[list[SparseMatrix], int]
         ShapeError: not a nonempty sequence of square matrices of one size.
         ParameterError: an entry is not exact.
     """
+    return _as_real(_read_pairs(matrices, name))
+
+
+def _read_pairs(matrices: object, name: str) -> list[PairMatrix]:
+    """The matrices by the real and imaginary parts of their entries."""
     items = None if isinstance(matrices, str) else listed(matrices)
     if not items:
         raise ShapeError(f"{name} must be a sequence of square matrices; got {matrices!r}. Give at least one.")
@@ -69,11 +94,19 @@ def read_matrices(matrices: object, name: str) -> tuple[list[SparseMatrix], int]
     sizes = {len(matrix) for matrix in rows}
     if len(sizes) > 1:
         raise ShapeError(f"{name} must have one size; got the sizes {sorted(sizes)}. Choose one.")
-    m = sizes.pop()
-    complex_pairs = [[[_parts(v, f"{name}[{i}]") for v in row] for row in matrix] for i, matrix in enumerate(rows)]
-    if any(imaginary != 0 for matrix in complex_pairs for row in matrix for _, imaginary in row):
-        return [_real_form(matrix, m) for matrix in complex_pairs], 2 * m
-    return [_sparse([[real for real, _ in row] for row in matrix]) for matrix in complex_pairs], m
+    return [[[_parts(v, f"{name}[{i}]") for v in row] for row in matrix] for i, matrix in enumerate(rows)]
+
+
+def _as_real(matrices: list[PairMatrix]) -> tuple[list[SparseMatrix], int]:
+    """Real matrices as they are, complex ones as real ones of twice the size; and the size."""
+    m = len(matrices[0])
+    if any(imaginary != 0 for matrix in matrices for row in matrix for _, imaginary in row):
+        return [_real_form(matrix, m) for matrix in matrices], 2 * m
+    return [_sparse([[real for real, _ in row] for row in matrix]) for matrix in matrices], m
+
+
+def _times_i(matrix: PairMatrix) -> PairMatrix:
+    return [[(-imaginary, real) for real, imaginary in row] for row in matrix]
 
 
 def _read_rows(matrix: object, name: str) -> list[list[object]]:
@@ -86,6 +119,11 @@ def _read_rows(matrix: object, name: str) -> list[list[object]]:
 
 def _parts(value: object, name: str) -> tuple[Exact, Exact]:
     """Real and imaginary part of an entry, exact."""
+    if isinstance(value, str) and _IMAGINARY.search(value):
+        raise ParameterError(
+            f"{name}: {value!r:.60} has a name that may mean the imaginary unit, which texts do not have. Write "
+            "sympy.I/2 or 0.5j without quotes for a complex entry, or give the parameter another name."
+        )
     if isinstance(value, complex):
         return read_parameter(value.real, name), read_parameter(value.imag, name)
     if not is_sympy(value):
@@ -99,7 +137,7 @@ def _parts(value: object, name: str) -> tuple[Exact, Exact]:
     return read_parameter((expanded - I * imaginary).expand(), name), read_parameter(imaginary, name)
 
 
-def _real_form(matrix: list[list[tuple[Exact, Exact]]], m: int) -> SparseMatrix:
+def _real_form(matrix: PairMatrix, m: int) -> SparseMatrix:
     """The matrix [[Re, -Im], [Im, Re]] of a complex one."""
     real = [[a for a, _ in row] for row in matrix]
     imaginary = [[b for _, b in row] for row in matrix]
