@@ -511,9 +511,10 @@ def _moments(values: Sequence[Parameter] | None, n: int, name: str) -> list[Any]
 
 def _numbers(values: Sequence[Parameter], n: int, name: str) -> list[Any]:
     """Exact numbers (or names), as SymPy expressions."""
-    from liepoisson.exact.parameters import listed, read_parameter, to_sympy
+    from liepoisson.exact.parameters import read_parameter, to_sympy
+    from liepoisson.given import listed
 
-    items = None if isinstance(values, str) else listed(values)
+    items = listed(values, name, [f"{name}{k + 1}" for k in range(n)])
     if items is None or len(items) != n:
         got = repr(values) if items is None else f"{len(items)} of them"
         raise ShapeError(f"{name} must be {n} numbers, one per component; got {got}. Give {n}.")

@@ -19,13 +19,13 @@ from liepoisson.exact.names import check_name, check_not_reserved, check_title
 from liepoisson.exact.parameters import (
     Column,
     Parameter,
-    listed,
     read_parameter,
     substituted,
     symbols_of,
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
+from liepoisson.given import listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -495,7 +495,7 @@ class Bracket:
         return cast("Expr", expression.xreplace(foreign)) if foreign else expression
 
     def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
-        items = None if isinstance(point, str) else listed(point)
+        items = listed(point, "point", self.coordinate_names_in_order)
         if items is None or len(items) != self.dimension:
             got = f"{len(items)} numbers" if items is not None else repr(point)
             raise ShapeError(f"point must be {self.dimension} numbers, one per coordinate; got {got}.")

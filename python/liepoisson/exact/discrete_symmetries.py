@@ -88,7 +88,7 @@ class DiscreteSymmetry:
         Raises:
             ShapeError: the last axis of `states` is not N.
         """
-        x = as_array(states, "states")
+        x = as_array(states, "states", self.system.component_names)
         if x.ndim == 0 or x.shape[-1] != len(self.signs):
             raise ShapeError(f"states must end in {len(self.signs)} components; got shape {x.shape}.")
         return x[..., list(self.permutation)] * np.array(self.signs, dtype=np.float64)

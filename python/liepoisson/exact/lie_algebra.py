@@ -25,6 +25,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
+from liepoisson.given import by_name
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -182,8 +183,7 @@ class LieAlgebra:
         Raises:
             ParameterError: not a mapping from names to values.
         """
-        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
+        values = by_name(values, "values", "values", '{"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         changed = {value: substituted(value, values) for value in self._values}
@@ -197,7 +197,7 @@ class LieAlgebra:
             ShapeError: `u` or `v` does not have n components.
             ParameterError: a component is not exact.
         """
-        first, second = (read_components(w, name, self.dimension) for w, name in ((u, "u"), (v, "v")))
+        first, second = (read_components(w, name, self.basis_names) for w, name in ((u, "u"), (v, "v")))
         if not all(isinstance(value, Fraction) for value in (*first, *second, *self._values)):
             first, second = ([to_sympy(value) for value in w] for w in (first, second))
         result = [first[0] * 0] * self.dimension

@@ -15,6 +15,7 @@ from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, P
 from liepoisson.files import write_atomically
 from liepoisson.formats import another_format
 from liepoisson.integrability import checker
+from liepoisson.integrability.polynomial_integrals import functions_by_name
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -49,7 +50,8 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
     """
     x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
     # a name in a certificate stands for one function: a Casimir is not called like a coordinate
-    taken = {*map(str, x), *commuting}
+    functions = functions_by_name(commuting, "commuting")
+    taken = {*map(str, x), *functions}
     names = (name for k in count(1) if (name := f"C{k}") not in taken)
     data: dict[str, Any] = {
         "format": FORMAT,
@@ -62,7 +64,7 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
         ],
         "hamiltonian": _terms(system.hamiltonian, x),
         "casimirs": {name: _terms(c, x) for c, name in zip(casimirs, names, strict=False)},
-        "commuting": {name: _terms(system.expression(f), x) for name, f in commuting.items()},
+        "commuting": {name: _terms(system.expression(f), x) for name, f in functions.items()},
     }
     random, wrong = Random(1), ""
     for _ in range(_MOST_POINTS):

@@ -12,14 +12,16 @@ from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
+from liepoisson.exact.parameters import is_sympy
 from liepoisson.files import write_atomically
+from liepoisson.given import sequence
 from liepoisson.laboratory.description import description_of, record_of_functions
 from liepoisson.laboratory.pictures import picture_of
 from liepoisson.laboratory.saved import saved_of
@@ -126,11 +128,12 @@ def page_of(
         start = saved.start
     begin = _start(system, n, start)
     words = str(system.name)[:_LONGEST_NAME]
-    if saved is None and not surfaces:
+    chosen = _several(surfaces)
+    if saved is None and not chosen:
         address = address_of_top(system, begin)
         if address is not None:
             return Page(_carrying(f'<script type="text/plain" id="address">{address}</script>'), address, words)
-    record = _description(system, begin, surfaces, saved)
+    record = _description(system, begin, chosen, saved)
     text = json.dumps(record, allow_nan=False, separators=(",", ":"))
     record = {"id": hashlib.sha256(text.encode()).hexdigest()[:12], **record}
     element = f'<script type="application/json" id="system">{as_data(record)}</script>'
@@ -228,7 +231,7 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
         first = {**saved.functions, "outputs": saved.functions["outputs"][:1]}
         return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
     names = component_names(system, start.size)
-    chosen = {str(one): one for one in _several(given)}
+    chosen = {str(one): one for one in given}
     if not chosen:
         name, formula = _default_surface(system, start)
         chosen = {name: formula}
@@ -247,11 +250,9 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
 
 def _several(given: Any) -> list[Any]:
     """Surfaces that were given as one or several."""
-    if isinstance(given, Sequence) and not isinstance(given, str):
-        return list(cast("Sequence[Any]", given))
-    if given is None:
-        raise ParameterError("surfaces must be formulas, such as ('l1*l2', 'l3'); got None. Leave them out for none.")
-    return [given]
+    if isinstance(given, str) or is_sympy(given):
+        return [given]
+    return list(sequence(given, "surfaces", "formulas", "('l1*l2', 'l3'), or leave them out"))
 
 
 def _shortened(names: list[str]) -> list[str]:
@@ -299,7 +300,7 @@ def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
         from liepoisson.numeric.sampling import sample_states
 
         return sample_states(system, 1, seed=0)[0]
-    state = as_array(start, "start")
+    state = as_array(start, "start", component_names(system, n))
     if state.shape != (n,):
         raise ShapeError(f"start must have {n} components, those of {system.name!r:.60}; got shape {state.shape}.")
     if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import listed
 from liepoisson.numeric.estimates import (
     Estimate,
     FiniteTimeFit,
@@ -497,7 +498,7 @@ def _checked_time(time: ArrayLike) -> FloatArray:
 
 
 def _checked_window(window: Sequence[float]) -> Window:
-    edges = list(window) if isinstance(window, (Sequence, np.ndarray)) else []  # pyright: ignore[reportUnnecessaryIsInstance]
+    edges = listed(window, "window") or []
     start, end = (as_number(edge, "window", "two numbers") for edge in edges) if len(edges) == 2 else (math.nan,) * 2
     if not (0 < start < end < math.inf):
         raise ParameterError(f"a window must be (start, end) with 0 < start < end; got {shown(window)}. Try (20, 200).")
@@ -505,6 +506,6 @@ def _checked_window(window: Sequence[float]) -> Window:
 
 
 def _checked_windows(windows: Sequence[Window], name: str) -> tuple[Window, ...]:
-    if not isinstance(windows, (Sequence, np.ndarray)):  # pyright: ignore[reportUnnecessaryIsInstance]
+    if (given := listed(windows, name)) is None:
         raise ParameterError(f"{name} must be a sequence of windows; got {shown(windows)}. Try [(20, 200)].")
-    return tuple(_checked_window(window) for window in windows)
+    return tuple(_checked_window(window) for window in given)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import listed, ordered
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
@@ -240,7 +241,7 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
         ShapeError: The signal has another shape than stated.
         ParameterError: The signal is not finite, or the interval is not positive.
     """
-    values = np.atleast_2d(np.array(signal))
+    values = np.atleast_2d(np.array(ordered(signal, "signal")))
     if values.ndim != 2 or values.shape[1] < 17 or values.dtype.kind not in "iufc":
         raise ShapeError(
             f"signal must have shape (sample,) or (trajectory, sample), numbers, 17 samples or more; got shape "
@@ -312,7 +313,8 @@ def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Arr
     """The signal as a function of states, which also says whether it is real."""
     if callable(observable):
         return _from_function(observable)
-    texts: list[Any] = list(observable) if isinstance(observable, (list, tuple)) else [observable]
+    found = listed(observable, "observable")
+    texts: list[Any] = [observable] if found is None else found
     if len(texts) not in (1, 2) or not all(isinstance(text, str) for text in texts):
         raise ParameterError(
             f"observable: wanted one name or formula, two for real and imaginary part, or a function; got "

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.given import listed
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
 from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
@@ -84,7 +85,9 @@ class Rule:
     def __post_init__(self) -> None:
         for name in INDICATORS[:3]:
             try:
-                low, high = (as_number(value, f"rule.{name}", "two numbers") for value in getattr(self, name))
+                low, high = (
+                    as_number(value, f"rule.{name}", "two numbers") for value in listed(getattr(self, name), name) or ()
+                )
             except (TypeError, ValueError):
                 low = high = math.nan
             ordered = high < low if name == "sali" else low < high

@@ -15,6 +15,7 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.systems import TOP_COMPONENTS
 from liepoisson.result import Result, labelled, names_along, part
 
 LONGEST = 100_000
@@ -160,7 +161,7 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
         ShapeError: `start` is not one state.
         ParameterError: as for `integrate`.
     """
-    start = as_array(start, "start")
+    start = as_array(start, "start", TOP_COMPONENTS)
     if start.shape != (9,):
         raise ShapeError(f"start must be one state of shape (9,); got shape {start.shape}. Take one orbit at a time.")
     method = method or Taylor(max_steps=LONGEST)

@@ -27,7 +27,7 @@ from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
-from liepoisson.numeric.starts import StartsLike, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts, as_values
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
 from liepoisson.wrong_values import not_a_system, shown
@@ -145,7 +145,7 @@ class Attitude(Result, KeepsInvariants):
             ParameterError: the run was made without `dense=True`, or a time lies outside it.
             ShapeError: the times do not have shape (time,).
         """
-        times = as_array(times, "times")
+        times = as_values(times, "times")
         if times.ndim != 1:
             raise ShapeError(f"times must have shape (time,); got shape {times.shape}. Give a list of times.")
         values = self.orbit.at(times)

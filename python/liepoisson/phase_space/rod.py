@@ -28,7 +28,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.starts import StartsLike, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts, as_values
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number
@@ -259,7 +259,7 @@ def _arclengths(length: float | None, n_points: int, given: ArrayLike | None) ->
         both = "both" if given is not None else "neither"
         raise ParameterError(f"rod: wanted either length or arclengths; got {both}; try length=20")
     if given is not None:
-        return as_array(given, "arclengths")
+        return as_values(given, "arclengths")
     end = as_number(length, "length", "a finite number other than 0")
     if not np.isfinite(end) or end == 0:
         raise ParameterError(f"length: wanted a finite number other than 0; got {end!r}; try length=20")

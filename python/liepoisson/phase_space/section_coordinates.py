@@ -79,7 +79,7 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
     """
     bracket_of = as_system(system).bracket
     functions = system.functions
-    some = np.atleast_2d(as_phase_points(states, bracket_of.dimension, bracket_of.field_names))
+    some = np.atleast_2d(as_phase_points(states, bracket_of.coordinate_names_in_order, bracket_of.field_names))
     some = some[:: max(1, len(some) // _SAMPLES)]
     tensor = functions.poisson_tensor(some)
     s, across, up = (functions.of(function).gradient(some) for function in (surface, x, y))
