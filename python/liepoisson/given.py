@@ -95,7 +95,7 @@ def labelled(values: object) -> Labelled | None:
     if labels is None or labels == tuple(range(len(labels))):
         return None
     array = without_labels(given)
-    return Labelled(labels, tuple(array[..., k] for k in range(len(labels))))
+    return Labelled(labels, tuple(array[k] if array.ndim == 1 else array[..., k] for k in range(len(labels))))
 
 
 def without_labels(values: Any) -> Any:
@@ -141,10 +141,10 @@ def listed(values: object, what: str = "values", names: Sequence[str] = ()) -> l
         ParameterError: labels that do not fit.
     """
     given = cast("Any", values)
-    if isinstance(values, (str, bytes, bytearray, type)) or getattr(given, "ndim", 1) == 0:
-        return None  # an array without axes has a length to ask for, but none to give
     if (found := labelled(values)) is not None:
         return list(found.ordered(names, what))
+    if isinstance(values, (str, bytes, bytearray, type)) or getattr(given, "ndim", 1) == 0:
+        return None  # an array without axes has a length to ask for, but none to give
     if _is_table(values) or _is_labelled_array(values):
         return list(without_labels(values))
     if is_named(values) or is_set(values):
@@ -161,10 +161,10 @@ def named(values: object, what: str = "values") -> dict[Any, Any] | None:
         ParameterError: a label comes twice.
     """
     if (found := labelled(values)) is not None:
-        columns = found.by_label(what)
-        if any(getattr(column, "ndim", 0) for column in columns.values()) and _is_table(values):
-            return {label: column[0] for label, column in columns.items()} if len(found.columns[0]) == 1 else None
-        return columns
+        columns, rows = found.by_label(what), _n_rows(values)
+        if rows is None:
+            return columns
+        return {label: column[0] for label, column in columns.items()} if rows == 1 else None
     return dict(values.items()) if is_named(values) else None
 
 
@@ -182,7 +182,7 @@ def is_set(values: object) -> bool:
 
 def as_scalar(value: Any) -> Any:
     """The number in an array without axes, also in a labelled one; everything else as it is."""
-    if isinstance(value, type) or getattr(value, "ndim", None) != 0:
+    if isinstance(value, (type, str, bytes)) or getattr(value, "ndim", None) != 0:
         return value
     array = value.values if _is_labelled_array(value) else value
     return array[()] if hasattr(array, "__array__") else value
@@ -200,6 +200,13 @@ def _is_table(values: Any) -> bool:
     if isinstance(values, (Mapping, type)) or not hasattr(values, "__array__"):
         return False
     return hasattr(values, "columns") or not callable(getattr(values, "index", len))
+
+
+def _n_rows(values: Any) -> int | None:
+    """The number of rows of a table, of a labelled array with two axes and of an array of records; else None."""
+    shape: tuple[int, ...] = getattr(values, "shape", ())
+    is_records = bool(getattr(getattr(values, "dtype", None), "names", None))
+    return shape[0] if len(shape) == (1 if is_records else 2) else None
 
 
 def _labels_of_last_axis(values: Any) -> tuple[Any, ...] | None:

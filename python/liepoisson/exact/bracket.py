@@ -25,7 +25,7 @@ from liepoisson.exact.parameters import (
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
-from liepoisson.given import listed
+from liepoisson.given import by_name, listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -405,6 +405,7 @@ class Bracket:
         Raises:
             ParameterError: not a mapping from names to values.
         """
+        values = by_name(values, "values", "values", '{"epsilon": 1}')
         algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
         if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
             return self

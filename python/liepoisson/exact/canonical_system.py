@@ -80,11 +80,12 @@ class CanonicalSystem(System):
                 f"a canonical system needs one momentum for each coordinate; got {given}. "
                 f'Write for example CanonicalSystem(["x"], ["p"], "p^2/2 + x^2/2").'
             )
+        parameters = {} if parameters is None else by_name(parameters, "parameters", "values", '{"k": 1}')
         rates = {} if quadratures is None else quadratures
         extra = by_name(rates, "quadratures", "rates", '{"psi": "p_psi"}')
         for component in (*coordinates, *momenta, *extra):
             check_name(component, "the name of a coordinate")
-        self._scope = Scope(parameters=parameters or {}, symbols=(*coordinates, *momenta, *extra))
+        self._scope = Scope(parameters=parameters, symbols=(*coordinates, *momenta, *extra))
         self._quadrature_names: tuple[str, ...] = tuple(extra)
         bracket = canonical(names=coordinates, momenta=momenta)
         super().__init__(

@@ -25,7 +25,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
-from liepoisson.given import by_name
+from liepoisson.given import by_name, sequence
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -134,9 +134,10 @@ class LieAlgebra:
         """
         from liepoisson.exact.lie.sparse_matrices import brackets_of_matrices
 
-        brackets = brackets_of_matrices(matrices)
+        given = sequence(matrices, "matrices", "square matrices", "[[[0, 1], [0, 0]], [[1, 0], [0, -1]]]")
+        brackets = brackets_of_matrices(given)
         # Commutators of matrices obey the Jacobi identity.
-        return cls.from_brackets(len(matrices), brackets, name, basis_names, check=False)
+        return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
 
     def _set(self, n: int, brackets: Brackets, name: str, basis_names: Sequence[str] | None, *, check: bool) -> None:
         check_dimension(n)

@@ -14,6 +14,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.files import write_atomically
 from liepoisson.formats import another_format
+from liepoisson.given import by_name
 from liepoisson.integrability import checker
 from liepoisson.integrability.polynomial_integrals import functions_by_name
 from liepoisson.wrong_values import shown
@@ -94,6 +95,7 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
         OutputError: the file cannot be written, or its name does not end in .json.
     """
     path = Path(path)
+    data = by_name(data, "data", "a certificate", "certificate(system, commuting)")
     if wrong := fault(data):
         raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")
     if path.suffix != ".json":
@@ -127,6 +129,7 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
     if (named := data.get("format") if isinstance(data, dict) else None) != FORMAT and _is_of_a_version(named):
         raise DamagedFileError(f"{path}: {another_format(named, FORMAT)}")
+    data = by_name(data, "data", "a certificate", "certificate(system, commuting)")
     if wrong := fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -176,7 +176,7 @@ def frequency_drift(
     References:
         Laskar, Icarus 88 (1990) 266; Laskar, Physica D 67 (1993) 257.
     """
-    method = as_method(method, Taylor(tol=1e-13))
+    method, observable = as_method(method, Taylor(tol=1e-13)), _texts_of(observable)
     n = as_field(system).n_components
     states, window = as_starts(system, starts, n), as_positive_time(t_end, "t_end") / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
@@ -210,7 +210,7 @@ def frequency_drift(
             progress(here.stop / len(states))
     return FrequencyDrift(
         **given(system, field_for(system, as_field(system), method), method, states),
-        observable=(observable,) if isinstance(observable, str) else cast("Any", observable),
+        observable=observable,
         n_samples=samples,
         window_order=order,
         time_limit=float(time_limit),
@@ -309,12 +309,19 @@ def _refine(weighted: Signal, step: float, sigma: Array) -> Array:
     return np.array([sigma, amplitude])
 
 
+def _texts_of(observable: Any) -> Any:
+    """One or several texts as a tuple; a function as it is."""
+    if callable(observable):
+        return observable
+    found = listed(observable, "observable")
+    return (observable,) if found is None else tuple(found)
+
+
 def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Array], tuple[Signal, bool]]:
     """The signal as a function of states, which also says whether it is real."""
     if callable(observable):
         return _from_function(observable)
-    found = listed(observable, "observable")
-    texts: list[Any] = [observable] if found is None else found
+    texts: Any = observable
     if len(texts) not in (1, 2) or not all(isinstance(text, str) for text in texts):
         raise ParameterError(
             f"observable: wanted one name or formula, two for real and imaginary part, or a function; got "

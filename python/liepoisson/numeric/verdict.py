@@ -85,9 +85,8 @@ class Rule:
     def __post_init__(self) -> None:
         for name in INDICATORS[:3]:
             try:
-                low, high = (
-                    as_number(value, f"rule.{name}", "two numbers") for value in listed(getattr(self, name), name) or ()
-                )
+                given = listed(getattr(self, name), f"rule.{name}") or ()
+                low, high = (as_number(value, f"rule.{name}", "two numbers") for value in given)
             except (TypeError, ValueError):
                 low = high = math.nan
             ordered = high < low if name == "sali" else low < high
@@ -97,6 +96,8 @@ class Rule:
                     f"rule.{name}: wanted two {order} numbers (regular, chaotic); got {shown(getattr(self, name))}; "
                     f"try {getattr(type(self), name)}"
                 )
+            if not isinstance(getattr(self, name), tuple):
+                object.__setattr__(self, name, (low, high))
         for name in ("averages", "least_time"):
             if not as_number(getattr(self, name), f"rule.{name}", "a number") >= 0.0:
                 raise ParameterError(

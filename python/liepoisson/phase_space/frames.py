@@ -158,6 +158,8 @@ class Attitude(Result, KeepsInvariants):
         values = as_array(vectors, "vectors")
         shape = self.rotation.shape[:-1]
         try:
+            if values.ndim == 0:
+                raise ValueError("a number is no vector")
             return np.broadcast_to(values, shape)
         except ValueError as error:
             raise ShapeError(

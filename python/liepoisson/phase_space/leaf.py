@@ -247,6 +247,7 @@ class Leaf:
             LeafError: J has another rank at one of the states.
         """
         states = self._points(states)
+        states = self._points(states)  # once, as they are read twice
         basis = self.tangent_basis(states)
         projector = basis @ np.swapaxes(basis, -1, -2)
         if not energy:

@@ -298,13 +298,8 @@ def _guesses(leaf: LeafInUnits, guess: ArrayLike | Mapping[str, Any] | None) -> 
     if guess is not None and named(guess, "guess") is not None:
         return read_state(leaf.source, guess, "guess")[None] / leaf.units
     if guess is not None:
-        bracket = leaf.system.bracket
-        return (
-            np.atleast_2d(
-                as_phase_points(cast("ArrayLike", guess), bracket.coordinate_names_in_order, bracket.field_names)
-            )
-            / leaf.units
-        )
+        near, bracket = cast("ArrayLike", guess), leaf.system.bracket
+        return np.atleast_2d(as_phase_points(near, bracket.coordinate_names_in_order, bracket.field_names)) / leaf.units
     n = len(leaf.state)
     size = max(1.0, float(np.abs(leaf.state).max()))
     random = np.random.default_rng(np.random.SeedSequence(int(Purpose.SECTION))).standard_normal((_GUESSES, n))
