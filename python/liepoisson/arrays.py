@@ -30,17 +30,19 @@ def as_array(values: ArrayLike, name: str, labels: Sequence[str] = ()) -> Array:
         ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones),
             booleans, or labels that are not those that were wanted.
     """
+    if type(values) is np.ndarray and values.dtype.kind in "fiu":
+        return np.array(values, dtype=np.float64, order="C")
     try:
         masked = _has_masks(values)
         plain = () if masked else ordered(values, name, labels)
         given = np.asanyarray(plain)
         if given.dtype.kind in "SUTO":
-            given = _with_texts_read(given, name, written=isinstance(plain, (list, str)))
+            given = _with_texts_read(given, name, written=isinstance(plain, (list, tuple, str)))
         if not masked and given.dtype.kind not in "bcmMV":
             return np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
     except (ShapeError, ParameterError):
         raise
-    except (TypeError, ValueError, OverflowError) as error:
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
         raise ShapeError(
             f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
         ) from error

@@ -21,6 +21,9 @@ from liepoisson.wrong_values import not_a, shown
 _AXES = ("point", "trajectory", "energy", "time", "tangent", "vector", "component")
 """Dimensions of labelled arrays in the order in which functions take them."""
 
+_NUMBERS = {int, float}
+"""Types of most items, which are looked at first."""
+
 
 @dataclass(frozen=True)
 class Labelled:
@@ -117,6 +120,8 @@ def ordered(values: Any, what: str, names: Sequence[str] = ()) -> Any:
         ShapeError: a mapping or a set, which have no order.
         ParameterError: labels that do not fit, or a boolean among numbers.
     """
+    if type(values) in (list, tuple):
+        return values if _NUMBERS.issuperset(map(type, values)) else [ordered(item, what, names) for item in values]
     if isinstance(values, bool) or getattr(getattr(values, "dtype", None), "kind", "") == "b":
         raise ParameterError(f"{what}: wanted real numbers; got {shown(values)}; write 1 or 0")
     if (found := labelled(values)) is not None:
@@ -130,8 +135,7 @@ def ordered(values: Any, what: str, names: Sequence[str] = ()) -> Any:
         )
     if not isinstance(values, (list, tuple, Iterator, MappingView)):
         return values
-    items = list(cast("Any", values))
-    return [item if type(item) in (float, int) else ordered(item, what, names) for item in items]
+    return ordered(list(cast("Any", values)), what, names)
 
 
 def listed(values: object, what: str = "values", names: Sequence[str] = ()) -> list[Any] | None:
@@ -204,7 +208,7 @@ def _is_table(values: Any) -> bool:
 
 def _n_rows(values: Any) -> int | None:
     """The number of rows of a table, of a labelled array with two axes and of an array of records; else None."""
-    shape: tuple[int, ...] = getattr(values, "shape", ())
+    shape: tuple[int, ...] = tuple(getattr(values, "shape", ()))
     is_records = bool(getattr(getattr(values, "dtype", None), "names", None))
     return shape[0] if len(shape) == (1 if is_records else 2) else None
 
