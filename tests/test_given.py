@@ -5,6 +5,7 @@ array in another order, a text, and the answer is that of the plain call, or an 
 """
 
 import dataclasses
+import inspect
 import keyword
 import re
 from collections import UserDict, namedtuple
@@ -158,6 +159,7 @@ def test_each_argument_of_several_values_is_in_the_table(name):
     assert several()[name] <= told, f"say in the table of this file how {name} reads {several()[name] - told}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", several())
 @pytest.mark.filterwarnings("ignore")
 def test_what_people_have_at_hand_is_read_or_refused(name):
@@ -179,6 +181,34 @@ def test_what_people_have_at_hand_is_read_or_refused(name):
                 if wanted == REFUSED and (found[0] != "refusal" or found == plain):
                     wrong.append(f"{what}: wanted a refusal; got {found!s:.200}")
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", several())
+@pytest.mark.filterwarnings("ignore")
+def test_several_values_in_the_place_of_one_end_in_no_foreign_error(name):
+    wrong = []
+    for key, row in rows().items():
+        if key.split(":")[0] != name:
+            continue
+        parameters = inspect.signature(row.function).parameters.values()
+        for one in parameters:
+            if one.name in row.kinds or one.kind in (one.VAR_KEYWORD, one.VAR_POSITIONAL):
+                continue
+            for word, value in several_values().items():
+                try:
+                    outcome(row.function, row.arguments | {one.name: value})
+                except Exception as error:
+                    wrong.append(f"{key}({one.name}={word}): {type(error).__name__}: {error}")
+    assert not wrong, "\n".join(wrong)
+
+
+def several_values():
+    return {
+        "a dictionary": {"a": 1}, "a user dictionary": UserDict(a=1), "a set": {1, 2}, "a generator": iter((1, 2)),
+        "a series": pd.Series([1.0, 2.0]), "a table": pd.DataFrame([[1.0, 2.0]]), "an array": np.array([1.0, 2.0]),
+        "a data set": xr.Dataset({"u": ("v", [1.0])}), "a text": "abc",
+    }  # fmt: skip
 
 
 GORYACHEV = lp.catalog.system("goryachev-chaplygin")

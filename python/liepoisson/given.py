@@ -184,6 +184,13 @@ def is_set(values: object) -> bool:
     return isinstance(values, ItemsView) or (isinstance(values, Set) and not isinstance(values, MappingView))
 
 
+def is_several(value: object) -> bool:
+    """Whether it holds several values, in order or not."""
+    if isinstance(value, (str, bytes, type)):
+        return False
+    return isinstance(value, (list, tuple, Set, Iterator)) or is_named(value) or getattr(value, "ndim", 0) > 0
+
+
 def as_scalar(value: Any) -> Any:
     """The number in an array without axes, also in a labelled one; everything else as it is."""
     if isinstance(value, (type, str, bytes)) or getattr(value, "ndim", None) != 0:
@@ -258,5 +265,5 @@ def by_name(values: object, what: str, wanted: str, example: str) -> dict[Any, A
         ParameterError: they have no names, or one comes twice.
     """
     if (found := named(values, what)) is None:
-        raise not_a(f"{wanted} by name", values, what, f"write {example}")
+        raise not_a(f"a mapping from names to {wanted}", values, what, f"write {example}")
     return found

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -461,6 +462,10 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
 
 def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
     if not isinstance(algebra, str):
+        from liepoisson.exact.lie_algebra import LieAlgebra
+
+        if not isinstance(algebra, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a Lie algebra or its name", algebra, "algebra", 'write for example "so(3)"')
         return algebra
     from liepoisson.exact.constructors import read_algebra
 

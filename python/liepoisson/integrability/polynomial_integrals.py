@@ -213,7 +213,7 @@ def first_integrals(
             for name, f in functions_by_name(known).items()
         }
     zeros = zeros_on_level(system, on)
-    used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
+    used = _of_degree(given, as_count(*_size_asked(degree, weight), least=1))
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
     slopes: list[Expr] = []
     if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
@@ -297,6 +297,11 @@ def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
 def known_functions(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+
+
+def _size_asked(degree: int | None, weight: int | None) -> tuple[Any, str]:
+    """The weight or the degree, and its name; degree 2 if neither is given."""
+    return (weight, "weight") if weight is not None else (2 if degree is None else degree, "degree")
 
 
 def equations_of(on: Equations) -> tuple[str | Expr, ...]:

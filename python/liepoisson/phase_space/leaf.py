@@ -198,7 +198,7 @@ class Leaf:
         Raises:
             LeafError: a state has the same values of the known functions, and not all equations of the leaf are known.
         """
-        close = self.residual(states) <= tol
+        close = self.residual(states) <= as_number(tol, "tol", "a number >= 0")
         if not self.place.is_known and np.any(close):
             raise LeafError(_unknown(self.system, self.place))
         return close

@@ -13,8 +13,8 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ShapeError
 from liepoisson.given import listed, sequence
 from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
-from liepoisson.plot.style import INK, MUTED, axes_or_new, house_style
-from liepoisson.scalars import as_count
+from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style
+from liepoisson.scalars import as_count, as_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,6 +71,7 @@ def convergence(
         ShapeError: exponents not (trajectory, time).
         ParameterError: no member finished, or fewer than two where a fit is to be drawn.
     """
+    colour = as_colour(colour)
     with house_style():
         ax = axes_or_new(ax)
         if not isinstance(growth, MeanCurve) and len(alone := _finished(growth)) == 1 and fit is None:
@@ -185,7 +186,7 @@ def exponent_distribution(
             "Take the last time, exponent[:, -1]?"
         )
     values = values[np.isfinite(values)]
-    several = listed(bins, "bins")
+    several, colour = listed(bins, "bins"), as_colour(colour)
     edges = as_count(bins, "bins", least=1) if several is None else as_array(several, "bins")
     with house_style():
         ax = axes_or_new(ax)
@@ -229,11 +230,12 @@ def window_scan(
         ax: Axes to draw into, by default those of a new figure.
     """
     fits = sequence(fits, "fits", "fits", "window_scan(time, exponent)")
+    level = None if reference is None else as_number(reference, "reference", "a number")
     ends = sorted({fit.window[1] for fit in fits})
     with house_style():
         ax = axes_or_new(ax)
-        if reference is not None:
-            ax.axhline(reference, color=MUTED, linewidth=1.0, linestyle=(0, (5, 3)), label=reference_label, zorder=1)
+        if level is not None:
+            ax.axhline(level, color=MUTED, linewidth=1.0, linestyle=(0, (5, 3)), label=reference_label, zorder=1)
         for k, end in enumerate(ends):
             line = sorted((fit for fit in fits if fit.window[1] == end), key=lambda fit: fit.window[0])
             # Shifted a little sideways, so that error bars of different ends stay apart.

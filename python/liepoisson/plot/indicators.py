@@ -12,7 +12,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.given import sequence, texts
 from liepoisson.plot.exponents import time_axis
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -97,6 +97,7 @@ def indicators(
     labels = None if labels is None else texts(labels, "labels", "texts", 'labels=["regular", "chaotic"]')
     if labels is not None and len(labels) != len(chosen):
         raise ParameterError(f"labels: wanted one for each of {len(chosen)} members; got {len(labels)}")
+    mark = None if decided_at is None else as_number(decided_at, "decided_at", "a time")
     from matplotlib.ticker import FixedLocator
 
     t, t_angle = np.asarray(growth.time), np.asarray(angle.time)
@@ -125,8 +126,8 @@ def indicators(
             ax.set_xscale("log")
             time_axis(ax, first, last)
             ax.set_ylabel(name)
-            if decided_at is not None:
-                ax.axvline(decided_at, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
+            if mark is not None:
+                ax.axvline(mark, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
         for ax in (top, middle):
             ax.set_yscale("symlog", linthresh=_LINEAR_TO)
             ax.set_ylim(bottom=0.0)

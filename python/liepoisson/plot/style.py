@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.given import listed
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,6 +105,8 @@ def house_style() -> Generator[None]:
 def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> Axes:
     """The given axes, or those of a new figure of the given size in inches, known to pyplot."""
     if ax is not None:
+        if not hasattr(ax, "get_figure"):  # pyright: ignore[reportUnnecessaryComparison]
+            raise not_a("axes of Matplotlib", ax, "ax", "leave it out for a new figure")
         return ax
     import matplotlib.pyplot as plt
 
@@ -127,6 +130,15 @@ def as_colours(colour: Any) -> tuple[Any, ...]:
             f'colour must be a colour of Matplotlib or a sequence of them; got {colour!r:.80}. Try "#1668b8".'
         )
     return colours
+
+
+def as_colour(colour: Any) -> Any:
+    """One colour as Matplotlib reads it, or None.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    return None if colour is None else as_colours((colour,))[0]
 
 
 def new_figure(width: float, height: float) -> Figure:

@@ -18,7 +18,7 @@ from liepoisson.proofs.margins import Margins
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
 from liepoisson.proofs.regularity import is_regular
 from liepoisson.proofs.search import CertificateCandidate
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -110,6 +110,8 @@ def prove_chaos(
     elif isinstance(certificate, CertificateCandidate):
         certificate = read_certificate(certificate.chain.record())
     elif not isinstance(certificate, CoveringCertificate):
+        if not isinstance(certificate, (str, Path)):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a certificate or a file", certificate, "certificate", "see find_certificate")
         certificate = load_covering_certificate(certificate)
     notes = [compare_equations(certificate.equations, field)]
     if not keeps_bracket(system.bracket, certificate.symmetry):
