@@ -217,7 +217,8 @@ def _n_rows(values: Any) -> int | None:
     """The number of rows of a table, of a labelled array with two axes and of an array of records; else None."""
     shape: tuple[int, ...] = tuple(getattr(values, "shape", ()))
     is_records = bool(getattr(getattr(values, "dtype", None), "names", None))
-    return shape[0] if len(shape) == (1 if is_records else 2) else None
+    rows = 1 if is_records else 2
+    return next(iter(shape)) if len(shape) == rows else None
 
 
 def _labels_of_last_axis(values: Any) -> tuple[Any, ...] | None:

@@ -194,10 +194,10 @@ def first_integrals(
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
-        on: Equations of a level set to which the search is restricted, such as "C2 = 1", or functions that vanish on
-            it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The level must be
-            invariant, and is the complex one.  Of one equation the squarefree part counts; with several, polynomials
-            count modulo the ideal that these generate.
+        on: Equations of a level set to which the search is restricted, such as "C2 = 1" or {"C2": 1}, or functions
+            that vanish on it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The
+            level must be invariant, and is the complex one.  Of one equation the squarefree part counts; with several,
+            polynomials count modulo the ideal that these generate.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         progress: As for `integrate`.
 

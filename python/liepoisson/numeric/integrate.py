@@ -193,7 +193,8 @@ def integrate(
     Args:
         system: What is integrated.
         starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; or vectors and
-            components by name, the others being zero, `{"l": (1, 0, 0), "beta3": "1/3"}`.  A row that is not finite
+            components by name, the others being zero, `{"l": (1, 0, 0), "beta3": "1/3"}`.  Labels of a table, a Series
+            or an xarray object decide the order.  A row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         times: Times at which states are wanted, strictly monotone, shape (time,), the first that of the starts;
             decreasing times run backwards.  One number T means the times 0 and T.

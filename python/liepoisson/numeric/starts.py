@@ -32,7 +32,7 @@ def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array
     """A copy of states as they were given, those that were given by name with all their components.
 
     `{"l": (1, 0, 0), "beta3": "1/3"}` is one state, and many if a component has many values or a vector many rows;
-    a list of such mappings is many.
+    a list of such mappings is many.  Of data with labels, such as a table, each component must have one.
 
     Raises:
         ParameterError: A name is none of the system's, or a component is given twice.
