@@ -722,6 +722,7 @@ def rows():
         "systems.DiscreteSymmetry.__call__": Row(
             symmetric, {"states": X}, body
         ),
+        "systems.PhaseFunction.__call__": Row(TOP.functions.energy, {"states": X}, body),
         "systems.PhaseFunction.gradient": Row(TOP.functions.energy.gradient, {"states": X}, body),
         "systems.PhaseFunction.hessian": Row(TOP.functions.energy.hessian, {"states": X}, body),
         "systems.System": Row(

@@ -159,8 +159,12 @@ def test_each_argument_of_several_values_is_in_the_table(name):
     assert several()[name] <= told, f"say in the table of this file how {name} reads {several()[name] - told}"
 
 
+CALLED = ("systems.DiscreteSymmetry.__call__", "systems.PhaseFunction.__call__")
+"""Objects of several states that are called themselves."""
+
+
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", several())
+@pytest.mark.parametrize("name", [*several(), *CALLED])
 @pytest.mark.filterwarnings("ignore")
 def test_what_people_have_at_hand_is_read_or_refused(name):
     wrong = []

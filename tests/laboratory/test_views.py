@@ -321,7 +321,7 @@ def test_a_direction_without_a_surface_is_refused(widget):
 
 
 def test_playing_is_yes_or_no():
-    with pytest.raises(ParameterError, match="playing must be True or False"):
+    with pytest.raises(ParameterError, match="playing: wanted True or False"):
         lp.view(TOP, start=START, playing="no")
 
 

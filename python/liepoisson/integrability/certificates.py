@@ -95,7 +95,7 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
         OutputError: the file cannot be written, or its name does not end in .json.
     """
     path = Path(path)
-    data = by_name(data, "data", "a certificate", "certificate(system, commuting)")
+    data = by_name(data, "data", "parts of a certificate", "certificate(system, commuting)")
     if wrong := fault(data):
         raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")
     if path.suffix != ".json":
@@ -129,7 +129,6 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
     if (named := data.get("format") if isinstance(data, dict) else None) != FORMAT and _is_of_a_version(named):
         raise DamagedFileError(f"{path}: {another_format(named, FORMAT)}")
-    data = by_name(data, "data", "a certificate", "certificate(system, commuting)")
     if wrong := fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data
