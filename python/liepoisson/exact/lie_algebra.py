@@ -25,7 +25,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
-from liepoisson.given import by_name, sequence
+from liepoisson.given import by_name, listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ class LieAlgebra:
         """
         from liepoisson.exact.lie.sparse_matrices import brackets_of_matrices
 
-        given = sequence(matrices, "matrices", "square matrices", "[[[0, 1], [0, 0]], [[1, 0], [0, -1]]]")
+        given: Sequence[object] = listed(matrices, "matrices") or ()
         brackets = brackets_of_matrices(given)
         # Commutators of matrices obey the Jacobi identity.
         return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
