@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
+from liepoisson.errors import LiePoissonError, ParameterError, ShapeError, UnknownNameError
 from liepoisson.numeric.finite_time_fit import EnsembleReduction, Resampling
 
 TOP = lp.Top.twisted_kovalevskaya()
