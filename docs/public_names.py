@@ -23,7 +23,7 @@ WORDS = {
     "state": "one point of phase space, shape (component,)",
     "states": "any number of them, shape (..., component)",
     "start": "the state at the first time",
-    "starts": "one state at the first time, or many: (component,) or (trajectory, component); or components by name",
+    "starts": "one state at the first time, or many: (component,) or (trajectory, component); or by name or label",
     "guess": "a state near the one that is wanted",
     "n_starts": "how many starts",
     "times": "one time or many",

@@ -18,7 +18,7 @@ import liepoisson
 ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
-    {"errors", "arrays", "field", "files", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
+    {"errors", "arrays", "field", "files", "given", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
      "deadline", "streams", "read_only", "portable", "_lazy"},
     {"tables"},
     {"result", "dataset"},

@@ -4,44 +4,51 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, MemoryLimitError, ParameterError, ShapeError
+from liepoisson.given import ordered
 from liepoisson.portable import linear
 
 Array: TypeAlias = NDArray[np.float64]
 
 
-def as_array(values: ArrayLike, name: str) -> Array:
+def as_array(values: ArrayLike, name: str, labels: Sequence[str] = ()) -> Array:
     """An array of doubles with memory of its own, whatever a caller gives: aligned, native byte order, C order.
 
     Texts, also in lists, are exact numbers, of which the nearest doubles are taken: "1/3", "sqrt(2)/2" (`as_double`).
-    A NumPy array of texts is most likely a table that was not converted, and is refused.
+    A NumPy array of texts is most likely a table that was not converted, and is refused.  Where the last axis has
+    labels, they bring it into the order of `labels` (`liepoisson.given`).
 
     It is always a copy.  A function takes it once, at its beginning, checks the copy, and works with the copy only: the
     caller's array may be changed later, or by another thread while the core runs without the interpreter's lock.
 
     Raises:
-        ShapeError: It is no array of numbers (names, rows of different lengths, objects).
-        ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones).
+        ShapeError: It is no array of numbers (names, mappings, sets, rows of different lengths, objects).
+        ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones),
+            booleans, or labels that are not those that were wanted.
         MemoryLimitError: The copy does not fit into memory; an array that repeats a few numbers by strides takes none.
     """
+    if type(values) is np.ndarray and values.dtype.kind in "fiu":
+        return np.array(values, dtype=np.float64, order="C")
     try:
         masked = _has_masks(values)
-        given = np.asanyarray(() if masked else values)
+        plain = () if masked else ordered(values, name, labels)
+        given = np.asanyarray(plain)
         check_memory(8 * given.size, name)
         if given.dtype.kind in "SUTO":
-            given = _with_texts_read(given, name, written=isinstance(values, (list, tuple, str)))
-        if not masked and given.dtype.kind not in "cmMV":
+            given = _with_texts_read(given, name, written=isinstance(plain, (list, tuple, str)))
+        if not masked and given.dtype.kind not in "bcmMV":
             return np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
-    except ShapeError:
+    except (ShapeError, ParameterError):
         raise
     except MemoryError as error:
         raise _too_large(8 * np.size(values), name) from error
-    except (TypeError, ValueError, OverflowError) as error:
+    except (TypeError, ValueError, OverflowError, RecursionError) as error:
         raise ShapeError(
             f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
         ) from error

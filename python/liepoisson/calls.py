@@ -17,9 +17,10 @@ from contextlib import suppress
 from contextvars import ContextVar
 from functools import wraps
 from types import FunctionType
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, Literal, ParamSpec, TypeVar, get_origin
 
 from liepoisson.errors import ExpressionError, LiePoissonError, MemoryLimitError, ParameterError, did_you_mean
+from liepoisson.given import is_several
 from liepoisson.wrong_values import shown
 
 P = ParamSpec("P")
@@ -47,6 +48,8 @@ _WORDS = {
 }
 """What other packages call an argument, under our word for it."""
 
+_FLAG = "True or False"
+
 _BOUND = {"self", "cls"}
 """Parameters that Python fills in where a method is called."""
 
@@ -58,9 +61,14 @@ _inside: ContextVar[bool] = ContextVar("inside a run", default=False)
 
 def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     """A function, or the `__init__` of a class, whose wrong calls are explained."""
+    single = _single_arguments(function)
 
     @wraps(function)
     def called(*args: P.args, **options: P.kwargs) -> R:
+        for name, value in (*zip(single, args, strict=False), *options.items()):
+            flag = single.get(name) == _FLAG and isinstance(value, str)
+            if flag or (single.get(name) and is_several(value)):
+                raise ParameterError(f"{name}: wanted {single[name]}; got {shown(value)}; give one value")
         try:
             return function(*args, **options)
         except ExpressionError as error:  # it says what is wrong and where; the frames of the parser say nothing more
@@ -85,6 +93,18 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
             ) from error
 
     return called
+
+
+def _single_arguments(function: Callable[..., Any]) -> dict[str, str]:
+    """What each argument must be, in order, where it is a flag, a text or one of some texts; else nothing."""
+    found: dict[str, str] = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        kinds = str(parameter.annotation).removesuffix(" | None")
+        alias = get_origin(getattr(function, "__globals__", {}).get(kinds)) is Literal
+        found[name] = _FLAG if kinds == "bool" else "a text" if kinds == "str" or alias else ""
+        if kinds.startswith("Literal["):
+            found[name] = "a text"
+    return found
 
 
 def _argument_that_is(value: Any, function: Callable[..., Any], args: Any, options: dict[str, Any]) -> str | None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from liepoisson.arrays import as_double
 from liepoisson.errors import ParameterError
+from liepoisson.given import as_scalar
 from liepoisson.wrong_values import shown
 
 MOST = 2**63 - 1
@@ -42,7 +43,7 @@ def as_count(value: Any, name: str, *, least: int = 0, most: int = MOST, hint: s
 
 def as_number(value: Any, name: str, wanted: str) -> float:
     """A real number as a plain float, also an exact one as a text ("1/3"); complex numbers, dates, booleans are not."""
-    scalar = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    scalar = as_scalar(value)
     numeric = scalar.dtype.kind in "iuf" if isinstance(scalar, np.generic) else not isinstance(scalar, bool)
     try:
         if type(scalar) is str:

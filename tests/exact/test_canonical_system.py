@@ -88,7 +88,7 @@ def test_wrong_input_is_refused(arguments, error, message):
 
 
 def test_quadratures_are_a_mapping():
-    with pytest.raises(ParameterError, match="quadratures must be a mapping"):
+    with pytest.raises(ParameterError, match="quadratures: wanted a mapping from names to rates"):
         lp.systems.CanonicalSystem(["x"], ["p"], "p^2", quadratures=["x"])
 
 

@@ -295,7 +295,7 @@ def test_one_surface_may_be_an_expression_and_none_is_refused(plane):
     start = [0.1, 0.2, 0.3, 0.4]
     shown = lp.view(plane, start=start, surfaces=plane.variables[0] ** 2 - 1)
     assert '"x^2 - 1"' in sent(shown)["_carried"] or '"x**2 - 1"' in sent(shown)["_carried"]
-    with pytest.raises(ParameterError, match="surfaces must be formulas"):
+    with pytest.raises(ParameterError, match="surfaces: wanted a sequence of formulas"):
         lp.view(plane, start=start, surfaces=None)
 
 
@@ -321,7 +321,7 @@ def test_a_direction_without_a_surface_is_refused(widget):
 
 
 def test_playing_is_yes_or_no():
-    with pytest.raises(ParameterError, match="playing must be True or False"):
+    with pytest.raises(ParameterError, match="playing: wanted True or False"):
         lp.view(TOP, start=START, playing="no")
 
 

@@ -145,7 +145,7 @@ def test_the_level_is_that_of_the_guess_if_none_is_given():
         (lambda: prove(guess=[0, 0]), ShapeError, "6 components"),
         (lambda: prove(level={"C1": 0}), ParameterError, r"values of C1, C2; got C1; write level=\{'C1': ..."),
         (lambda: prove(level={"C1": 0, "C2": "sqrt(2)"}), ParameterError, "rational value of C2"),
-        (lambda: prove(level=3), ParameterError, "values by name"),
+        (lambda: prove(level=3), ParameterError, "level: wanted a mapping from names to values"),
         (lambda: prove(arithmetic="floats"), ParameterError, "arithmetic"),
         # the sphere of equilibria of a top without gravity and without spin
         (lambda: prove(system=FREE, guess=[0, 0, 0, 0, 0, 1]), EnclosureError, "a family"),

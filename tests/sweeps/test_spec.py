@@ -151,7 +151,8 @@ def test_axes_without_ends_are_refused(end):
         ({"casimirs": {"C1": [1, 2]}}, "C1: wanted a number or a formula"),
         ({"casimirs": {"C1": 10**400}}, "C1: .*the range of a double"),
         ({"energy": object()}, "energy: wanted a number or a formula"),
-        ({"ensemble": []}, "ensemble: wanted one of"),
+        ({"ensemble": []}, "ensemble: wanted a text"),
+        ({"ensemble": "balls"}, "ensemble: wanted one of"),
     ],
 )
 def test_starts_of_the_wrong_kind_are_refused(given, message):

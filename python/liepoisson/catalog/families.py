@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -274,8 +275,11 @@ def leibniz_top(
     """
     from liepoisson.exact.extensions import leibniz
     from liepoisson.exact.lie_algebras import so
+    from liepoisson.given import sequence
 
-    return _top(so(3) @ leibniz(n, epsilon), inertia, vectors, f"Leibniz top of order {n}", _EXTENSIONS)
+    given = sequence(vectors, "vectors", "vectors", "[[0, 0, 1]]")
+    named = {f"vectors[{k}]": vector for k, vector in enumerate(given)}
+    return _top(so(3) @ leibniz(n, epsilon), inertia, named, f"Leibniz top of order {n}", _EXTENSIONS)
 
 
 @explains_its_arguments
@@ -301,7 +305,7 @@ def euler_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter]) -> Sys
     """
     from liepoisson.exact.extensions import trivial
 
-    return _top(_algebra(algebra) @ trivial(), inertia, (), f"Euler top on {algebra}", _EULER)
+    return _top(_algebra(algebra) @ trivial(), inertia, {}, f"Euler top on {algebra}", _EULER)
 
 
 @explains_its_arguments
@@ -317,7 +321,7 @@ def heavy_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter], a: Seq
     """
     from liepoisson.exact.extensions import semidirect
 
-    return _top(_algebra(algebra) @ semidirect(2), inertia, (a,), f"heavy top on {algebra}", _EXTENSIONS)
+    return _top(_algebra(algebra) @ semidirect(2), inertia, {"a": a}, f"heavy top on {algebra}", _EXTENSIONS)
 
 
 @explains_its_arguments
@@ -339,7 +343,7 @@ def twisted_top_on(
     """
     from liepoisson.exact.extensions import leibniz
 
-    vectors = (a,) if b is None else (a, b)
+    vectors = {"a": a} if b is None else {"a": a, "b": b}
     return _top(_algebra(algebra) @ leibniz(3, epsilon), inertia, vectors, f"twisted top on {algebra}", _EXTENSIONS)
 
 
@@ -459,6 +463,10 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
 
 def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
     if not isinstance(algebra, str):
+        from liepoisson.exact.lie_algebra import LieAlgebra
+
+        if not isinstance(algebra, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a Lie algebra or its name", algebra, "algebra", 'write for example "so(3)"')
         return algebra
     from liepoisson.exact.constructors import read_algebra
 
@@ -466,7 +474,7 @@ def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
 
 
 def _top(
-    bracket: Any, inertia: Sequence[Parameter], vectors: Sequence[Sequence[Parameter]], name: str, source: str
+    bracket: Any, inertia: Sequence[Parameter], vectors: Mapping[str, Sequence[Parameter]], name: str, source: str
 ) -> System:
     """The system with kinetic energy of the first field and constant vectors that couple to the next ones."""
     from sympy import S
@@ -479,11 +487,11 @@ def _top(
             f"vectors must be at most {len(fields) - 1}, one per field after the first; got {len(vectors)}. Leave out "
             "the others."
         )
-    moments = _numbers(inertia, n, "inertia")
+    moments = _numbers(inertia, n, "inertia", "I")
     _check_divisors(moments, "moments of inertia")
     energy = sum((x**2 / (2 * moment) for x, moment in zip(fields[0], moments, strict=True)), S.Zero)
-    for field, vector in zip(fields[1:], vectors, strict=False):
-        energy += sum((c * x for c, x in zip(_numbers(vector, n, "vector"), field, strict=True)), S.Zero)
+    for field, (letter, vector) in zip(fields[1:], vectors.items(), strict=False):
+        energy += sum((c * x for c, x in zip(_numbers(vector, n, letter), field, strict=True)), S.Zero)
     return System(bracket, energy, name=name, source=source)
 
 
@@ -511,11 +519,12 @@ def _moments(values: Sequence[Parameter] | None, n: int, name: str) -> list[Any]
     return _numbers(range(1, n + 1) if values is None else values, n, name)
 
 
-def _numbers(values: Sequence[Parameter], n: int, name: str) -> list[Any]:
-    """Exact numbers (or names), as SymPy expressions."""
-    from liepoisson.exact.parameters import listed, read_parameter, to_sympy
+def _numbers(values: Sequence[Parameter], n: int, name: str, letter: str | None = None) -> list[Any]:
+    """Exact numbers (or names), as SymPy expressions; labels are the letter with numbers from 1."""
+    from liepoisson.exact.parameters import read_parameter, to_sympy
+    from liepoisson.given import listed
 
-    items = None if isinstance(values, str) else listed(values)
+    items = listed(values, name, [f"{letter or name}{k + 1}" for k in range(n)])
     if items is None or len(items) != n:
         got = repr(values) if items is None else f"{len(items)} of them"
         raise ShapeError(f"{name} must be {n} numbers, one per component; got {got}. Give {n}.")

@@ -24,7 +24,8 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.names import free_name
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.given import listed
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
@@ -52,7 +53,7 @@ class Automorphism:
     """
 
     def __init__(self, matrix: Sequence[Sequence[Parameter]]) -> None:
-        rows = [listed(row) for row in listed(matrix) or []]
+        rows = [listed(row, "matrix") for row in listed(matrix, "matrix") or []]
         if not rows or any(row is None or len(row) != len(rows) for row in rows):
             raise ShapeError(f"matrix must have shape (n, n), one row per field; got {matrix!r}.")
         self.matrix: tuple[tuple[Exact, ...], ...] = tuple(

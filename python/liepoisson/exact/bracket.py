@@ -20,7 +20,6 @@ from liepoisson.exact.names import check_name, check_not_reserved, check_title
 from liepoisson.exact.parameters import (
     Column,
     Parameter,
-    listed,
     read_parameter,
     substituted,
     symbols_of,
@@ -28,6 +27,7 @@ from liepoisson.exact.parameters import (
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
+from liepoisson.given import by_name, listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -409,6 +409,7 @@ class Bracket:
         Raises:
             ParameterError: not a mapping from names to values.
         """
+        values = by_name(values, "values", "values", '{"epsilon": 1}')
         algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
         if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
             return self
@@ -499,7 +500,7 @@ class Bracket:
         return cast("Expr", expression.xreplace(foreign)) if foreign else expression
 
     def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
-        items = None if isinstance(point, str) else listed(point)
+        items = listed(point, "point", self.coordinate_names_in_order)
         if items is None or len(items) != self.dimension:
             got = f"{len(items)} numbers" if items is not None else repr(point)
             raise ShapeError(f"point must be {self.dimension} numbers, one per coordinate; got {got}.")

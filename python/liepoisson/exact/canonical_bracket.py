@@ -15,7 +15,7 @@ from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.lie_algebras import abelian
-from liepoisson.exact.parameters import listed
+from liepoisson.given import listed
 
 MOST_DEGREES = 100
 """Degrees of freedom of the largest canonical bracket."""
@@ -89,7 +89,7 @@ def _scalar() -> LieAlgebra:
 
 
 def _names(given: Sequence[str], what: str) -> tuple[str, ...]:
-    items = None if isinstance(given, str) else listed(given)
+    items = listed(given, what)
     if not items or not all(isinstance(item, str) for item in items):
         raise ShapeError(f'{what} must be a sequence of names; got {given!r:.60}. Write for example ("x", "y").')
     return tuple(map(str, items))

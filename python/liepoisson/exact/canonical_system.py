@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
@@ -18,6 +18,7 @@ from liepoisson.exact.names import check_name
 from liepoisson.exact.system import System
 from liepoisson.exact.values import GivenValue
 from liepoisson.field import QuadraticField, TapeField
+from liepoisson.given import by_name, listed
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -72,21 +73,19 @@ class CanonicalSystem(System):
         integrals: Mapping[str, str | Expr] | None = None,
         source: str | None = None,
     ) -> None:
-        if not all(_are_names(names) for names in (coordinates, momenta)) or len(coordinates) != len(momenta):
+        given = f"{coordinates!r:.60} and {momenta!r:.60}"
+        coordinates, momenta = _names(coordinates, "coordinates"), _names(momenta, "momenta")
+        if not coordinates or len(coordinates) != len(momenta):
             raise ShapeError(
-                f"a canonical system needs one momentum for each coordinate; got {coordinates!r:.60} "
-                f"and {momenta!r:.60}. "
+                f"a canonical system needs one momentum for each coordinate; got {given}. "
                 f'Write for example CanonicalSystem(["x"], ["p"], "p^2/2 + x^2/2").'
             )
-        if quadratures is not None and not _is_mapping(quadratures):
-            raise ParameterError(
-                f"quadratures must be a mapping from names to rates; got {quadratures!r:.60}. Write for example "
-                '{"psi": "p_psi"}.'
-            )
-        extra = dict(quadratures or {})
+        parameters = {} if parameters is None else by_name(parameters, "parameters", "values", '{"k": 1}')
+        rates = {} if quadratures is None else quadratures
+        extra = by_name(rates, "quadratures", "rates", '{"psi": "p_psi"}')
         for component in (*coordinates, *momenta, *extra):
             check_name(component, "the name of a coordinate")
-        self._scope = Scope(parameters=parameters or {}, symbols=(*coordinates, *momenta, *extra))
+        self._scope = Scope(parameters=parameters, symbols=(*coordinates, *momenta, *extra))
         self._quadrature_names: tuple[str, ...] = tuple(extra)
         bracket = canonical(names=coordinates, momenta=momenta)
         super().__init__(
@@ -231,12 +230,7 @@ class CanonicalSystem(System):
             )
 
 
-def _are_names(given: object) -> bool:
-    """Whether it is a sequence of texts, not empty."""
-    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
-        return False
-    return all(isinstance(name, str) for name in cast("Sequence[object]", given))
-
-
-def _is_mapping(given: object) -> bool:
-    return isinstance(given, Mapping)
+def _names(given: object, what: str) -> tuple[str, ...]:
+    """A sequence of texts; none where it is something else."""
+    names = listed(given, what) or []
+    return tuple(names) if all(isinstance(name, str) for name in names) else ()

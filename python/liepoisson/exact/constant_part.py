@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import BracketError, ParameterError, did_you_mean
 from liepoisson.exact.parameters import Parameter, is_zero, product_of, read_parameter, sum_of
+from liepoisson.given import is_named
 
 if TYPE_CHECKING:
     from liepoisson.exact.parameters import Exact
@@ -25,12 +26,12 @@ def read_constant(
         ParameterError: not a mapping from pairs, or an entry is not exact.
     """
     entries: Any = {} if given is None else given
-    if not isinstance(entries, Mapping):
+    if not is_named(entries):
         raise ParameterError(
             f"constant must be a mapping from pairs of coordinates; got {entries!r:.60}. Write {_example(names)}."
         )
     found: dict[tuple[int, int], Exact] = {}
-    for pair, value in cast("Mapping[Any, Any]", entries).items():
+    for pair, value in entries.items():
         i, j = _read_pair(pair, names)
         entry = read_parameter(value, f"the constant part of {{{names[i]}, {names[j]}}}")
         if i == j or (min(i, j), max(i, j)) in found:

@@ -38,6 +38,7 @@ from liepoisson.exact.signed_permutations import (
     of_polynomial_field,
     sign_changes_that_may_be,
 )
+from liepoisson.given import by_name
 from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ class DiscreteSymmetry:
         Raises:
             ShapeError: the last axis of `states` is not N.
         """
-        x = as_array(states, "states")
+        x = as_array(states, "states", self.system.component_names)
         if x.ndim == 0 or x.shape[-1] != len(self.signs):
             raise ShapeError(f"states must end in {len(self.signs)} components; got shape {x.shape}.")
         return x[..., list(self.permutation)] * np.array(self.signs, dtype=np.float64)
@@ -167,10 +168,11 @@ class DiscreteSymmetry:
         Args:
             values: The values of H and the Casimirs, by name; names that are left out are not compared.
         """
+        given = by_name(values, "values", "values", '{"H": 1, "C2": 0}')
         return all(
-            factor == 1 or (factor == -1 and is_zero(_exact(values[name])))
+            factor == 1 or (factor == -1 and is_zero(_exact(given[name])))
             for name, factor in self.invariants.items()
-            if name in values
+            if name in given
         )
 
     @property

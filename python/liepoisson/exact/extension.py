@@ -19,6 +19,7 @@ from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
+from liepoisson.given import by_name, is_named
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -176,8 +177,7 @@ class Extension:
         Raises:
             ParameterError: not a mapping from names to values.
         """
-        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
+        values = by_name(values, "values", "values", '{"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         shown = ", ".join(f"{name} = {values[name]}" for name in sorted(self.symbols & set(values)))
@@ -341,7 +341,7 @@ def read_field_count(n: object) -> int:
 
 
 def _read_products(n: int, products: object) -> Products:
-    if not isinstance(products, Mapping):
+    if not is_named(products):
         raise ShapeError(
             f"products must be a mapping; got {type(products).__name__}. Write for example {{(0, 0): {{0: 1}}}}."
         )
@@ -371,7 +371,7 @@ def _read_pair(pair: object, n: int) -> tuple[int, int]:
 
 
 def _read_row(pair: object, row: object, n: int) -> dict[int, Parameter]:
-    if not isinstance(row, Mapping):
+    if not is_named(row):
         raise ShapeError(f"products[{pair}] must be a mapping lam: c; got {row!r}. Write for example {{0: 1}}.")
     given = cast("Mapping[object, Parameter]", row)
     return {_read_index(lam, n, f"products[{pair}]"): value for lam, value in given.items()}

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Column, is_sympy, listed, read_parameter, to_sympy
+from liepoisson.exact.parameters import Column, is_sympy, read_parameter, to_sympy
+from liepoisson.given import listed, named
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -44,7 +45,7 @@ def read_declarations(symbols: Sequence[str]) -> tuple[str, ...]:
     Raises:
         ParameterError: not a sequence of texts.
     """
-    items = None if isinstance(symbols, str) else listed(symbols)
+    items = listed(symbols, "symbols")
     if items is None or not all(isinstance(item, str) for item in items):
         raise ParameterError(f'symbols must be a list of declarations; got {symbols!r:.60}. Write ["epsilon", "a[3]"].')
     return tuple(str(item) for item in items)
@@ -57,12 +58,13 @@ def read_functions(functions: Mapping[str, str | Expr] | None, what: str) -> dic
         ParameterError: not a mapping from names, a name is that of the Hamiltonian or of a Casimir, or a function is
             neither a text nor an expression.
     """
-    given = cast("Any", {} if functions is None else functions)
-    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
+    given = named({} if functions is None else functions, what)
+    if given is None or not all(isinstance(name, str) for name in given):
         raise ParameterError(
-            f'{what} must be a mapping from names to functions; got {given!r:.60}. Write {{"K": "..."}} with a formula.'
+            f'{what} must be a mapping from names to functions; got {functions!r:.60}. Write {{"K": "..."}} with a '
+            "formula."
         )
-    for name, function in cast("Mapping[str, Any]", given).items():
+    for name, function in given.items():
         check_title(name, f"{what}: a name")
         if RESERVED_NAME.fullmatch(name):
             raise ParameterError(f"{what} must not be named H, C1, C2, ...; got {name!r}. Choose another name.")
@@ -70,7 +72,7 @@ def read_functions(functions: Mapping[str, str | Expr] | None, what: str) -> dic
             raise ParameterError(
                 f"{what}: {name} must be a text or an expression; got {function!r:.60}. Write a formula."
             )
-    return dict(cast("Mapping[str, Any]", given))
+    return given
 
 
 def read_pairs_of_functions(
@@ -81,17 +83,18 @@ def read_pairs_of_functions(
     Raises:
         ParameterError: not a mapping from names to pairs of functions.
     """
-    pairs = cast("Any", functions or {})
-    if not isinstance(pairs, Mapping):
-        raise ParameterError(f"partial_integrals must be a mapping from names to pairs; got {pairs!r:.60}.")
-    for name, pair in cast("Mapping[str, Any]", pairs).items():
-        if not isinstance(pair, (tuple, list)) or len(cast("Sequence[Any]", pair)) != 2:
+    pairs = named({} if functions is None else functions, "partial_integrals")
+    if pairs is None:
+        raise ParameterError(f"partial_integrals must be a mapping from names to pairs; got {functions!r:.60}.")
+    read = {name: listed(pair, f"partial_integrals: {name}") for name, pair in pairs.items()}
+    for name, pair in read.items():
+        if pair is None or len(pair) != 2:
             raise ParameterError(
-                f"partial_integrals: {name} must be a pair (integral, function that vanishes); got {pair!r:.60}."
+                f"partial_integrals: {name} must be a pair (integral, function that vanishes); got {pairs[name]!r:.60}."
             )
-        for function in cast("Sequence[Any]", pair):
+        for function in pair:
             read_functions({name: function}, "partial_integrals")
-    return {name: (pair[0], pair[1]) for name, pair in cast("Mapping[str, Any]", pairs).items()}
+    return {name: (pair[0], pair[1]) for name, pair in read.items() if pair}
 
 
 def apply_function(function: Callable[..., Expr], bracket: Bracket) -> Expr:

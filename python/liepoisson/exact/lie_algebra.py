@@ -25,6 +25,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
+from liepoisson.given import by_name, listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -133,9 +134,10 @@ class LieAlgebra:
         """
         from liepoisson.exact.lie.sparse_matrices import brackets_of_matrices
 
-        brackets = brackets_of_matrices(matrices)
+        given: Sequence[object] = listed(matrices, "matrices") or ()
+        brackets = brackets_of_matrices(given)
         # Commutators of matrices obey the Jacobi identity.
-        return cls.from_brackets(len(matrices), brackets, name, basis_names, check=False)
+        return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
 
     def _set(self, n: int, brackets: Brackets, name: str, basis_names: Sequence[str] | None, *, check: bool) -> None:
         check_dimension(n)
@@ -182,8 +184,7 @@ class LieAlgebra:
         Raises:
             ParameterError: not a mapping from names to values.
         """
-        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
+        values = by_name(values, "values", "values", '{"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         changed = {value: substituted(value, values) for value in self._values}
@@ -197,7 +198,7 @@ class LieAlgebra:
             ShapeError: `u` or `v` does not have n components.
             ParameterError: a component is not exact.
         """
-        first, second = (read_components(w, name, self.dimension) for w, name in ((u, "u"), (v, "v")))
+        first, second = (read_components(w, name, self.basis_names) for w, name in ((u, "u"), (v, "v")))
         if not all(isinstance(value, Fraction) for value in (*first, *second, *self._values)):
             first, second = ([to_sympy(value) for value in w] for w in (first, second))
         result = [first[0] * 0] * self.dimension

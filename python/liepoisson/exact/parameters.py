@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.names import CONSTANTS, NOT_FINITE, check_name, check_not_reserved
+from liepoisson.given import as_scalar, listed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -54,6 +55,7 @@ def read_parameter(value: object, name: str) -> Exact:
     Raises:
         ParameterError: not a number or name, or a number that is not finite and real.
     """
+    value = as_scalar(value)
     if isinstance(value, str):
         return _read_string(value, name)
     if isinstance(value, bool):
@@ -91,15 +93,15 @@ def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exac
 
     Raises:
         ShapeError: not a sequence of 3 scalars.
-        ParameterError: a component that is not an exact finite real parameter.
+        ParameterError: a component that is not an exact finite real parameter, or labels other than the components.
     """
-    items = None if isinstance(values, (str, bytes)) else listed(values)
+    names = components.strip("()").split(", ")
+    items = listed(values, name, names)
     if items is None:
         raise ShapeError(f"{name} must be 3 numbers {components}; got {values!r}. Write for example {name}=(1, 1, 2).")
-    if len(items) != 3 or any(listed(item) is not None for item in items if not isinstance(item, str)):
+    if len(items) != 3 or any(listed(item) is not None for item in items):
         got = f"shape {_shape(values, items)}"
         raise ShapeError(f"{name} must be 3 numbers {components}; got {got}. Give exactly three components.")
-    names = components.strip("()").split(", ")
     first, second, third = (read_parameter(item, part) for item, part in zip(items, names, strict=True))
     return first, second, third
 
@@ -315,23 +317,9 @@ def _not_a_parameter(value: object, name: str, reason: str = "") -> ParameterErr
     )
 
 
-def listed(values: object) -> list[object] | None:
-    """The items of a sequence, or None if `values` is not one."""
-    if getattr(values, "ndim", 1) == 0:  # an array without axes has a length to ask for, but none to give
-        return None
-    if (
-        not isinstance(values, type)
-        and hasattr(values, "__len__")
-        and hasattr(values, "__getitem__")
-        and not isinstance(values, Mapping)
-    ):
-        return list(cast("Sequence[object]", values))
-    return None
-
-
 def _shape(values: object, items: list[object]) -> tuple[int, ...]:
     shape = getattr(values, "shape", None)
     if isinstance(shape, tuple):
         return cast("tuple[int, ...]", shape)
-    inner = listed(items[0]) if items and not isinstance(items[0], str) else None
+    inner = listed(items[0]) if items else None
     return (len(items),) if inner is None else (len(items), len(inner))

@@ -62,7 +62,8 @@ class PhaseFunction:
         self._polynomial: RationalPolynomial | None = None
         self._pair: tuple[RationalPolynomial, RationalPolynomial] | None = None
         self._given: Callable[[], Expr] = partial(_itself, expression)
-        self._n = len(system.component_names)
+        self._components = system.component_names
+        self._n = len(self._components)
         self._system = system
         self._fields = system.parts_of_state
 
@@ -73,7 +74,8 @@ class PhaseFunction:
         """A polynomial, which needs no compilation, and what makes the expression that is the same."""
         function = cls.__new__(cls)
         function._polynomial, function._pair, function._given = polynomial, None, expression
-        function._n, function._fields, function._system = len(system.component_names), system.parts_of_state, system
+        function._components, function._fields, function._system = system.component_names, system.parts_of_state, system
+        function._n = len(function._components)
         return function
 
     @classmethod
@@ -200,7 +202,7 @@ class PhaseFunction:
         return values.reshape(states.shape[:-1] + shape)
 
     def _states(self, x: ArrayLike) -> Array:
-        return as_phase_points(x, self._n, self._fields)
+        return as_phase_points(x, self._components, self._fields)
 
     def __repr__(self) -> str:
         return f"<PhaseFunction {self.expression}>"
@@ -288,7 +290,7 @@ class PhaseFunctions:
                 "Give values."
             )
         n = len(self._system.component_names)
-        states = as_phase_points(states, n, self._system.parts_of_state)
+        states = as_phase_points(states, self._system.component_names, self._system.parts_of_state)
         tensor = np.zeros((*states.shape[:-1], n, n))
         for i, j, m, c in self._system.bracket.entries():
             tensor[..., i, j] += float(cast("Any", c)) * states[..., m]
@@ -301,7 +303,7 @@ class PhaseFunctions:
     def jacobian(self, states: ArrayLike) -> Array:
         r"""The derivative of the vector field, $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
         n = len(self._system.component_names)
-        states = as_phase_points(states, n, self._system.parts_of_state)
+        states = as_phase_points(states, self._system.component_names, self._system.parts_of_state)
         return evaluated(self._system.variables, self._jacobian, states).reshape(*states.shape[:-1], n, n)
 
     @cached_property
@@ -322,13 +324,14 @@ def _casimir(bracket: Bracket, number: int) -> Expr:
     return bracket.casimirs()[number]
 
 
-def as_phase_points(given: ArrayLike, n: int, fields: Sequence[str], name: str = "states") -> Array:
-    """States of shape (..., n).
+def as_phase_points(given: ArrayLike, components: Sequence[str], fields: Sequence[str], name: str = "states") -> Array:
+    """States of shape (..., n), n the number of components; labels are those of the components.
 
     Raises:
         ShapeError: the last axis has another length.
+        ParameterError: the labels are not those of the components.
     """
-    states = as_array(given, name)
+    states, n = as_array(given, name, components), len(components)
     if states.ndim == 0 or states.shape[-1] != n:
         hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
         raise ShapeError(f"{name} must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")

@@ -559,7 +559,7 @@ class System:
     def _states(self, x: ArrayLike) -> NDArray[np.float64]:
         from liepoisson.exact.phase_functions import as_phase_points
 
-        return as_phase_points(x, len(self.component_names), self.parts_of_state)
+        return as_phase_points(x, self.component_names, self.parts_of_state)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
         from liepoisson.exact.private_symbols import evaluated

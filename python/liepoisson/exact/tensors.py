@@ -13,10 +13,10 @@ from liepoisson.exact.parameters import (
     Parameter,
     is_sympy,
     is_zero,
-    listed,
     read_parameter,
     to_sympy,
 )
+from liepoisson.given import is_named, listed
 
 Tensor3: TypeAlias = tuple[tuple[tuple[Exact, ...], ...], ...]
 """A dense cubic tensor."""
@@ -32,24 +32,19 @@ def read_tensor(entries: Sequence[Sequence[Sequence[Parameter]]], name: str) -> 
         ShapeError: the tensor is not n x n x n.
         ParameterError: an entry is not exact.
     """
-    planes = _items(entries)
-    n = len(planes or ())
-    rows = [row for plane in planes or () for row in _items(plane) or (None,)]
-    if n == 0 or len(rows) != n * n or any(len(_items(row) or ()) != n for row in rows):
+    planes = [[listed(row, name) or [] for row in listed(plane, name) or []] for plane in listed(entries, name) or []]
+    n = len(planes)
+    if n == 0 or any(len(plane) != n or any(len(row) != n for row in plane) for plane in planes):
         got = f"its first axis has length {n}" if planes else f"got {type(entries).__name__}"
         raise ShapeError(f"{name} must have shape (n, n, n); {got}. Make every axis that long.")
     read = tuple(
         tuple(tuple(read_parameter(v, f"{name}[{i}][{j}][{k}]") for k, v in enumerate(row)) for j, row in enumerate(p))
-        for i, p in enumerate(entries)
+        for i, p in enumerate(planes)
     )
     if all(isinstance(read[i][j][k], Fraction) for i, j, k in product(range(n), repeat=3)):
         return read
     # Fraction and SymPy numbers do not mix under multiplication.
     return tuple(tuple(tuple(to_sympy(value) for value in row) for row in plane) for plane in read)
-
-
-def _items(values: object) -> list[object] | None:
-    return None if isinstance(values, str) else listed(values)
 
 
 def read_names(names: Sequence[str] | None, name: str, default: tuple[str, ...]) -> tuple[str, ...]:
@@ -60,23 +55,23 @@ def read_names(names: Sequence[str] | None, name: str, default: tuple[str, ...])
     """
     if names is None:
         return default
-    given = listed(names)
-    if given is None or isinstance(names, str) or not all(isinstance(item, str) for item in given):
+    given = listed(names, name)
+    if given is None or not all(isinstance(item, str) for item in given):
         raise ShapeError(f"{name} must be a sequence of names; got {names!r}. Write for example {name}={default!r}.")
     return tuple(str(item) for item in given)
 
 
-def read_components(values: object, name: str, n: int) -> list[Exact]:
-    """Read the n coordinates of an element.
+def read_components(values: object, name: str, labels: Sequence[str]) -> list[Exact]:
+    """Read the coordinates of an element, in order or by the names of the basis.
 
     Raises:
         ShapeError: not a sequence of n scalars.
         ParameterError: one of them is not exact.
     """
-    items = None if isinstance(values, str) else listed(values)
-    if items is None or len(items) != n:
+    items = listed(values, name, labels)
+    if items is None or len(items) != len(labels):
         got = f"{values!r}" if items is None else f"{len(items)}"
-        raise ShapeError(f"{name} must have {n} components; got {got}. Give one per basis element.")
+        raise ShapeError(f"{name} must have {len(labels)} components; got {got}. Give one per basis element.")
     return [read_parameter(item, f"{name}[{k}]") for k, item in enumerate(items)]
 
 
@@ -88,7 +83,7 @@ def read_brackets(n: int, brackets: object) -> Brackets:
         BracketError: an index out of range, or a pair that is given twice or with itself.
         ParameterError: an entry is not exact.
     """
-    if not isinstance(brackets, Mapping):
+    if not is_named(brackets):
         raise ShapeError(
             f"brackets must be a mapping; got {type(brackets).__name__}. Write for example {{(0, 1): {{2: 1}}}}."
         )
@@ -96,7 +91,7 @@ def read_brackets(n: int, brackets: object) -> Brackets:
     known: dict[object, Exact] = {}
     for pair, row in cast("Mapping[object, object]", brackets).items():
         i, j = _read_pair(pair, n)
-        if not isinstance(row, Mapping):
+        if not is_named(row):
             raise ShapeError(f"brackets[{i}, {j}] must be a mapping k: c; got {row!r}. Write for example {{2: 1}}.")
         if (j, i) in brackets:
             raise BracketError(f"brackets must name each pair once; got ({i}, {j}) and ({j}, {i}). Leave one out.")

@@ -7,7 +7,8 @@ from typing import Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.names import check_name
-from liepoisson.exact.parameters import Exact, Parameter, is_sympy, listed, read_parameter
+from liepoisson.exact.parameters import Exact, Parameter, is_sympy, read_parameter
+from liepoisson.given import labelled, listed, named
 
 Shape: TypeAlias = tuple[int, ...]
 """() for a scalar, (n,) for a vector, (m, n) for a matrix."""
@@ -25,25 +26,23 @@ def read_values(parameters: Mapping[str, GivenValue] | None) -> dict[str, Value]
         ParameterError: not a mapping from names to values, a name that nobody may choose (`liepoisson.exact.names`), or
             a value is not exact.
     """
-    given = cast("Any", {} if parameters is None else parameters)  # a caller without a type checker may pass anything
-    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
+    given = named({} if parameters is None else parameters, "parameters")
+    if given is None or not all(isinstance(name, str) for name in given):
         raise ParameterError(
-            f'parameters must be a mapping from names to values; got {given!r}. Write for example {{"epsilon": 1}}.'
+            f"parameters must be a mapping from names to values; got {parameters!r:.60}. Write for example "
+            '{"epsilon": 1}.'
         )
-    return {
-        check_name(name, "the name of a parameter"): _read_value(value, name)
-        for name, value in cast("Mapping[str, Any]", given).items()
-    }
+    return {check_name(name, "the name of a parameter"): _read_value(value, name) for name, value in given.items()}
 
 
 def _read_value(value: object, name: str) -> Value:
     if is_sympy(value) and hasattr(value, "tolist"):  # a SymPy matrix; one column is a vector
         rows = cast("Any", value).tolist()
         value = [row[0] for row in rows] if all(len(row) == 1 for row in rows) else rows
-    items = None if isinstance(value, (str, bytes)) else listed(value)
+    items = listed(value, name, _names_of_places(value, name))
     if items is None:
         return read_parameter(value, name)
-    rows = [None if isinstance(item, (str, bytes)) else listed(item) for item in items]
+    rows = [listed(item, name) for item in items]
     if items and all(row is not None for row in rows):
         matrix = [
             tuple(read_parameter(entry, f"{name}[{i + 1},{j + 1}]") for j, entry in enumerate(row or ()))
@@ -55,6 +54,13 @@ def _read_value(value: object, name: str) -> Value:
     if not items:
         raise ParameterError(f"{name} must have at least one component; got an empty sequence. Give its components.")
     return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
+
+
+def _names_of_places(value: object, name: str) -> list[str]:
+    """What the components of a vector are called: I1, I2, ..."""
+    found = labelled(value)
+    n = 0 if found is None else len(found.labels)
+    return [component_name(name, (k,), (n,)) for k in range(1, n + 1)]
 
 
 def flattened(values: Mapping[str, Value]) -> dict[str, Exact]:

@@ -14,7 +14,9 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.files import write_atomically
 from liepoisson.formats import another_format
+from liepoisson.given import by_name
 from liepoisson.integrability import checker
+from liepoisson.integrability.polynomial_integrals import functions_by_name
 from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
@@ -48,7 +50,8 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
     """
     x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
     # a name in a certificate stands for one function: a Casimir is not called like a coordinate
-    taken = {*map(str, x), *commuting}
+    functions = functions_by_name(commuting, "commuting")
+    taken = {*map(str, x), *functions}
     names = (name for k in count(1) if (name := f"C{k}") not in taken)
     data: dict[str, Any] = {
         "format": FORMAT,
@@ -61,7 +64,7 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
         ],
         "hamiltonian": _terms(system.hamiltonian, x),
         "casimirs": {name: _terms(c, x) for c, name in zip(casimirs, names, strict=False)},
-        "commuting": {name: _terms(system.expression(f), x) for name, f in commuting.items()},
+        "commuting": {name: _terms(system.expression(f), x) for name, f in functions.items()},
     }
     random, wrong = Random(1), ""
     for _ in range(_MOST_POINTS):
@@ -93,6 +96,7 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
     if not isinstance(data, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a certificate", data, "data", "try what certificate(...) returns, or report.certificate")
     path = Path(path)
+    data = by_name(data, "data", "parts of a certificate", "certificate(system, commuting)")
     if wrong := checker.fault(data):
         raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")
     if path.suffix != ".json":

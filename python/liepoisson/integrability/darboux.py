@@ -26,7 +26,13 @@ from liepoisson.integrability.derivation import Derivation, Exponents, Polynomia
 from liepoisson.integrability.gradings import Grading, positive_grading
 from liepoisson.integrability.level import level_of, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
-from liepoisson.integrability.polynomial_integrals import gradings_of_known, gradings_of_level, read_search, tidied
+from liepoisson.integrability.polynomial_integrals import (
+    Equations,
+    gradings_of_known,
+    gradings_of_level,
+    read_search,
+    tidied,
+)
 from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
 from liepoisson.integrability.square_roots import element, field_of
 from liepoisson.scalars import as_count
@@ -176,7 +182,7 @@ def darboux_polynomials(
     *,
     degree: int | None = None,
     weight: int | None = None,
-    on: Sequence[str | Expr] = (),
+    on: Equations = (),
     known: Mapping[str, str | Expr] | None = None,
     field: Field = "complex",
     time_limit: float = 60.0,

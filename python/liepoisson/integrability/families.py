@@ -18,6 +18,7 @@ from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
+from liepoisson.given import texts
 from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
@@ -27,6 +28,7 @@ from liepoisson.integrability.monomials import in_blocks, n_monomials, of_degree
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import (
+    Equations,
     first_integrals,
     gradings_of_level,
     known_functions,
@@ -197,7 +199,7 @@ def integrable_families(
     system: System,
     *,
     degree: int = 2,
-    on: Sequence[str | Expr] = (),
+    on: Equations = (),
     positive: Sequence[str] = (),
     nonzero: Sequence[str] = (),
     time_limit: float = 600.0,
@@ -231,10 +233,8 @@ def integrable_families(
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
     check_parameters(system, derivation, "integrable_families")
     names = [str(s) for s in derivation.field.parameters]
-    for argument, given in (("positive", positive), ("nonzero", nonzero)):
-        for name in given:
-            if name not in names:
-                raise ParameterError(f"{argument}: wanted names of {', '.join(names)}; got {name!r}")
+    positive = names_among(names, positive, "positive")
+    nonzero = names_among(names, nonzero, "nonzero")
     if (size := n_monomials(len(system.variables), d)) > MOST_MONOMIALS:
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
@@ -326,6 +326,18 @@ def check_parameters(system: System, derivation: Derivation, caller: str) -> Non
             f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}; leave parameters without values, "
             "symbols=[...], or call first_integrals"
         )
+
+
+def names_among(known: Sequence[str], given: object, what: str) -> tuple[str, ...]:
+    """A sequence of names of parameters.
+
+    Raises:
+        ParameterError: it is no sequence of these names.
+    """
+    chosen = texts(given, what, f"names of {', '.join(known)}", f"{what}=[{known[0]!r}]")
+    if unknown := [name for name in chosen if name not in known]:
+        raise ParameterError(f"{what}: wanted names of {', '.join(known)}; got {unknown[0]!r}")
+    return chosen
 
 
 def _monomials(n: int, degree: int) -> Iterator[Exponents]:

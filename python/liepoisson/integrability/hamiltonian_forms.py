@@ -16,8 +16,10 @@ from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import nullspace
+from liepoisson.exact.parameters import is_sympy
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.system import System
+from liepoisson.given import is_named, listed, sequence
 from liepoisson.integrability.derivation import Exponents, polynomial_terms
 from liepoisson.integrability.monomials import n_monomials, of_degree
 from liepoisson.scalars import as_count
@@ -70,7 +72,8 @@ def general_system(
     """
     if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a Bracket", bracket, "bracket", "write for example so(3) @ semidirect(2)")
-    degrees = [as_count(d, "degree", least=1) for d in ([degree] if isinstance(degree, int) else degree)]
+    several = listed(degree, "degree")
+    degrees = [as_count(d, "degree", least=1) for d in ([degree] if several is None else several)]
     n = len(bracket.variables)
     size = n_monomials(n, max(degrees, default=_MOST_MONOMIALS))
     if size > _MOST_MONOMIALS:
@@ -82,8 +85,11 @@ def general_system(
         chain.from_iterable(of_degree(n, d) for d in set(degrees)), key=lambda m: (sum(m), *(-k for k in m))
     )
     form = _Form(System(bracket, "0*" + bracket.coordinate_names_in_order[0]), monomials)
-    for symmetry in [symmetries] if isinstance(symmetries, (str, Mapping)) else symmetries:
-        form.require(symmetry)
+    one = isinstance(symmetries, str) or is_named(symmetries) or is_sympy(symmetries)
+    wanted = "changes of coordinates or functions"
+    given = [symmetries] if one else sequence(symmetries, "symmetries", wanted, '[{"l1": "-l1"}, "l3"]')
+    for symmetry in given:
+        form.require(cast("Symmetry", symmetry))
     terms = form.terms(form.casimirs(max(degrees)) if modulo_casimirs else ())
     if not terms:
         raise ParameterError(
@@ -119,11 +125,11 @@ class _Form:
 
     def require(self, symmetry: Symmetry) -> None:
         """Add the equations of a symmetry."""
-        if isinstance(symmetry, Mapping):
+        if is_named(symmetry):
             inserted = self._linear(symmetry)
             changes = [p.xreplace(inserted) - p for p in self.products]
         else:
-            function = self.system.expression(symmetry)
+            function = self.system.expression(cast("str | Expr", symmetry))
             changes = [self.system.bracket(p, function) for p in self.products]
         rows: dict[Exponents, dict[int, Exact]] = {}
         for column, change in enumerate(changes):

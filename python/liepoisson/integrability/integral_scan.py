@@ -24,6 +24,7 @@ from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.files import exclusive
+from liepoisson.given import listed, named
 from liepoisson.integrability.derivation import Derivation, derivation_of
 from liepoisson.integrability.families import check_parameters
 from liepoisson.integrability.level import level_of
@@ -31,6 +32,8 @@ from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import (
     MOST_MONOMIALS,
+    Equations,
+    equations_of,
     gradings_of_level,
     known_functions,
     zeros_on_level,
@@ -148,7 +151,7 @@ def scan_integrals(
     *,
     axes: Mapping[str, Parameter | Sequence[Parameter]],
     degree: int = 2,
-    on: str | Sequence[str] = (),
+    on: Equations = (),
     store: str | Path | None = None,
     fresh: bool = False,
     threads: int | None = None,
@@ -181,11 +184,12 @@ def scan_integrals(
         KeyboardInterrupt: Ctrl-C; what is stored stays.
     """
     d, deadline, n_at_once = as_count(degree, "degree", least=1), Deadline(time_limit), as_threads(threads)
-    search, names = _search(system, d, on)
+    chosen = equations_of(on)
+    search, names = _search(system, d, chosen)
     grid = _axes(axes, names)
     points = [tuple(map(Fraction, point)) for point in product(*grid.values())]
     ordered = {k: [dict(zip(grid, point, strict=True))[name] for name in names] for k, point in enumerate(points)}
-    equations = tuple(map(str, [on] if isinstance(on, str) else on))
+    equations = tuple(map(str, chosen))
     done: dict[int, PointResult] = {}
     with _opened(store, fresh, {"search": _described(search), "axes": grid, "degree": d, "on": equations}) as kept:
         if kept is not None:
@@ -226,7 +230,7 @@ def _rationals() -> Any:
     return Coefficients()
 
 
-def _search(system: System, degree: int, on: str | Sequence[str]) -> tuple[PointSearch, list[str]]:
+def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, list[str]]:
     """The search as plain data, and the names of its parameters."""
     known, zeros = known_functions(system), zeros_on_level(system, on)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
@@ -256,23 +260,28 @@ def _search(system: System, degree: int, on: str | Sequence[str]) -> tuple[Point
 
 def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """The values of the parameters as texts of fractions."""
-    from liepoisson.exact.parameters import listed, read_parameter
+    from liepoisson.exact.parameters import read_parameter
 
-    if not isinstance(axes, Mapping) or set(axes) != set(names):  # pyright: ignore[reportUnnecessaryIsInstance]
+    given = named(axes, "axes")
+    if given is None or set(given) != set(names):
         raise ParameterError(
             f'axes: wanted values of {", ".join(names)}, such as {{"{names[0]}": [1, "3/2"]}}; got {shown(axes)}'
         )
-    lists = {name: None if isinstance(v, (str, bytes)) else listed(v) for name, v in axes.items()}
-    items = {name: [axes[name]] if values is None else list(values) for name, values in lists.items()}
+    lists = {name: listed(v, f"axes: {name}") for name, v in given.items()}
+    items = {name: [given[name]] if values is None else values for name, values in lists.items()}
     if (n := math.prod(map(len, items.values()))) > MOST_POINTS:
         raise ParameterError(f"axes: wanted at most {MOST_POINTS:,} points; got {n:,}; scan parts of the grid")
     grid: dict[str, tuple[str, ...]] = {}
-    for name, given in items.items():
-        values = [read_parameter(value, f"axes: {name}") for value in given]
+    for name, several in items.items():
+        values = [read_parameter(value, f"axes: {name}") for value in several]
         if not values or not all(isinstance(value, Fraction) for value in values):
-            raise ParameterError(f"axes: {name}: wanted rational numbers; got {shown(given)}; write for example '3/2'")
+            raise ParameterError(
+                f"axes: {name}: wanted rational numbers; got {shown(several)}; write for example '3/2'"
+            )
         if len(set(values)) < len(values):
-            raise ParameterError(f"axes: {name}: wanted different values; got {shown(given)}; remove what comes twice")
+            raise ParameterError(
+                f"axes: {name}: wanted different values; got {shown(several)}; remove what comes twice"
+            )
         grid[name] = tuple(map(str, values))
     return grid
 

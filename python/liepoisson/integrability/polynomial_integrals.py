@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, count
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.names import check_title
+from liepoisson.exact.parameters import is_sympy, read_parameter, to_sympy
 from liepoisson.exact.printing import Formula
+from liepoisson.given import by_name, named, sequence
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
@@ -23,7 +25,11 @@ from liepoisson.wrong_values import shown
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.exact.parameters import Parameter
     from liepoisson.exact.system import System
+
+Equations: TypeAlias = "str | Expr | Sequence[str | Expr] | Mapping[str, Parameter]"
+"""Equations of a level set: texts or functions that vanish, one or several, or values by name."""
 
 _LARGEST_WEIGHT = 10_000
 MOST_MONOMIALS = 100_000
@@ -165,7 +171,7 @@ def first_integrals(
     *,
     degree: int | None = None,
     weight: int | None = None,
-    on: Sequence[str | Expr] = (),
+    on: Equations = (),
     known: Mapping[str, str | Expr] | None = None,
     progress: Callable[[float], Any] | None = None,
 ) -> FirstIntegrals:
@@ -188,10 +194,10 @@ def first_integrals(
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
-        on: Equations of a level set to which the search is restricted, such as "C2 = 1", or functions that vanish on
-            it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The level must be
-            invariant, and is the complex one.  Of one equation the squarefree part counts; with several, polynomials
-            count modulo the ideal that these generate.
+        on: Equations of a level set to which the search is restricted, such as "C2 = 1" or {"C2": 1}, or functions
+            that vanish on it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The
+            level must be invariant, and is the complex one.  Of one equation the squarefree part counts; with several,
+            polynomials count modulo the ideal that these generate.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         progress: As for `integrate`.
 
@@ -202,11 +208,14 @@ def first_integrals(
     """
     given = known_functions(system)
     if known is not None:
-        given = {check_title(name, "known: the name of an integral"): system.expression(f) for name, f in known.items()}
+        given = {
+            check_title(name, "known: the name of an integral"): system.expression(f)
+            for name, f in functions_by_name(known).items()
+        }
     zeros = zeros_on_level(system, on)
     if weight is None and degree is not None:  # before anything is written out
         _n_up_to(len(system.variables), as_count(degree, "degree", least=1))
-    used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
+    used = _of_degree(given, as_count(*_size_asked(degree, weight), least=1))
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
     slopes: list[Expr] = []
     if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
@@ -254,14 +263,18 @@ def first_integrals(
 
 
 def read_search(
-    system: System, known: Mapping[str, str | Expr] | None, on: Sequence[str | Expr]
+    system: System, known: Mapping[str, str | Expr] | None, on: Equations
 ) -> tuple[dict[str, Expr], list[Expr], Derivation, list[Polynomial], list[Polynomial]]:
     """The known integrals and the functions that vanish on the level, the equations, and both as polynomials.
 
     Raises:
         ParameterError: the equations are no polynomials, or a known integral is none.
     """
-    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    given = (
+        known_functions(system)
+        if known is None
+        else {name: system.expression(f) for name, f in functions_by_name(known).items()}
+    )
     zeros = zeros_on_level(system, on)
     derivation, functions = derivation_of(system, *given.values(), *zeros)
     known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
@@ -274,12 +287,42 @@ def read_search(
     return given, zeros, derivation, known_polynomials, zero_polynomials
 
 
+def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
+    """Functions of the state by name.
+
+    Raises:
+        ParameterError: they have no names.
+    """
+    return by_name(known, what, "functions", '{"K": "l3"}')
+
+
 def known_functions(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
 
 
-def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]:
+def _size_asked(degree: int | None, weight: int | None) -> tuple[Any, str]:
+    """The weight or the degree, and its name; degree 2 if neither is given."""
+    return (weight, "weight") if weight is not None else (2 if degree is None else degree, "degree")
+
+
+def equations_of(on: Equations) -> tuple[str | Expr, ...]:
+    """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made.
+
+    Raises:
+        ParameterError: they are none of these, or a value is not exact.
+    """
+    if isinstance(on, str) or is_sympy(on):
+        return (cast("str | Expr", on),)
+    if (values := named(on, "on")) is None:
+        return sequence(on, "on", "equations", 'on="C1 = 0" or on={"C1": 0}')
+    exact = {name: read_parameter(value, f"on: {name}") for name, value in values.items()}
+    return tuple(
+        f"{name} = {value}" if isinstance(name, str) else name - to_sympy(value) for name, value in exact.items()
+    )
+
+
+def zeros_on_level(system: System, on: Equations) -> list[Expr]:
     """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name.
 
     Raises:
@@ -287,7 +330,7 @@ def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]
         ExpressionError: a text cannot be read.
     """
     zeros: list[Expr] = []
-    for equation in [on] if isinstance(on, str) else on:
+    for equation in equations_of(on):
         if isinstance(equation, str):
             left, sign, right = equation.partition("=")
             zero: Any = system.function_of_invariants(left)

@@ -12,14 +12,16 @@ from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
+from liepoisson.exact.parameters import is_sympy
 from liepoisson.files import write_atomically
+from liepoisson.given import sequence
 from liepoisson.laboratory.description import description_of, record_of_functions
 from liepoisson.laboratory.pictures import picture_of
 from liepoisson.laboratory.saved import saved_of
@@ -119,7 +121,7 @@ def page_of(
             is of another system or kind, or has no such trajectory.
         ShapeError: the start has another number of components.
     """
-    given = _several(surfaces)
+    chosen = _several(surfaces)
     if result is None and (isinstance(trajectory, bool) or trajectory != 0):
         raise ParameterError(
             f"trajectory must be left out where there is no result, of which it is one; got {trajectory!r:.40}."
@@ -132,11 +134,11 @@ def page_of(
         start = saved.start
     begin = _start(system, n, start)
     words = str(system.name)[:_LONGEST_NAME]
-    if saved is None and not given:
+    if saved is None and not chosen:
         address = address_of_top(system, begin)
         if address is not None:
             return Page(_carrying(f'<script type="text/plain" id="address">{address}</script>'), address, words)
-    record = _description(system, begin, given, saved)
+    record = _description(system, begin, chosen, saved)
     text = json.dumps(record, allow_nan=False, separators=(",", ":"))
     record = {"id": hashlib.sha256(text.encode()).hexdigest()[:12], **record}
     element = f'<script type="application/json" id="system">{as_data(record)}</script>'
@@ -253,8 +255,9 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
 
 def _several(given: Any) -> list[Any]:
     """Surfaces that were given as one or several, in their order."""
-    listed = given.tolist() if isinstance(given, np.ndarray) else given
-    several = list(cast("Sequence[Any]", listed)) if isinstance(listed, (list, tuple)) else [listed]
+    if isinstance(given, str) or is_sympy(given):
+        return [given]
+    several = list(sequence(given, "surfaces", "formulas", "('l1*l2', 'l3'), or leave them out"))
     for one in several:
         if not isinstance(one, str) and not hasattr(one, "free_symbols") and not hasattr(one, "expression"):
             raise ParameterError(
@@ -308,7 +311,7 @@ def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
         from liepoisson.numeric.sampling import sample_states
 
         return sample_states(system, 1, seed=0)[0]
-    state = as_array(start, "start")
+    state = as_array(start, "start", component_names(system, n))
     if state.shape != (n,):
         raise ShapeError(f"start must have {n} components, those of {system.name!r:.60}; got shape {state.shape}.")
     if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:

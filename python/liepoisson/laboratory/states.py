@@ -6,12 +6,13 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
+from liepoisson.given import by_name, listed, named
 from liepoisson.laboratory.pages import LARGEST, exact_text
 from liepoisson.laboratory.presets import presets
 from liepoisson.laboratory.tops import PARAMETERS
@@ -60,10 +61,9 @@ class Parts:
             UnknownNameError: a part, component, surface, view or theme is not one of this page.
             ParameterError, ShapeError: a value cannot be.
         """
-        if not isinstance(state, Mapping):
-            raise ParameterError(f"state must be a dict, such as {{'time': 5}}; got {state!r:.80}.")
+        state = by_name(state, "state", "parts", "{'time': 5}")
         checks = _checks(self)
-        for name in cast("Mapping[Any, Any]", state):
+        for name in state:
             if name not in checks:
                 hint = did_you_mean(str(name), checks)
                 raise UnknownNameError(f"a state has no part {name!r:.40}. {hint}It has {', '.join(checks)}.")
@@ -97,8 +97,8 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
 
     def several(what: str, least: int, most: int) -> Callable[[Any], tuple[str, ...]]:
         def check(names: Any) -> tuple[str, ...]:
-            given = [names] if isinstance(names, str) else list(names) if isinstance(names, Sequence) else names
-            if not isinstance(given, list) or not least <= len(given) <= most:
+            given = [names] if isinstance(names, str) else listed(names, what)
+            if given is None or not least <= len(given) <= most:
                 count = str(least) if least == most else f"{least} to {most}"
                 raise ParameterError(f"{what} must be {count} components; got {names!r:.80}.")
             return tuple(_one_of(what, page.components)(name) for name in given)
@@ -106,7 +106,7 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
         return check
 
     def start(values: Any) -> tuple[float, ...]:
-        state = as_array(values, "start")
+        state = as_array(values, "start", page.components)
         if state.shape != (len(page.components),):
             raise ShapeError(f"start must have {len(page.components)} components; got shape {state.shape}.")
         if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:
@@ -147,14 +147,15 @@ def _yes_or_no(value: Any) -> bool:
 
 def _parameters(given: Any) -> dict[str, str]:
     """Exact texts of parameters of a top, by name or all ten."""
-    if isinstance(given, str) or not isinstance(given, Mapping | Sequence):
-        raise ParameterError(f"parameters must be values by name, such as {{'epsilon': '1/3'}}; got {given!r:.80}.")
-    if not isinstance(given, Mapping):
-        if len(given) != len(PARAMETERS):
-            raise ShapeError(f"parameters must be {len(PARAMETERS)}, {', '.join(PARAMETERS)}; got {len(given)}.")
-        given = dict(zip(PARAMETERS, given, strict=True))
+    values = named(given, "parameters")
+    if values is None:
+        if (several := listed(given, "parameters")) is None:
+            raise ParameterError(f"parameters must be values by name, such as {{'epsilon': '1/3'}}; got {given!r:.80}.")
+        if len(several) != len(PARAMETERS):
+            raise ShapeError(f"parameters must be {len(PARAMETERS)}, {', '.join(PARAMETERS)}; got {len(several)}.")
+        values = dict(zip(PARAMETERS, several, strict=True))
     found: dict[str, str] = {}
-    for name, value in given.items():
+    for name, value in values.items():
         text = _exact(value)
         if text is None:
             raise ParameterError(f"{_one_of('parameters', PARAMETERS)(name)} must be a number; got {value!r:.40}.")

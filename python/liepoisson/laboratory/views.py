@@ -9,6 +9,7 @@ import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import MissingPackageError, ParameterError
+from liepoisson.given import by_name
 from liepoisson.laboratory.pages import Page, page_of
 from liepoisson.laboratory.saved import checked_trajectory
 from liepoisson.laboratory.states import HORIZON
@@ -79,11 +80,12 @@ def view(
         raise ParameterError(f"playing must be True or False; got {playing!r:.40}.")
     if panels not in PANELS:
         raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
+    begin = {} if state is None else by_name(state, "state", "parts", "{'time': 5}")
     page, system = _page(shown, start, surfaces, trajectory, point)
     if isinstance(shown, Rod):
         # backwards is no time of the page
         end = float(np.clip(shown.arclength[-1] - shown.arclength[0], 0.0, HORIZON))
-        state = {"view": "rod", "time": end, **(state or {})}
+        begin = {"view": "rod", "time": end, **begin}
     try:
         from liepoisson.laboratory.widget import View, checked_height
     except ImportError as error:
@@ -92,7 +94,7 @@ def view(
             'Run pip install "liepoisson[notebook]".'
         ) from error
     size = checked_height(HEIGHTS[panels] if height is None else height)
-    return View(page, system, state=state or {}, playing=bool(playing), panels=panels, height=size)
+    return View(page, system, state=begin, playing=bool(playing), panels=panels, height=size)
 
 
 def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | None) -> tuple[Page, Any]:

@@ -3,7 +3,7 @@ r"""SALI and GALI: how nearly parallel tangent vectors of an orbit have become."
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
@@ -19,7 +19,7 @@ from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
-from liepoisson.numeric.systems import HasField, as_field, has_functions
+from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
 from liepoisson.portable import elementary, linear
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
@@ -183,7 +183,9 @@ def alignment(
         )
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     seed, first = as_seed(seed), as_first(first, len(states))
-    size = np.ones(states.shape) if units is None else _as_units(units, states)
+    size = (
+        np.ones(states.shape) if units is None else _as_units(units, states, component_names(system, states.shape[1]))
+    )
     sali = np.full((len(states), len(wanted)), np.nan)
     log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
     outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
@@ -285,9 +287,9 @@ def _log_gali(vectors: Array) -> Array:
     return np.cumsum(elementary.log(heights[:, 1:]), axis=1)
 
 
-def _as_units(units: ArrayLike, states: Array) -> Array:
+def _as_units(units: ArrayLike, states: Array, names: Sequence[str]) -> Array:
     """Positive units in the shape of the states."""
-    size = np.broadcast_to(as_states(units, states.shape[1], "units"), states.shape)
+    size = np.broadcast_to(as_states(units, states.shape[1], "units", names=names), states.shape)
     if not (size > 0.0).all():
         raise ParameterError("units: wanted positive numbers; got zero or less; leave it out")
     return size

@@ -106,7 +106,7 @@ class FiniteTimeFit(ReadOnlyArrays):
     def chi_squared(self, coefficients: ArrayLike) -> float:
         r"""$d^T V^{-1} d$ for the distance d to given (lambda, c1, c0): chi squared with 3 degrees of freedom."""
         values = [self.lambda_, self.c1, self.c0]
-        given = as_array(coefficients, "coefficients")
+        given = as_array(coefficients, "coefficients", ("lambda", "c1", "c0"))
         if given.shape != (3,):
             raise ShapeError(f"coefficients must have shape (3,): lambda, c1, c0; got shape {given.shape}. Give three.")
         distance = given - values

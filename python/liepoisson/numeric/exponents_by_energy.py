@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.estimates import Estimate, as_confidence
@@ -19,6 +19,7 @@ from liepoisson.numeric.methods import Method, as_method, field_for
 from liepoisson.numeric.outcomes import typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.starts import as_values
 from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.numeric.tangent_frames import as_duration
 from liepoisson.numeric.verdict import METHOD, Kind, Rule, as_rule, decide, rule_of, rule_record
@@ -191,7 +192,7 @@ def exponents_by_energy(
     References: Wilson, J. Amer. Statist. Assoc. 22 (1927) 209.
     """
     _check_leaf(system, leaf)
-    values, method = np.atleast_1d(as_array(energies, "energies")), as_method(method, METHOD)
+    values, method = np.atleast_1d(as_values(energies, "energies")), as_method(method, METHOD)
     field = field_for(system, as_field(system), method)
     if values.ndim != 1 or values.size == 0:
         raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")

@@ -19,7 +19,7 @@ from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
-from liepoisson.numeric.systems import HasField, as_field, core_field, core_fields
+from liepoisson.numeric.systems import HasField, as_field, component_names, core_field, core_fields
 from liepoisson.portable import elementary
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_threads, as_time, as_time_limit
@@ -148,7 +148,7 @@ def finite_time_exponents(
     if tangents is None:
         vectors = sample_tangents(n, len(states), seed=seed, first=first)
     else:
-        vectors = as_states(tangents, n, "tangents")
+        vectors = as_states(tangents, n, "tangents", names=component_names(system, n))
         if len(vectors) not in (1, len(states)):
             raise ShapeError(
                 f"tangents must have shape ({n},) or ({len(states)}, {n}), one for each trajectory; got shape "

@@ -22,6 +22,7 @@ from liepoisson.arrays import as_array, check_memory
 from liepoisson.calls import explains_its_arguments
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import listed
 from liepoisson.numeric.estimates import (
     Estimate,
     FiniteTimeFit,
@@ -333,7 +334,7 @@ def window_scan(
         ParameterError: bad times, a bad window or none, or fewer than two members that finished.
     """
     time = as_array(time, "time")
-    wanted = window_grid(time) if windows is None else tuple(windows)
+    wanted = window_grid(time) if windows is None else _checked_windows(windows, "windows")
     if not wanted:
         raise ParameterError("windows: wanted at least one (start, end); got none; leave it out to take window_grid")
     reduction = EnsembleReduction(time, windows=wanted)
@@ -503,8 +504,8 @@ def _checked_time(time: ArrayLike) -> FloatArray:
     return t
 
 
-def _checked_window(window: Sequence[float]) -> Window:
-    edges = list(window) if isinstance(window, (Sequence, np.ndarray)) else []  # pyright: ignore[reportUnnecessaryIsInstance]
+def as_window(window: Sequence[float]) -> Window:
+    edges = listed(window, "window") or []
     start, end = (as_number(edge, "window", "two numbers") for edge in edges) if len(edges) == 2 else (math.nan,) * 2
     if not (0 < start < end < math.inf):
         raise ParameterError(f"a window must be (start, end) with 0 < start < end; got {shown(window)}. Try (20, 200).")
@@ -512,6 +513,6 @@ def _checked_window(window: Sequence[float]) -> Window:
 
 
 def _checked_windows(windows: Sequence[Window], name: str) -> tuple[Window, ...]:
-    if not isinstance(windows, (Sequence, np.ndarray)):  # pyright: ignore[reportUnnecessaryIsInstance]
+    if (given := listed(windows, name)) is None:
         raise ParameterError(f"{name} must be a sequence of windows; got {shown(windows)}. Try [(20, 200)].")
-    return tuple(_checked_window(window) for window in windows)
+    return tuple(as_window(window) for window in given)

@@ -26,7 +26,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.estimates import Window
-from liepoisson.numeric.finite_time_fit import finite_time_fit, last_decade
+from liepoisson.numeric.finite_time_fit import as_window, finite_time_fit, last_decade
 from liepoisson.portable import linear
 from liepoisson.scalars import as_count
 
@@ -103,7 +103,7 @@ def fit_goodness(
             members whose differences from the law do not vary independently, as where all are the same.
     """
     times, curves = as_array(time, "time"), as_array(exponent, "exponent")
-    window = last_decade(times) if window is None else window
+    window = last_decade(times) if window is None else as_window(window)
     fit = finite_time_fit(times, curves, window=window, n_bootstrap=2)
     if curves.ndim != 2:
         raise ShapeError(f"exponent must have shape (trajectory, time); got {curves.shape}. Transpose it?")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias, cast
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import listed, ordered
 from liepoisson.numeric.alignment import bound_memory
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
@@ -176,7 +177,7 @@ def frequency_drift(
     References:
         Laskar, Icarus 88 (1990) 266; Laskar, Physica D 67 (1993) 257.
     """
-    method = as_method(method, Taylor(tol=1e-13))
+    method, observable = as_method(method, Taylor(tol=1e-13)), _texts_of(observable)
     n = as_field(system).n_components
     states, window = as_starts(system, starts, n), as_time(t_end, "t_end", example=1000) / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
@@ -210,7 +211,7 @@ def frequency_drift(
             progress(here.stop / len(states))
     return FrequencyDrift(
         **given(system, field_for(system, as_field(system), method), method, states),
-        observable=(observable,) if isinstance(observable, str) else cast("Any", observable),
+        observable=observable,
         n_samples=samples,
         window_order=order,
         time_limit=float(time_limit),
@@ -241,7 +242,7 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
         ShapeError: The signal has another shape than stated.
         ParameterError: The signal is not finite, or the interval is not positive.
     """
-    values = np.atleast_2d(np.array(signal))
+    values = np.atleast_2d(np.array(ordered(signal, "signal")))
     if values.ndim != 2 or values.shape[1] < 17 or values.dtype.kind not in "iufc":
         raise ShapeError(
             f"signal must have shape (sample,) or (trajectory, sample), numbers, 17 samples or more; got shape "
@@ -319,11 +320,19 @@ def _size(a: Signal) -> Array:
     return np.sqrt(_dot(a, a))
 
 
+def _texts_of(observable: Any) -> Any:
+    """One or several texts as a tuple; a function as it is."""
+    if callable(observable):
+        return observable
+    found = listed(observable, "observable")
+    return (observable,) if found is None else tuple(found)
+
+
 def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Array], tuple[Signal, bool]]:
     """The signal as a function of states, which also says whether it is real."""
     if callable(observable):
         return _from_function(observable)
-    texts: list[Any] = list(observable) if isinstance(observable, (list, tuple)) else [observable]
+    texts: Any = observable
     if len(texts) not in (1, 2) or not all(isinstance(text, str) for text in texts):
         raise ParameterError(
             f"observable: wanted one name or formula, two for real and imaginary part, or a function; got "

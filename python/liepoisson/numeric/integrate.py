@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, cast
 
@@ -18,8 +18,8 @@ from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
-from liepoisson.numeric.starts import StartsLike, as_starts, as_times
-from liepoisson.numeric.systems import HasField, as_field, core_field
+from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
+from liepoisson.numeric.systems import HasField, as_field, component_names, core_field
 from liepoisson.result import labelled, pieces
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time, as_time_limit
 
@@ -121,7 +121,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
                     f"try t_end={2 * last - float(self.time[0]):g}"
                 )
         else:
-            onward = np.atleast_1d(as_array(times, "times"))
+            onward = np.atleast_1d(as_values(times, "times"))
             onward = onward if onward.size and onward[0] == last else np.concatenate([[last], onward])
         if (onward[-1] - last) * (last - float(self.time[0])) < 0:
             raise ParameterError(
@@ -150,7 +150,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
             raise ParameterError(
                 "at(times): wanted a run with dense output; got one without; try integrate(..., dense=True)"
             )
-        times = as_array(times, "times")
+        times = as_values(times, "times")
         low, high = min(self.time[0], self.time[-1]), max(self.time[0], self.time[-1])
         if not ((times >= low) & (times <= high)).all():
             raise ParameterError(f"at(times): wanted times from {low} to {high}; got {times.min()} to {times.max()}")
@@ -197,7 +197,8 @@ def integrate(
     Args:
         system: What is integrated.
         starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; or vectors and
-            components by name, the others being zero, `{"l": (1, 0, 0), "beta3": "1/3"}`.  A row that is not finite
+            components by name, the others being zero, `{"l": (1, 0, 0), "beta3": "1/3"}`.  Labels of a table, a Series
+            or an xarray object decide the order.  A row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         times: Times at which states are wanted, strictly monotone, shape (time,), the first that of the starts;
             decreasing times run backwards.  One number T means the times 0 and T.
@@ -227,7 +228,7 @@ def integrate(
     field = field_for(system, as_field(system), method)
     n = field.n_components
     states, times = as_starts(system, starts, n), _as_orbit_times(times, t_end)
-    vectors = _as_tangents(tangents, len(states), n)
+    vectors = _as_tangents(tangents, len(states), component_names(system, n))
     in_series = isinstance(method, Taylor)
     if dense and not in_series:
         raise ParameterError(f"dense: wanted the Taylor method, which has power series; got {method}; leave dense out")
@@ -310,14 +311,15 @@ def _as_orbit_times(times: ArrayLike | None, t_end: float | None) -> Array:
         if t_end is None:
             raise ParameterError("times: wanted times or t_end; got neither; try t_end=100")
         return np.linspace(0.0, as_time(t_end, "t_end", example=100, forwards=False), _N_TIMES)
-    wanted = as_array(times, "times")
+    wanted = as_values(times, "times")
     return as_times(np.array([0.0, float(wanted)]) if wanted.ndim == 0 else wanted, "times", least=2)
 
 
-def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, n: int) -> Array:
+def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, names: Sequence[str]) -> Array:
+    n = len(names)
     if tangents is None:
         return np.empty((n_trajectories, 0, n))
-    vectors = as_array(tangents, "tangents")
+    vectors = as_array(tangents, "tangents", names)
     if vectors.ndim == 2:
         vectors = np.broadcast_to(vectors, (n_trajectories, *vectors.shape))
     if vectors.ndim != 3 or vectors.shape[0] != n_trajectories or vectors.shape[2] != n:

@@ -20,7 +20,7 @@ from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.run import Run, given, whole
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states
-from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.numeric.systems import HasField, as_field, component_names
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
 
@@ -148,12 +148,12 @@ def megno(
         182 (2003) 151.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    states = as_starts(system, starts, as_field(system).n_components)
+    states = as_starts(system, starts, n := as_field(system).n_components)
     end = as_time(t_end, "t_end", example=1000)
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
     seed, first = as_seed(seed), as_first(first, len(states))
     vectors = sample_tangents(states.shape[1], len(states), seed=seed, first=first) if tangents is None else tangents
-    vectors = np.broadcast_to(as_states(vectors, states.shape[1], "tangents"), states.shape)
+    vectors = np.broadcast_to(as_states(vectors, n, "tangents", names=component_names(system, n)), states.shape)
     n_times = min(_N_TIMES, samples // 2)
     stride = 2 * -(-samples // (2 * n_times))
     at_once = min(_CHUNK, len(states))

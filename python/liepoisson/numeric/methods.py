@@ -15,7 +15,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
-from liepoisson.numeric.systems import has_pieces
+from liepoisson.numeric.systems import TOP_COMPONENTS, has_pieces
 from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
@@ -312,7 +312,7 @@ class LagrangeMap:
         field = top.field() if callable(getattr(top, "field", None)) else None
         if not isinstance(field, TopField) or not _is_lagrange(field) or field.a[2] == 0.0:
             raise ParameterError(f"integrals: {_NOT_LAGRANGE}, a not zero; got {shown(top)}")
-        states = as_array(states, "states")
+        states = as_array(states, "states", TOP_COMPONENTS)
         if states.ndim == 0 or states.shape[-1] != 9:
             raise ShapeError(
                 f"states must end in 9 components (l, alpha, beta); got shape {states.shape}. Transpose it?"

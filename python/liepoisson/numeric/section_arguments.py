@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TapeFunction
+from liepoisson.given import listed
 from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
 from liepoisson.scalars import as_time
 from liepoisson.wrong_values import shown
@@ -74,10 +75,11 @@ def check_that_it_varies(system: Any, surface: str | Expr) -> None:
 
 def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:
     """Surface function and kept functions as data, and the names of the latter; None for whole states."""
-    if keep is not None and (isinstance(keep, str) or not hasattr(keep, "__len__") or not len(keep)):
+    given = None if keep is None else listed(keep, "keep")
+    if keep is not None and not given:
         hint = f"try [{shown(keep)}]" if isinstance(keep, str) and keep else "leave it out for whole states"
         raise ParameterError(f"keep: wanted a sequence of functions; got {shown(keep)}; {hint}")
-    kept = None if keep is None else [as_formula(function, "keep") for function in keep]
+    kept = None if given is None else [as_formula(function, "keep") for function in given]
     names = None if kept is None else tuple(map(str, kept))
     if isinstance(surface, TapeFunction):
         further = len(surface.outputs) - 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
+from liepoisson.given import is_named, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
@@ -31,26 +32,30 @@ def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array
     """A copy of states as they were given, those that were given by name with all their components.
 
     `{"l": (1, 0, 0), "beta3": "1/3"}` is one state, and many if a component has many values or a vector many rows;
-    a list of such mappings is many.
+    a list of such mappings is many.  Of data with labels, such as a table, each component must have one.
 
     Raises:
         ParameterError: A name is none of the system's, or a component is given twice.
         ShapeError: A vector has another number of components, or numbers of trajectories differ.
     """
-    given: Any = starts
-    if isinstance(given, Mapping):
-        return states_by_name(system, cast("Mapping[str, Any]", given), name)
-    rows = cast("Sequence[Any]", given) if isinstance(given, (list, tuple)) else ()
-    if rows and all(isinstance(row, Mapping) for row in rows):
-        return np.concatenate([np.atleast_2d(states_by_name(system, row, name)) for row in rows])
-    return as_array(given, name)
+    if (found := labelled(starts)) is not None:
+        return states_by_name(system, found.by_label(name), name, whole=True)
+    if is_named(starts):
+        return states_by_name(system, dict(starts.items()), name)
+    rows = listed(starts, name) if isinstance(starts, (list, tuple, Iterator)) else None
+    if rows and all(is_named(row) or labelled(row) for row in rows):
+        return np.concatenate([np.atleast_2d(given_starts(system, row, name)) for row in rows])
+    return as_array(cast("Any", starts if rows is None else rows), name)
 
 
-def states_by_name(system: Any, given: Mapping[str, Any], what: str, *, one: bool = False) -> Array:
+def states_by_name(
+    system: Any, given: Mapping[str, Any], what: str, *, one: bool = False, whole: bool = False
+) -> Array:
     """States from vectors and components by name, the others being zero: shape (component,) or (trajectory, component).
 
     Raises:
-        ParameterError: A name is none of the system's, or a component is given twice.
+        ParameterError: A name is none of the system's, a component is given twice, or one is missing where the whole
+            state is wanted.
         ShapeError: A vector has another number of components, or numbers of trajectories differ.
     """
     places = _places(system)
@@ -74,6 +79,12 @@ def states_by_name(system: Any, given: Mapping[str, Any], what: str, *, one: boo
             )
         seen |= dict.fromkeys(place, name)
         read[name] = values
+    if whole and len(seen) < (n := max(place.stop for place in places.values())):
+        missing = [name for name, place in places.items() if len(place) == 1 and place[0] not in seen]
+        raise ParameterError(
+            f"{what} must have all {n} components; got no values for {', '.join(missing)}. Give all of them, or a "
+            "dictionary, in which the others are zero."
+        )
     counts = {name: len(values) for name, values in read.items() if values.ndim == 2}
     many = tuple({*counts.values()})
     if len(many) > 1:
@@ -108,7 +119,7 @@ def as_states(
     Where some may fail, rows that are not finite are kept beside good ones: their trajectories end at once, with an
     outcome, and the others run.
     """
-    states = as_array(starts, name)
+    states = as_array(starts, name, names)
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
         raise ShapeError(
@@ -132,7 +143,7 @@ def _component_hint(names: Sequence[str]) -> str:
 
 def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
     """A copy of finite, strictly monotone times, at least `least` of them."""
-    times = np.atleast_1d(as_array(times, name))
+    times = np.atleast_1d(as_values(times, name))
     if times.ndim != 1 or len(times) < least:
         raise ShapeError(f"{name} must have shape (time,) with {least} or more times; got shape {times.shape}")
     steps = np.diff(times)
@@ -142,6 +153,17 @@ def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
             "sort them and drop repeated ones"
         )
     return times
+
+
+def as_values(values: ArrayLike, name: str) -> Array:
+    """A copy of numbers without names, such as times, one or many.
+
+    Raises:
+        ShapeError: It is no array of numbers, or a text.
+    """
+    if isinstance(values, (str, bytes)):
+        raise ShapeError(f"{name}: wanted an array of numbers; got the text {values!r:.60}; give a list of numbers")
+    return as_array(values, name)
 
 
 def _abridged(values: Sequence[float] | Array) -> str:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.given import listed
 from liepoisson.numeric.alignment import Alignment, alignment
 from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
@@ -85,7 +86,8 @@ class Rule:
     def __post_init__(self) -> None:
         for name in INDICATORS[:3]:
             try:
-                low, high = (as_number(value, f"rule.{name}", "two numbers") for value in getattr(self, name))
+                given = listed(getattr(self, name), f"rule.{name}") or ()
+                low, high = (as_number(value, f"rule.{name}", "two numbers") for value in given)
             except (TypeError, ValueError):
                 low = high = math.nan
             ordered = high < low if name == "sali" else low < high
@@ -95,6 +97,8 @@ class Rule:
                     f"rule.{name}: wanted two {order} numbers (regular, chaotic); got {shown(getattr(self, name))}; "
                     f"try {getattr(type(self), name)}"
                 )
+            if not isinstance(getattr(self, name), tuple):
+                object.__setattr__(self, name, (low, high))
         for name in ("averages", "least_time"):
             if not as_number(getattr(self, name), f"rule.{name}", "a number") >= 0.0:
                 raise ParameterError(

@@ -13,6 +13,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import Exact, read_parameter, to_sympy
 from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.given import named
 from liepoisson.phase_space._checks import are_equal, as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
@@ -129,10 +130,9 @@ def level_of(system: System, leaf: Leaf | Mapping[str, float | str], energy: flo
         if not are_equal(given.system, system):
             raise ParameterError(f"leaf must be one of {shown(system)}; got one of {given.system.name!r}.")
         values: dict[str, Any] = {name: Fraction(value) for name, value in given.casimirs.items()}
-    elif isinstance(given, Mapping):
-        named = cast("Mapping[str, Any]", given)
-        values = {name: _as_exact(value, name) for name, value in by_name(system, named).items()}
-        given = Leaf(system, named)
+    elif (casimirs := named(given, "leaf")) is not None:
+        values = {name: _as_exact(value, name) for name, value in by_name(system, casimirs).items()}
+        given = Leaf(system, casimirs)
     else:
         raise ParameterError(
             f"leaf must be a Leaf, or values of the Casimirs by name; got {shown(given)}. Write for example "

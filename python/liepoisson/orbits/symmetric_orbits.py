@@ -18,6 +18,7 @@ from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
+from liepoisson.given import sequence
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.time_scale import natural_duration
@@ -155,7 +156,8 @@ def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) 
     """
     system = level.system
     if given is not None:
-        for one in given:
+        chosen = sequence(given, "reversers", "reversers", "discrete_symmetries(system).reversers")
+        for one in chosen:
             if not isinstance(one, DiscreteSymmetry) or not one.is_reverser or not are_equal(one.system, system):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise ParameterError(
                     f"reversers: wanted involutions of {system.name} that reverse time, as discrete_symmetries(system)."
@@ -163,8 +165,8 @@ def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) 
                 )
             if not one.meets(level.values):
                 raise ParameterError(f"reversers must map {level.text} to itself; {one.text} does not")
-        if given:
-            return list(given)
+        if chosen:
+            return list(chosen)
     half = (level.dimension - 1) // 2
     every = discrete_symmetries(system).reversers
     found = [one for one in every if one.meets(level.values) and one.fixed_space and one.fixed_dimension == half]

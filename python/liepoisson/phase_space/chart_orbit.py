@@ -14,7 +14,8 @@ from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.systems import TOP_COMPONENTS
 from liepoisson.portable import linear
 from liepoisson.result import Result, labelled, names_along, part
 
@@ -162,11 +163,11 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
         ShapeError: `start` is not one state.
         ParameterError: as for `integrate`.
     """
-    start = as_array(start, "start")
+    start = as_array(start, "start", TOP_COMPONENTS)
     if start.shape != (9,):
         raise ShapeError(f"start must be one state of shape (9,); got shape {start.shape}. Take one orbit at a time.")
-    method = method or Taylor(max_steps=LONGEST)
-    run = integrate(chart.system, chart.from_body(start), times=times, method=method, dense=True)
+    how = as_method(method, Taylor(max_steps=LONGEST))
+    run = integrate(chart.system, chart.from_body(start), times=times, method=how, dense=True)
     outcome, end_time, end_state = str(run.outcome[0]), float(run.end_time[0]), run.end_state[0]
     left = _leaving(chart.system, run)
     if left is not None:

@@ -27,7 +27,7 @@ from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
-from liepoisson.numeric.starts import StartsLike, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts, as_values
 from liepoisson.portable import linear
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
@@ -147,7 +147,7 @@ class Attitude(Result, KeepsInvariants):
             ParameterError: the run was made without `dense=True`, or a time lies outside it.
             ShapeError: the times do not have shape (time,).
         """
-        times = as_array(times, "times")
+        times = as_values(times, "times")
         if times.ndim != 1:
             raise ShapeError(f"times must have shape (time,); got shape {times.shape}. Give a list of times.")
         values = self.orbit.at(times)
@@ -160,6 +160,8 @@ class Attitude(Result, KeepsInvariants):
         values = as_array(vectors, "vectors")
         shape = self.rotation.shape[:-1]
         try:
+            if values.ndim == 0:
+                raise ValueError("a number is no vector")
             return np.broadcast_to(values, shape)
         except ValueError as error:
             raise ShapeError(

@@ -21,6 +21,7 @@ from liepoisson.display import as_line, as_table
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.given import named
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name, formulas
 from liepoisson.phase_space.field_units import field_units
@@ -89,7 +90,7 @@ class Leaf:
             ParameterError: a component or a Casimir is not finite, or a parameter of the system has no number.
         """
         bracket = as_system(system).bracket
-        x = as_phase_points(state, bracket.dimension, bracket.field_names, "state")
+        x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
         if x.ndim != 1:
             raise ShapeError(f"state must be one state, shape ({x.shape[-1]},); got shape {x.shape}. Pass one of them.")
         x = _finite(x, "state")
@@ -198,7 +199,7 @@ class Leaf:
         Raises:
             LeafError: a state has the same values of the known functions, and not all equations of the leaf are known.
         """
-        close = self.residual(states) <= tol
+        close = self.residual(states) <= as_number(tol, "tol", "a number >= 0")
         if not self.place.is_known and np.any(close):
             raise LeafError(_unknown(self.system, self.place))
         return close
@@ -247,6 +248,7 @@ class Leaf:
             LeafError: J has another rank at one of the states.
         """
         states = self._points(states)
+        states = self._points(states)  # once, as they are read twice
         basis = self.tangent_basis(states)
         projector = linear.matmul(basis, np.swapaxes(basis, -1, -2))
         if not energy:
@@ -328,7 +330,8 @@ class Leaf:
         return sample_leaf(self, n_starts, seed=seed, energy=energy, energy_below=energy_below)
 
     def _points(self, x: ArrayLike) -> Array:
-        return as_phase_points(x, self.system.bracket.dimension, self.system.bracket.field_names)
+        bracket = self.system.bracket
+        return as_phase_points(x, bracket.coordinate_names_in_order, bracket.field_names)
 
     @np.errstate(all="ignore")
     def _refuse(self, equations: Equations, x: Array, residual: Array, energy: float | None) -> None:
@@ -383,15 +386,16 @@ def _unknown(system: System, place: Place) -> str:
 
 
 def _values(system: System, casimirs: Mapping[str, float | str], place: Place) -> Array:
-    if isinstance(casimirs, Mapping) and not set(casimirs) <= set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
-        casimirs = by_name(system, casimirs)
-    if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
+    given = named(casimirs, "casimirs")
+    if given is not None and not set(given) <= set(place.casimirs):
+        given = by_name(system, given)
+    if given is None or set(given) != set(place.casimirs):
         wanted = ", ".join(formulas(system))
         raise ParameterError(
             f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "
             "Leaf.through(system, state).casimirs."
         )
-    values = np.array([as_number(casimirs[name], name, "a finite number") for name in place.casimirs])
+    values = np.array([as_number(given[name], name, "a finite number") for name in place.casimirs])
     if not np.isfinite(values).all():
-        raise ParameterError(f"casimirs must be finite; got {dict(casimirs)}.")
+        raise ParameterError(f"casimirs must be finite; got {given}.")
     return values

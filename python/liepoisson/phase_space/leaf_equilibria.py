@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.given import named
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import are_equal, as_system
 from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points, residuals
@@ -177,12 +178,12 @@ def _leaf(system: System, given: Any) -> Leaf:
                 "Leaf.through(system, state) or Leaf(system, casimirs)."
             )
         return given
-    if not isinstance(given, Mapping):
+    if (casimirs := named(given, "leaf")) is None:
         raise ParameterError(
             f"leaf must be a Leaf, or values of the Casimirs by name; got {shown(given)}. Write for example "
             "Leaf.through(system, state)."
         )
-    return Leaf(system, cast("Mapping[str, float]", given))
+    return Leaf(system, casimirs)
 
 
 @explains_its_arguments
@@ -254,10 +255,11 @@ def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] |
     if values is None and x is not None:
         return np.array([float(f(x)) for f in integrals.values()])
     asked: Any = {} if values is None else values
-    given: dict[str, Any] = dict(asked) if isinstance(asked, Mapping) else {"": None}
-    named = set(given) == set(integrals)
-    numbers = {name: as_number(given[name], f"values[{name!r}]", "a finite number") for name in integrals if named}
-    if not named or not np.isfinite([*numbers.values()]).all():
+    given = named(asked, "values")
+    if given is None or set(given) != set(integrals):
+        given = None
+    numbers = {name: as_number(given[name], f"values[{name!r}]", "a finite number") for name in integrals if given}
+    if given is None or not np.isfinite([*numbers.values()]).all():
         example = f"Write for example values={dict.fromkeys(integrals, 0.5)}." if integrals else "Leave values out."
         raise ParameterError(
             f"values must give a finite number for each integral of along, {', '.join(integrals) or 'none'}; "

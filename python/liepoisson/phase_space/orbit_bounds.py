@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
+from liepoisson.given import named
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_number
@@ -116,14 +117,14 @@ def bounds(
         return _bounds_of_state(system, state, field)
     if energy is None or leaf is None:
         raise ParameterError("which leaf and energy is meant must be said; give a state, or both leaf= and energy=.")
-    if not isinstance(leaf, Mapping):
-        return _bounds(field, *_of_leaf(leaf, field), as_energy(energy))
+    if (casimirs := named(leaf, "leaf")) is None:
+        return _bounds(field, *_of_leaf(cast("Leaf", leaf), field), as_energy(energy))
     if not parameters.has_bracket(system.bracket):
         raise ParameterError(
             "leaf: values of Casimirs are those of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; "
             f"{system.name!r} has the equations of a top, but the bracket {system.bracket}. Give a Leaf, or a state."
         )
-    return _bounds(field, *_given(leaf, field), as_energy(energy))
+    return _bounds(field, *_given(casimirs, field), as_energy(energy))
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -131,7 +132,7 @@ def _bounds_of_state(top: System, state: ArrayLike, field: TopField) -> Bounds:
     """The bounds by C1, |beta| and the energy of a state, also where the leaf has other Casimirs."""
     from liepoisson.phase_space.leaf import Leaf
 
-    states = as_array(state, "state")
+    states = as_array(state, "state", top.component_names)
     if states.size and (size := float(np.abs(states).max())) > _LARGEST and np.isfinite(states).all():
         raise ParameterError(
             f"state must be at most {_LARGEST:g}, for its squares to be doubles; got {size:g}. Choose other units."
@@ -183,7 +184,7 @@ def _length(v: Array | tuple[float, float, float]) -> float:
 
 
 def _given(casimirs: Mapping[str, float], field: TopField) -> tuple[float, float]:
-    if not isinstance(casimirs, Mapping) or set(casimirs) != {"C1", "C2", "C3"}:  # pyright: ignore[reportUnnecessaryIsInstance]
+    if set(casimirs) != {"C1", "C2", "C3"}:
         raise ParameterError(
             f'leaf must be a Leaf or {{"C1": ..., "C2": ..., "C3": ...}}; got {shown(casimirs)}. For a leaf with other '
             "Casimirs give Leaf.through(top, state)."

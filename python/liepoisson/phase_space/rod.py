@@ -28,7 +28,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.starts import StartsLike, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts, as_values
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
 from liepoisson.portable import elementary, linear
 from liepoisson.result import Result, labelled, part
@@ -261,7 +261,7 @@ def _arclengths(length: float | None, n_points: int, given: ArrayLike | None) ->
         both = "both" if given is not None else "neither"
         raise ParameterError(f"rod: wanted either length or arclengths; got {both}; try length=20")
     if given is not None:
-        return as_array(given, "arclengths")
+        return as_values(given, "arclengths")
     end = as_time(length, "length", example=20, forwards=False)
     return np.linspace(0.0, end, as_count(n_points, "n_points", least=2, most=10_000_000, hint="try n_points=401"))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, ReadOnlyArrays, norm
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.given import listed
 from liepoisson.phase_space.critical_points import VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.exact_linearisation import exact_linearisation
 from liepoisson.phase_space.leaf import Leaf
@@ -280,14 +281,15 @@ def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunctio
     """
     if isinstance(along, str):
         raise ParameterError(f"along must be a sequence of integrals; got the text {along!r}. Write ({along!r},).")
-    if not _are_texts(along):
+    given = listed(along, "along")
+    if given is None or not all(isinstance(name, str) for name in given):
         example = "".join(f"along={(name,)!r} or " for name in _with_own_motion(system)[:1])
         raise ParameterError(
             f"along must be a sequence of integrals, each a name or a formula; got {shown(along)}. Write {example}"
             "along=() for an equilibrium."
         )
     found: dict[str, PhaseFunction] = {}
-    for name in along:
+    for name in given:
         known = system.invariants.get(name)
         if known is None and not system.is_constant(name):
             raise ParameterError(
@@ -301,10 +303,6 @@ def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunctio
 
 def _with_own_motion(system: System) -> list[str]:
     return [name for name in system.invariants if has_own_motion(system, name)]
-
-
-def _are_texts(given: Any) -> bool:
-    return isinstance(given, Sequence) and all(isinstance(name, str) for name in cast("Sequence[object]", given))
 
 
 def _refuse_idle(system: System, name: str, integral: PhaseFunction) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.given import is_named, named
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
@@ -116,7 +117,7 @@ def find(
 ) -> Start:
     """`find_start`, with "--" before the names of the arguments in messages where they are options."""
     as_system(system)
-    wanted = leaf if isinstance(leaf, Leaf) else _read_values(system, leaf, prefix) if leaf else None
+    wanted = leaf if isinstance(leaf, Leaf) else _read_values(system, leaf, prefix) if leaf is not None else None
     value = None if energy is None else as_energy(energy, f"{prefix}energy")
     if start is not None and guess is not None:
         raise ParameterError(
@@ -140,10 +141,10 @@ def find(
 
 
 def _read_values(system: System, leaf: Mapping[str, float | str], prefix: str) -> dict[str, float]:
-    if not isinstance(leaf, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+    if (given := named(leaf, f"{prefix}leaf")) is None:
         raise ParameterError(f'{prefix}leaf must be a Leaf or values of Casimirs; got {leaf!r:.60}. Write {{"C1": 1}}.')
-    named = by_name(system, leaf, f"{prefix}leaf")
-    values = {name: as_number(value, f"{prefix}leaf {name}", "a finite number") for name, value in named.items()}
+    casimirs = by_name(system, given, f"{prefix}leaf")
+    values = {name: as_number(value, f"{prefix}leaf {name}", "a finite number") for name, value in casimirs.items()}
     if not np.isfinite(list(values.values())).all():
         raise ParameterError(f"{prefix}leaf must have finite numbers; got {values}.")
     return values
@@ -225,15 +226,15 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
     """
     names = system.component_names
     example = f"{what} {names[0]}=1" if what.startswith("--") else f'{what}={{"{names[0]}": 1}}'
-    if not isinstance(given, Mapping):
-        x = as_array(given, what)
+    if (values := named(given, what)) is None:
+        x = as_array(cast("Any", given), what, names)
         if x.shape != (len(names),):
             raise ShapeError(
                 f"{what} must have {len(names)} numbers ({_listed(names)}); got "
                 f"{len(x) if x.ndim == 1 else f'shape {x.shape}'}. Or give some by name: {example}."
             )
         return _finite(x, what)
-    return _finite(states_by_name(system, given, what, one=True), what)
+    return _finite(states_by_name(system, values, what, one=True, whole=not is_named(given)), what)
 
 
 def _listed(names: Sequence[str]) -> str:

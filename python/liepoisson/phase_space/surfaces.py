@@ -7,7 +7,7 @@ leaf, $H = E$ and $s = 0$, and are found by Newton's method.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,13 +18,14 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.exact.rational_polynomials import in_words
+from liepoisson.given import by_name, named
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.starts import read_state
 from liepoisson.portable import linear
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_number
 from liepoisson.streams import Purpose, generator, seeds
 from liepoisson.wrong_values import not_a, shown
 
@@ -283,17 +284,19 @@ def section_state(
     """
     view = as_leaf(leaf).in_units(as_energy(energy))
     functions, equations = view.system.functions, view.constraints(energy, surface)
-    for name, value in coordinates.items():
+    given = by_name(coordinates, "coordinates", "values of functions of the state", '{"l3": 0.2}')
+    values = {name: as_number(value, f"coordinates {name}", "a finite number") for name, value in given.items()}
+    for name, value in values.items():
         if not np.isfinite(value):
             raise ParameterError(f"coordinates must be finite; got {name} = {value}.")
-        equations = equations.with_function(functions.of(name), float(value))
+        equations = equations.with_function(functions.of(name), value)
     guesses = _guesses(view, guess)
     states, residual = solve(equations, guesses.copy())
     good = np.flatnonzero(residual <= CONVERGED)
     if not good.size:
         check_energy_in_reach(leaf, energy)
         raise LeafError(
-            f"a state with {_shown(coordinates)}, {surface} = 0 and energy {energy:.6g} was wanted on {leaf!r}; the "
+            f"a state with {_shown(values)}, {surface} = 0 and energy {energy:.6g} was wanted on {leaf!r}; the "
             f"least residual reached from {len(guesses)} {'guess' if len(guesses) == 1 else 'guesses'} is "
             f"{np.nanmin(residual):.1e}. Try other values, or a guess near the state."
         )
@@ -301,11 +304,11 @@ def section_state(
 
 
 def _guesses(leaf: LeafInUnits, guess: ArrayLike | Mapping[str, Any] | None) -> Array:
-    if isinstance(guess, Mapping):
+    if guess is not None and named(guess, "guess") is not None:
         return read_state(leaf.source, guess, "guess")[None] / leaf.units
     if guess is not None:
-        bracket = leaf.system.bracket
-        return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)) / leaf.units
+        near, bracket = cast("ArrayLike", guess), leaf.system.bracket
+        return np.atleast_2d(as_phase_points(near, bracket.coordinate_names_in_order, bracket.field_names)) / leaf.units
     n = len(leaf.state)
     size = max(1.0, float(np.abs(leaf.state).max()))
     random = generator(np.random.SeedSequence(int(Purpose.SECTION))).standard_normal((_GUESSES, n))

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.given import listed
 from liepoisson.plot.style import FIRST_FIELD, INK, SEQUENCE, axes_or_new, house_style
+from liepoisson.scalars import as_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +52,7 @@ def sleeping_diagram(
         ParameterError: no twist, or a number that is not finite.
     """
     try:
-        values = [float(u) for u in twists]
+        values = [as_number(u, "twists", "a number") for u in listed(twists, "twists") or ()]
         sound = bool(values) and np.isfinite([*values, spin, field]).all() and spin > 0 and field > 0
     except (TypeError, ValueError):  # no sequence, or no numbers
         values, sound = twists, False

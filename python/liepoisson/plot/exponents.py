@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ShapeError
+from liepoisson.given import listed, sequence
 from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
-from liepoisson.plot.style import INK, MUTED, axes_or_new, house_style
+from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style
+from liepoisson.scalars import as_count, as_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,6 +71,7 @@ def convergence(
         ShapeError: exponents not (trajectory, time).
         ParameterError: no member finished, or fewer than two where a fit is to be drawn.
     """
+    colour = as_colour(colour)
     with house_style():
         ax = axes_or_new(ax)
         if not isinstance(growth, MeanCurve) and len(alone := _finished(growth)) == 1 and fit is None:
@@ -175,16 +179,18 @@ def exponent_distribution(
         ShapeError: not one number per member.
     """
     curves = getattr(exponents, "exponent", None)
-    values = np.asarray(exponents if curves is None else np.asarray(curves)[:, -1], dtype=np.float64)
+    values = as_array(cast("ArrayLike", exponents), "exponents") if curves is None else np.asarray(curves)[:, -1]
     if values.ndim != 1:
         raise ShapeError(
             f"exponents must have shape (trajectory,), one number per member; got {values.shape}. "
             "Take the last time, exponent[:, -1]?"
         )
     values = values[np.isfinite(values)]
+    several, colour = listed(bins, "bins"), as_colour(colour)
+    edges = as_count(bins, "bins", least=1) if several is None else as_array(several, "bins")
     with house_style():
         ax = axes_or_new(ax)
-        density, edges = np.histogram(values, bins=bins, density=True)
+        density, edges = np.histogram(values, bins=edges, density=True)
         outline = np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
         (line,) = ax.plot(np.repeat(edges, 2), outline, color=colour, linewidth=1.2, label=label, zorder=3)
         if filled:
@@ -223,11 +229,13 @@ def window_scan(
         reference_label: Its name in the legend.
         ax: Axes to draw into, by default those of a new figure.
     """
+    fits = sequence(fits, "fits", "fits", "window_scan(time, exponent)")
+    level = None if reference is None else as_number(reference, "reference", "a number")
     ends = sorted({fit.window[1] for fit in fits})
     with house_style():
         ax = axes_or_new(ax)
-        if reference is not None:
-            ax.axhline(reference, color=MUTED, linewidth=1.0, linestyle=(0, (5, 3)), label=reference_label, zorder=1)
+        if level is not None:
+            ax.axhline(level, color=MUTED, linewidth=1.0, linestyle=(0, (5, 3)), label=reference_label, zorder=1)
         for k, end in enumerate(ends):
             line = sorted((fit for fit in fits if fit.window[1] == end), key=lambda fit: fit.window[0])
             # Shifted a little sideways, so that error bars of different ends stay apart.

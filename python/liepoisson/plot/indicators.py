@@ -9,8 +9,10 @@ import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import sequence, texts
 from liepoisson.plot.exponents import time_axis
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style
+from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -90,11 +92,12 @@ def indicators(
     log_growth, mean, sali = (np.asarray(values) for values in (growth.log_growth, growth.mean, angle.sali))
     if len(mean) != len(sali):
         raise ShapeError(f"growth and angle must be of the same trajectories; got {len(mean)} and {len(sali)}.")
-    chosen = range(len(mean)) if members is None else members
-    if not all(0 <= k < len(mean) for k in chosen):
-        raise ParameterError(f"members: wanted numbers from 0 to {len(mean) - 1}; got {list(chosen)}")
+    given = range(len(mean)) if members is None else sequence(members, "members", "numbers", "members=[0, 1]")
+    chosen = [as_count(k, "members", most=len(mean) - 1) for k in given]
+    labels = None if labels is None else texts(labels, "labels", "texts", 'labels=["regular", "chaotic"]')
     if labels is not None and len(labels) != len(chosen):
         raise ParameterError(f"labels: wanted one for each of {len(chosen)} members; got {len(labels)}")
+    mark = None if decided_at is None else as_number(decided_at, "decided_at", "a time")
     from matplotlib.ticker import FixedLocator
 
     t, t_angle = np.asarray(growth.time), np.asarray(angle.time)
@@ -123,8 +126,8 @@ def indicators(
             ax.set_xscale("log")
             time_axis(ax, first, last)
             ax.set_ylabel(name)
-            if decided_at is not None:
-                ax.axvline(decided_at, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
+            if mark is not None:
+                ax.axvline(mark, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
         for ax in (top, middle):
             ax.set_yscale("symlog", linthresh=_LINEAR_TO)
             ax.set_ylim(bottom=0.0)
@@ -153,6 +156,7 @@ def _panels(axes: Sequence[Axes] | None) -> tuple[Axes, Axes, Axes]:
         import matplotlib.pyplot as plt
 
         axes = list(plt.figure(figsize=(6.4, 6.6)).subplots(3, 1, sharex=True))
+    axes = sequence(axes, "axes", "axes", "figure.subplots(3)")
     if len(axes) != 3:
         raise ShapeError(f"axes must be three, for growth, MEGNO and SALI; got {len(axes)}.")
     return axes[0], axes[1], axes[2]

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import by_name
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants
 from liepoisson.plot.labels import label, name_of_system, plain, vector_of, vector_symbol
@@ -156,8 +158,9 @@ def _note(n: int, of: int) -> str:
 def _changes(invariants: Mapping[str, ArrayLike], run: OrbitLike, n: int) -> dict[str, FloatArray]:
     """The largest change of each invariant so far."""
     n_times, changes = len(np.asarray(run.time)), dict[str, FloatArray]()
-    for name, values in invariants.items():
-        curve = np.array(values, np.float64)
+    given = by_name(invariants, "invariants", "values along the orbit", '{"K": values}')
+    for name, values in given.items():
+        curve = as_array(values, f"invariants[{name!r}]")
         if curve.shape != (n_times,):
             raise ShapeError(
                 f"invariants[{name!r}] must have shape (time,), here ({n_times},); got {curve.shape}. "

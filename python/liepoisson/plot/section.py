@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.given import as_scalar, listed
 from liepoisson.numeric.section_axes import default_axes
 from liepoisson.numeric.systems import has_functions
 from liepoisson.phase_space.section_coordinates import figure_axes
@@ -363,7 +365,7 @@ def _values(points: SectionLike, wanted: str | ArrayLike, n: int, which: str) ->
                 f"{wanted!r:.80}. For a formula keep it: section(..., keep=[...])."
             )
         return np.asarray(points.state, np.float64)[:, names.index(wanted)]
-    values = np.array(wanted, np.float64)
+    values = as_array(wanted, which)
     if values.shape != (n,):
         raise ShapeError(f"{which} must have shape (crossing,), here ({n},); got {values.shape}. Take one coordinate?")
     return values
@@ -373,10 +375,11 @@ def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]
     """Numbers of trajectories; those without crossings count, too."""
     outcomes = getattr(points, "outcome", None)
     n = int(member.max(initial=-1)) + 1 if outcomes is None else len(outcomes)
-    given = np.atleast_1d(np.asarray(wanted))
-    if given.size and (given.dtype.kind not in "iu" or given.ndim != 1 or given.min() < 0 or given.max() >= n):
+    several = listed(wanted, "trajectories")
+    given = [as_scalar(wanted)] if several is None else several
+    if not all(isinstance(k, (int, np.integer)) and not isinstance(k, bool) and 0 <= k < n for k in given):
         raise ParameterError(f"trajectories must be whole numbers from 0 to {n - 1}; got {wanted!r:.80}.")
-    return given.astype(np.int64)
+    return np.array(given, dtype=np.int64)
 
 
 def _as_sign(sign: Any) -> int:

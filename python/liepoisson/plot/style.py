@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.given import listed
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,6 +105,8 @@ def house_style() -> Generator[None]:
 def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> Axes:
     """The given axes, or those of a new figure of the given size in inches, known to pyplot."""
     if ax is not None:
+        if not hasattr(ax, "get_figure"):  # pyright: ignore[reportUnnecessaryComparison]
+            raise not_a("axes of Matplotlib", ax, "ax", "leave it out for a new figure")
         return ax
     import matplotlib.pyplot as plt
 
@@ -119,13 +123,22 @@ def as_colours(colour: Any) -> tuple[Any, ...]:
 
     if colour is None:
         return SEQUENCE
-    one = (colour,) if isinstance(colour, str) or not isinstance(colour, Sequence) or is_color_like(colour) else colour
-    colours = tuple(one)
+    several = None if is_color_like(colour) else listed(colour, "colour")
+    colours = (colour,) if several is None else tuple(several)
     if not colours or not all(map(is_color_like, colours)):
         raise ParameterError(
             f'colour must be a colour of Matplotlib or a sequence of them; got {colour!r:.80}. Try "#1668b8".'
         )
     return colours
+
+
+def as_colour(colour: Any) -> Any:
+    """One colour as Matplotlib reads it, or None.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    return None if colour is None else as_colours((colour,))[0]
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -159,8 +172,8 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
         ParameterError: a format is none of these.
         OSError: a file could not be written.
     """
-    unknown = [name for name in formats if name not in FORMATS]
-    if isinstance(formats, str) or unknown:
+    wanted = listed(formats, "formats")
+    if wanted is None or not set(wanted) <= set(FORMATS):
         raise ParameterError(f"formats: wanted a tuple of some of {FORMATS}; got {formats!r:.60}; leave the others out")
     paths: list[Path] = []
     with house_style():
@@ -172,7 +185,7 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
             finally:
                 figure.dpi = own_dpi
         figure.set_layout_engine("none")
-        for extension in formats:
+        for extension in wanted:
             path = stem.with_suffix(f".{extension}")
             # A date in the file would make every run differ.
             no_date = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension, {})

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.plot.labels import label, with_formulas
-from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
+from liepoisson.plot.style import INK, MUTED, SEQUENCE, as_colour, axes_or_new, house_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,7 +65,7 @@ def sweep(
     with house_style():
         if len(result.spec.axes) == 1:
             ax = axes_or_new(ax)
-            _curve(result, ax, confidence, show_levels=show_levels, label=label, colour=colour)
+            _curve(result, ax, confidence, show_levels=show_levels, label=label, colour=as_colour(colour))
         else:
             ax = axes_or_new(ax, width=5.8, height=4.4)
             _map(result, ax, vmin, vmax, show_levels=show_levels)

@@ -15,6 +15,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.parameters import read_parameter
+from liepoisson.given import ordered
 from liepoisson.wrong_values import shown
 
 BoxLike: TypeAlias = "Box | tuple[ArrayLike, ArrayLike] | ArrayLike"
@@ -180,14 +181,14 @@ def _nearest(value: Fraction) -> float:
         raise ParameterError(f"box: wanted numbers that a double can bound; got {shown(value)}") from error
 
 
-def enclosed_numbers(values: ArrayLike, name: str) -> tuple[Array, Array]:
+def enclosed_numbers(values: ArrayLike, name: str, labels: Sequence[str] = ()) -> tuple[Array, Array]:
     """Doubles below and above exact numbers.
 
     Raises:
         ParameterError: one is not finite, or is no rational number.
         ShapeError: it is no array of numbers.
     """
-    given: Any = values
+    given: Any = ordered(values, name, labels)
     if isinstance(given, np.ndarray):
         given = cast("NDArray[Any]", given).copy()
     elif hasattr(given, "__array__") and not isinstance(given, np.generic):
@@ -228,8 +229,10 @@ def _bounds(values: BoxLike) -> tuple[Array, Array] | None:
     return box.lower, box.upper
 
 
-def as_box(values: BoxLike, name: str) -> Box:
+def as_box(values: BoxLike, name: str, labels: Sequence[str] = ()) -> Box:
     """A box from what a caller gives: a box, a pair of bounds (a tuple of two arrays), or one array of numbers.
+
+    Labels of the numbers bring them into the order of `labels`.
 
     Raises:
         ParameterError: it is empty, or a number is not finite.
@@ -237,8 +240,13 @@ def as_box(values: BoxLike, name: str) -> Box:
     """
     if isinstance(values, Box):
         return values
-    if isinstance(values, tuple) and len(cast("Sequence[Any]", values)) == 2 and not np.isscalar(values[0]):
-        lower, upper = cast("tuple[ArrayLike, ArrayLike]", values)
+    if (
+        isinstance(values, tuple)
+        and not hasattr(values, "_fields")
+        and len(cast("Sequence[Any]", values)) == 2
+        and not np.isscalar(values[0])
+    ):
+        lower, upper = (ordered(side, name, labels) for side in cast("tuple[ArrayLike, ArrayLike]", values))
         return Box(cast("Array", lower), cast("Array", upper))
-    lower, upper = enclosed_numbers(cast("ArrayLike", values), name)
+    lower, upper = enclosed_numbers(cast("ArrayLike", values), name, labels)
     return Box(lower, upper)

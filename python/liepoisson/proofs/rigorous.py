@@ -15,6 +15,7 @@ import numpy as np
 from liepoisson.arrays import Array
 from liepoisson.errors import EnclosureError, ParameterError, ShapeError
 from liepoisson.exact.parameters import read_parameter
+from liepoisson.given import as_scalar, by_name
 from liepoisson.phase_space._checks import as_system
 from liepoisson.proofs.ball_lohner import How
 from liepoisson.proofs.box import Box, BoxLike, as_box
@@ -166,7 +167,7 @@ def box_of_states(given: BoxLike, field: PolynomialField, name: str = "box") -> 
         ParameterError: it is empty or a bound is not finite.
         ShapeError: it has another shape.
     """
-    box = as_box(given, name)
+    box = as_box(given, name, field.names)
     if box.lower.shape != (n := len(field.names),):
         raise ShapeError(
             f"{name}: wanted bounds of {n} components ({', '.join(field.names)}); got shape {box.lower.shape}; give "
@@ -196,8 +197,7 @@ def level_values(
     if given is None:
         at = [Fraction(v) for v in state]
         return {name: _near(value(field.constants[name], at), name) for name in names}
-    if not isinstance(given, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]  # what comes from outside
-        raise ParameterError(f"level: wanted values by name; got {shown(given)}; write {_example(names)}")
+    given = by_name(given, "level", "values", _example(names))
     if set(given) != set(names):
         raise ParameterError(
             f"level: wanted values of {', '.join(names) or 'nothing'}; got {', '.join(map(str, given)) or 'nothing'}; "
@@ -205,7 +205,7 @@ def level_values(
         )
     found: dict[str, Fraction] = {}
     for name in names:
-        item: Any = given[name]
+        item: Any = as_scalar(given[name])
         number = Fraction(item) if isinstance(item, float) and math.isfinite(item) else read_parameter(item, name)
         if not isinstance(number, Fraction):
             raise ParameterError(f"level: wanted a rational value of {name}; got {shown(item)}; give a double near it")

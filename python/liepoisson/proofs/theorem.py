@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import CertificateError, EnclosureError, ParameterError
 from liepoisson.exact.polynomials.limits import NotDecidedError
+from liepoisson.given import texts
 from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate, read_certificate
 from liepoisson.proofs.claimed_system import compare_equations
 from liepoisson.proofs.margins import Margins
@@ -100,7 +101,7 @@ def prove_chaos(
         DamagedFileError: the file has another format.
         ParameterError: the system is not polynomial or has symbols, or an arithmetic has another name.
     """
-    chosen = tuple(dict.fromkeys(arithmetics))
+    chosen = tuple(dict.fromkeys(texts(arithmetics, "arithmetics", "arithmetics", repr(ARITHMETICS))))
     if not chosen or set(chosen) - set(ARITHMETICS):
         raise ParameterError(f"arithmetics: wanted one or both of {ARITHMETICS}; got {shown(arithmetics)}")
     field = polynomial_field(system)

@@ -22,6 +22,7 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name, check_title
 from liepoisson.exact.system_file_reader import parse_system_file
+from liepoisson.given import as_scalar, listed, named
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule, rule_of
@@ -153,15 +154,15 @@ class Starts:
             raise unknown_ensemble(self.ensemble)
         if self.sampling not in ("projection", "liouville"):
             raise ParameterError(f'sampling: wanted "projection" or "liouville"; got {shown(self.sampling)}')
-        if not isinstance(self.casimirs, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+        if (casimirs := named(self.casimirs, "casimirs")) is None:
             raise ParameterError(f'casimirs: wanted a mapping, such as {{"C1": 1}}; got {shown(self.casimirs)}.')
         if self.energy is not None:
             _check_value(self.energy, "energy", is_one=True)
-        for name, value in self.casimirs.items():
+        for name, value in casimirs.items():
             if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
             _check_value(value, name, is_one=True)
-        object.__setattr__(self, "casimirs", _owned(self.casimirs))
+        object.__setattr__(self, "casimirs", _owned(casimirs))
 
 
 @explains_its_methods
@@ -242,12 +243,14 @@ class SweepSpec:
     name: str | None = None
 
     def __post_init__(self) -> None:
+        # Copies: what a caller does to its lists and arrays later is not what was asked.
+        if (axes := listed(self.axes, "axes")) is not None:
+            object.__setattr__(self, "axes", tuple(axes))
+        if (parameters := named(self.parameters, "parameters")) is not None:
+            object.__setattr__(self, "parameters", _owned(parameters))
         self._check_types()
         if self.name is not None:
             check_title(self.name, "the name of a sweep")
-        # Copies: what a caller does to its lists and arrays later is not what was asked.
-        object.__setattr__(self, "axes", tuple(self.axes))
-        object.__setattr__(self, "parameters", _owned(self.parameters))
         if isinstance(self.system, Mapping):
             object.__setattr__(self, "system", deepcopy(cast("Any", self.system)))
         if len(self.axes) not in (1, 2) or not all(isinstance(axis, Axis) for axis in self.axes):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -452,6 +455,7 @@ def _owned(value: Any) -> Any:
     """A copy in plain numbers and tuples: an array would be recorded by its text, which has eight digits."""
     if isinstance(value, Mapping):
         return {name: _owned(item) for name, item in cast("Mapping[Any, Any]", value).items()}
+    value = as_scalar(value)
     if isinstance(value, (np.ndarray, np.generic)):
         return _owned(cast("Any", value).tolist())
     if isinstance(value, Sequence) and not isinstance(value, str):

@@ -94,7 +94,7 @@ def test_numbers_outside_of_all_families_have_no_pair(moments):
     ("system", "options", "words"),
     [
         (lambda: lp.catalog.system("lagrange"), {}, "call search_lax_pairs"),
-        (lambda: heavy(lp.so(3) @ lp.semidirect(2), "a3"), {"nonzero": ["a2"]}, "names of parameters"),
+        (lambda: heavy(lp.so(3) @ lp.semidirect(2), "a3"), {"nonzero": ["a2"]}, "nonzero: wanted names of"),
         (lambda: lp.System(lp.so(3) @ lp.trivial(), "sin(k)*l3^2", symbols=["k"]), {}, "polynomial equations"),
     ],
 )

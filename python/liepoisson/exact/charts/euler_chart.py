@@ -21,6 +21,7 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_angles import angular_momentum, momenta_of, rotation_rows
 from liepoisson.exact.charts.gauge import Gauge, Given
 from liepoisson.exact.charts.leaf_constants import (
+    COMPONENTS,
     FIELDS,
     GivenLeaf,
     LeafConstants,
@@ -179,7 +180,7 @@ class EulerChart:
             ParameterError: a constant of the leaf is symbolic.
             ShapeError: the last axis of `z` is not 6.
         """
-        points = chart_points(z, 6, self.component_names)
+        points = chart_points(z, self.component_names, self.component_names)
         phi, psi, theta = ((elementary.cos(points[..., k]), elementary.sin(points[..., k])) for k in range(3))
         sine = np.abs(theta[1])
         self._refuse(sine == 0, sine, self.conditions[2], "sin(theta)")
@@ -207,7 +208,7 @@ class EulerChart:
             ParameterError: a constant of the leaf is symbolic.
             ShapeError: the last axis of `states` is not 9.
         """
-        states = chart_points(states, 9, FIELDS)
+        states = chart_points(states, COMPONENTS, FIELDS)
         margins = self.margins(states)
         quantities = ("|beta|", "|alpha x beta|/|beta|", "sin(theta)")
         sizes = linear.norm(states, axis=-1), linear.norm(states, axis=-1), np.ones(states.shape[:-1])
@@ -234,7 +235,7 @@ class EulerChart:
             $|\beta|$, $|\alpha\times\beta|/|\beta| = r$ and $\sin\theta$, each of shape (...), under the names in
             `conditions`.
         """
-        states = chart_points(states, 9, FIELDS)
+        states = chart_points(states, COMPONENTS, FIELDS)
         _, alpha, beta = vectors(states)
         length = linear.norm(beta, axis=-1)
         perpendicular = _quotient(linear.norm(np.cross(alpha, beta), axis=-1), length)

@@ -11,6 +11,7 @@ import numpy as np
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_vector, to_sympy
+from liepoisson.given import listed
 
 Given: TypeAlias = "str | tuple[Sequence[Parameter], Sequence[Parameter]]"
 """A gauge as a caller writes it: "e3, e1", or a pair of vectors."""
@@ -44,7 +45,8 @@ class Gauge:
         """
         names = [part.strip() for part in given.split(",")] if isinstance(given, str) else []
         pair: Any = [_AXES.get(name) for name in names] if isinstance(given, str) else given
-        if not hasattr(pair, "__len__") or len(pair) != 2 or any(vector is None for vector in pair):
+        pair = listed(pair, "gauge")
+        if pair is None or len(pair) != 2 or any(vector is None for vector in pair):
             raise ParameterError(
                 'gauge must be two of the axes e1, e2, e3, as in "e3, e1" (along beta, along the rest of alpha), or a '
                 f"pair of orthonormal vectors; got {given!r:.60}."

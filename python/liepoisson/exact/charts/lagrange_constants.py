@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.charts.leaf_constants import refuse
+from liepoisson.exact.charts.leaf_constants import COMPONENTS, refuse
 from liepoisson.exact.parameters import Parameter, as_float, is_zero, read_parameter, to_sympy
 from liepoisson.exact.top_parameters import TopParameters
 from liepoisson.portable import linear
@@ -42,7 +42,7 @@ def conserved_l3(l3: Parameter | None, state: ArrayLike | None, *, symbolic: boo
     if state is not None and l3 is not None:
         raise ParameterError("l3 is known from the state; got both. Leave l3 out.")
     if state is not None:
-        return to_sympy(read_parameter(float(as_array(state, "state")[2]), "l3"))
+        return to_sympy(read_parameter(float(as_array(state, "state", COMPONENTS)[2]), "l3"))
     if l3 is None and not symbolic:
         raise ParameterError("the reduction needs l3 beside the leaf; got none. Give l3=, or a state with state=.")
     return to_sympy(read_parameter("l3" if l3 is None else l3, "l3"))

@@ -20,7 +20,7 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_chart import EulerChart
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
-from liepoisson.exact.charts.leaf_constants import FIELDS, GivenLeaf, chart_points, decimal, top_of
+from liepoisson.exact.charts.leaf_constants import COMPONENTS, FIELDS, GivenLeaf, chart_points, decimal, top_of
 from liepoisson.exact.parameters import Parameter, as_float
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class ReducedLagrange:
         with_cyclic_angle: bool = False,
     ) -> None:
         check_lagrange(top_of(system))
-        state = None if state is None else as_array(state, "state")  # once, as it is read twice
+        state = None if state is None else as_array(state, "state", COMPONENTS)  # once, as it is read twice
         self.chart: EulerChart = EulerChart(system, leaf=leaf, state=state, gauge="e3, e1")
         self.l3: Expr = conserved_l3(l3, state, symbolic=leaf is None)
         self.with_cyclic_angle: bool = with_cyclic_angle
@@ -111,7 +111,7 @@ class ReducedLagrange:
             ChartError: as for `EulerChart.to_body`.
             ShapeError: the last axis of `z` has another length.
         """
-        points = chart_points(z, len(self.component_names), self.component_names)
+        points = chart_points(z, self.component_names, self.component_names)
         angle = cyclic_angle(points[..., 4:], psi, points.shape[:-1])
         phi, theta, p_phi, p_theta = (points[..., k] for k in range(4))
         l3 = np.full(points.shape[:-1], as_float(self.l3, "l3"))
@@ -123,7 +123,7 @@ class ReducedLagrange:
         Raises:
             ChartError: as for `EulerChart.from_body`, or l3 is not that of the reduction (condition "l3").
         """
-        states = chart_points(states, 9, FIELDS)
+        states = chart_points(states, COMPONENTS, FIELDS)
         check_l3(states, self.l3)
         full = self.chart.from_body(states)
         return full[..., [0, 2, 3, 5, *((1,) if self.with_cyclic_angle else ())]]

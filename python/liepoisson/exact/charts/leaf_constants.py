@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,12 +20,14 @@ from liepoisson.errors import ChartError, ParameterError, ShapeError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter, symbols_of, to_sympy
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.exact.top_parameters import TopParameters
+from liepoisson.given import named
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
 
 FIELDS = ("l", "alpha", "beta")
+COMPONENTS = tuple(f"{field}{i}" for field in FIELDS for i in (1, 2, 3))
 
 OWN_NAMES = frozenset(
     [f"{field}{i}" for field in FIELDS for i in (1, 2, 3)]
@@ -107,11 +109,11 @@ class LeafConstants:
         epsilon = to_sympy(top.epsilon)
         if state is not None and leaf is not None:
             raise ParameterError("a chart is made with leaf= or with state=; got both. Give one of them.")
-        if isinstance(leaf, Mapping):
-            return cls(epsilon, *_from_casimirs(system, top, leaf))
+        if leaf is not None and (casimirs := named(leaf, "leaf")) is not None:
+            return cls(epsilon, *_from_casimirs(system, top, casimirs))
         if leaf is not None:
             # not from its Casimirs: C1 - C2^2/C3 cancels for nearly parallel fields
-            state = _state_of(leaf, epsilon)
+            state = _state_of(cast("GivenLeaf", leaf), epsilon)
         if state is not None:
             return cls(epsilon, *_from_state(state, as_float(top.epsilon, "epsilon")))
         v, w, eta = symbols("v w eta")
@@ -170,10 +172,9 @@ class LeafConstants:
 def _from_casimirs(system: Any, top: TopParameters, casimirs: Mapping[str, Parameter]) -> tuple[Any, Any, Any]:
     from sympy import sqrt
 
-    given = to_any(casimirs)
-    if not isinstance(given, Mapping) or set(given) != {"C1", "C2", "C3"}:
+    if set(casimirs) != {"C1", "C2", "C3"}:
         raise ParameterError(
-            f"leaf must be a Leaf, or give C1, C2 and C3; got {given!r:.60}. Write for example "
+            f"leaf must be a Leaf, or give C1, C2 and C3; got {casimirs!r:.60}. Write for example "
             'leaf={"C1": 1, "C2": 0, "C3": 1}, or give a state with state=.'
         )
     C1, C2, C3 = (to_sympy(read_parameter(casimirs[name], name)) for name in ("C1", "C2", "C3"))
@@ -206,7 +207,7 @@ def _state_of(leaf: GivenLeaf, epsilon: Expr) -> Array:
 
 
 def _from_state(given: ArrayLike, epsilon: float) -> tuple[Any, Any, Any]:
-    state = chart_points(given, 9, FIELDS, "state")
+    state = chart_points(given, COMPONENTS, FIELDS, "state")
     if state.ndim != 1:
         raise ShapeError(
             f"state must be one state of shape (9,); got shape {state.shape}. Every leaf needs its own chart."
@@ -255,14 +256,14 @@ LARGEST = 1e75
 """Largest component of a state that a chart takes: the Casimirs are compared by products of four components."""
 
 
-def chart_points(given: ArrayLike, n: int, names: Sequence[str], name: str = "states") -> Array:
+def chart_points(given: ArrayLike, components: Sequence[str], fields: Sequence[str], name: str = "states") -> Array:
     """States of shape (..., n), each of them NaN or with products that are doubles.
 
     Raises:
         ParameterError: a component is infinite or larger than 1e75.
         ShapeError: the last axis has another length.
     """
-    states = as_phase_points(given, n, names, name)
+    states = as_phase_points(given, components, fields, name)
     size = np.abs(states)
     if (size > LARGEST).any():
         raise ParameterError(

@@ -19,7 +19,7 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_angles import angular_momentum
 from liepoisson.exact.charts.euler_chart import NEAREST
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
-from liepoisson.exact.charts.leaf_constants import FIELDS, chart_points, dot, refuse, top_of, vectors
+from liepoisson.exact.charts.leaf_constants import COMPONENTS, FIELDS, chart_points, dot, refuse, top_of, vectors
 from liepoisson.exact.parameters import Parameter, as_float, read_parameter, to_sympy
 from liepoisson.portable import elementary, linear
 
@@ -127,7 +127,7 @@ class OrdinaryLagrange:
             ChartError: sin(theta) = 0.
             ShapeError: the last axis of `z` has another length.
         """
-        points = chart_points(z, len(self.component_names), self.component_names)
+        points = chart_points(z, self.component_names, self.component_names)
         angle = cyclic_angle(points[..., 2:], psi, points.shape[:-1])
         (cp, sp), (ct, st) = ((elementary.cos(value), elementary.sin(value)) for value in (angle, points[..., 0]))
         sine = np.abs(st)
@@ -144,7 +144,7 @@ class OrdinaryLagrange:
         Raises:
             ChartError: beta != 0, sin(theta) = 0, or another l3, l_n or |alpha| than those of the reduction.
         """
-        states = chart_points(states, 9, FIELDS)
+        states = chart_points(states, COMPONENTS, FIELDS)
         l, alpha, _ = vectors(states)
         check_beta_is_zero(states)
         margins = self.margins(states)
@@ -168,7 +168,7 @@ class OrdinaryLagrange:
 
     def margins(self, states: ArrayLike) -> dict[str, Array]:
         r"""How far states are from where the chart ends: $|\alpha|$ and $\sin\theta$, each of shape (...)."""
-        _, alpha, _ = vectors(chart_points(states, 9, FIELDS))
+        _, alpha, _ = vectors(chart_points(states, COMPONENTS, FIELDS))
         size = linear.norm(alpha, axis=-1)
         sine = np.divide(elementary.hypot(alpha[..., 0], alpha[..., 1]), size, out=np.zeros_like(size), where=size != 0)
         return {name: np.asarray(value) for name, value in zip(self.conditions, (size, sine), strict=True)}
@@ -189,7 +189,7 @@ class OrdinaryLagrange:
 
 
 def _of_state(given: ArrayLike) -> dict[str, float]:
-    state = chart_points(given, 9, FIELDS, "state")
+    state = chart_points(given, COMPONENTS, FIELDS, "state")
     if state.ndim != 1:
         raise ShapeError(
             f"state must be one state of shape (9,); got shape {state.shape}. Reduce each state by itself."

@@ -23,6 +23,7 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ChartError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.leaf_constants import (
+    COMPONENTS,
     FIELDS,
     ON_LEAF,
     GivenLeaf,
@@ -165,7 +166,7 @@ class QuaternionChart:
             ParameterError: a constant of the leaf is symbolic.
             ShapeError: the last axis has another length.
         """
-        points = chart_points(z, len(self.component_names), self.component_names)
+        points = chart_points(z, self.component_names, self.component_names)
         q, p, pair = self._parts(points)
         square = dot(q, q)
         refuse(square == 0, square, "q != 0", "a quaternion that is not zero", quantity="|q|^2", hint="Scale q to 1.")
@@ -186,7 +187,7 @@ class QuaternionChart:
             ParameterError: a constant of the leaf is symbolic.
             ShapeError: the last axis of `states` is not 9.
         """
-        states = chart_points(states, 9, FIELDS)
+        states = chart_points(states, COMPONENTS, FIELDS)
         length = self.margins(states)["beta != 0"]
         refuse(length <= 0, length, "beta != 0", "beta != 0", quantity="|beta|", hint="Integrate the top itself.")
         self._check_casimirs(states)
@@ -205,7 +206,7 @@ class QuaternionChart:
 
     def margins(self, states: ArrayLike) -> dict[str, Array]:
         """How far states are from where the chart ends: the length of beta, shape (...), the only condition."""
-        return {"beta != 0": np.asarray(linear.norm(vectors(chart_points(states, 9, FIELDS))[2], axis=-1))}
+        return {"beta != 0": np.asarray(linear.norm(vectors(chart_points(states, COMPONENTS, FIELDS))[2], axis=-1))}
 
     def _check_casimirs(self, states: Array) -> None:
         # C1 is free when epsilon != 0: any value is one of the momentum map.

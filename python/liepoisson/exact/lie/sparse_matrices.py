@@ -12,8 +12,9 @@ from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients, Element
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import Vector
-from liepoisson.exact.parameters import Exact, is_sympy, listed, read_parameter
+from liepoisson.exact.parameters import Exact, is_sympy, read_parameter
 from liepoisson.exact.tensors import Brackets
+from liepoisson.given import listed
 
 SparseMatrix: TypeAlias = dict[int, dict[int, Any]]
 """A matrix by its nonzero rows, each by its nonzero entries."""
@@ -87,7 +88,7 @@ def read_matrices(matrices: object, name: str) -> tuple[list[SparseMatrix], int]
 
 def _read_pairs(matrices: object, name: str) -> list[PairMatrix]:
     """The matrices by the real and imaginary parts of their entries."""
-    items = None if isinstance(matrices, str) else listed(matrices)
+    items = listed(matrices, name)
     if not items:
         raise ShapeError(f"{name} must be a sequence of square matrices; got {matrices!r}. Give at least one.")
     rows = [_read_rows(item, f"{name}[{i}]") for i, item in enumerate(items)]
@@ -111,7 +112,7 @@ def _times_i(matrix: PairMatrix) -> PairMatrix:
 
 def _read_rows(matrix: object, name: str) -> list[list[object]]:
     nested = matrix.tolist() if hasattr(matrix, "tolist") else matrix  # pyright: ignore[reportAttributeAccessIssue]
-    rows = [listed(row) for row in listed(nested) or () if not isinstance(row, str)]
+    rows = [listed(row, name) for row in listed(nested, name) or ()]
     if not rows or any(row is None or len(row) != len(rows) for row in rows):
         raise ShapeError(f"{name} must be a square matrix; got {matrix!r}. Give as many rows as columns.")
     return cast("list[list[object]]", rows)

@@ -9,10 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.parameters import is_sympy
+from liepoisson.given import listed, texts
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -164,7 +166,11 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
     if {len(row) for row in rows} != {n} or n > MOST_COMPONENTS:
         shape = (n, max(map(len, rows), default=0))
         raise ShapeError(f"matrix must be square with 1 to {MOST_COMPONENTS} rows; got shape {shape}.")
-    labels = tuple(f"y{k}" for k in range(1, n + 1)) if names is None else tuple(map(str, names))
+    labels = (
+        tuple(f"y{k}" for k in range(1, n + 1))
+        if names is None
+        else texts(names, "names", "names", 'names=("y", "dy")')
+    )
     if len(labels) != n:
         raise ShapeError(f"names must be {n}, one for each row of the matrix; got {len(labels)}.")
     field = QQ.frac_field(variable)
@@ -178,13 +184,11 @@ def _rows(matrix: Any) -> list[list[Any]]:
     Raises:
         ParameterError: it is none.
     """
-    try:
-        given = matrix.tolist() if hasattr(matrix, "tolist") else matrix
-        if isinstance(given, str) or any(isinstance(row, str) for row in given):
-            raise TypeError("a text is no row")
-        return [list(row) for row in given]
-    except (TypeError, ValueError):
-        raise ParameterError(f"matrix: wanted a SymPy matrix; got {shown(matrix)}") from None
+    given = listed(matrix.tolist() if is_sympy(matrix) and hasattr(matrix, "tolist") else matrix, "matrix")
+    rows = [listed(row, "matrix") for row in given or ()]
+    if given is None or any(row is None for row in rows):
+        raise ParameterError(f"matrix: wanted a SymPy matrix; got {shown(matrix)}")
+    return cast("list[list[Any]]", rows)
 
 
 def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.given import sequence
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
@@ -342,8 +343,9 @@ def _largest(numerators: Any, factors: Any, here: Any, rho: Any) -> Any:
 
 def _corners(given: Sequence[Any]) -> tuple[tuple[Fraction, Fraction], ...]:
     found: list[tuple[Fraction, Fraction]] = []
+    corners = sequence(given, "corners", "complex numbers", "[1, 1j, -1, -1j]")
     try:
-        for one in given:
+        for one in corners:
             z = complex(one)
             found.append((Fraction(z.real), Fraction(z.imag)))
     except (TypeError, ValueError, OverflowError):
@@ -355,7 +357,7 @@ def _corners(given: Sequence[Any]) -> tuple[tuple[Fraction, Fraction], ...]:
     if any(max(abs(x), abs(y)) > _LARGEST for x, y in found):
         raise ParameterError(f"corners: wanted numbers up to {_LARGEST:g}; got {shown(given)}; take another unit")
     if len(set(found)) < 2:
-        raise ParameterError(f"corners: wanted a polygon; got one point, {shown(given[0])}; give [1, 1j, -1, -1j]")
+        raise ParameterError(f"corners: wanted a polygon; got one point, {shown(corners[0])}; give [1, 1j, -1, -1j]")
     return tuple(found)
 
 

@@ -28,6 +28,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.printing import Formula
+from liepoisson.given import is_named, listed
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
@@ -251,13 +252,14 @@ def _terms(system: System) -> list[list[tuple[int, ...]]]:
 
 def _components(system: System, state: Mapping[str, Any] | Sequence[Any]) -> list[Any]:
     names = system.component_names
-    if isinstance(state, Mapping):
+    if is_named(state):
         if wrong := [str(k) for k in state if k not in names]:
             raise ParameterError(f"state: {wrong[0]} is no coordinate; they are {', '.join(names)}")
         return [state.get(name, 0) for name in names]
-    found = list(state)
-    if len(found) != len(names):
-        raise ShapeError(f"state must have {len(names)} functions ({', '.join(names)}); got {len(found)}.")
+    found = listed(state, "state", names)
+    if found is None or len(found) != len(names):
+        got = shown(state) if found is None else len(found)
+        raise ShapeError(f"state must have {len(names)} functions ({', '.join(names)}); got {got}.")
     return found
 
 

@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.names import check_name
+from liepoisson.exact.parameters import is_sympy
+from liepoisson.given import listed
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -60,19 +62,19 @@ def read_entries(system: System, given: Any, spectral: Symbol | None, what: str)
     reader = _Reader(system, spectral, what)
     if isinstance(given, str):
         return reader.vector(given)
-    rows: Any = given.tolist() if hasattr(given, "tolist") else given
-    if isinstance(rows, (str, bytes)) or not isinstance(rows, Sequence):
+    rows = listed(given.tolist() if is_sympy(given) and hasattr(given, "tolist") else given, what)
+    if rows is None:
         raise ShapeError(f"{what}: wanted rows of a matrix or the components of a vector; got {shown(given)}")
-    listed: list[Any] = [list(r) if isinstance(r, Sequence) and not isinstance(r, str) else r for r in rows]
-    if any(isinstance(r, list) for r in listed):
-        if {len(r) if isinstance(r, list) else 0 for r in listed} == {1} and len(listed) > 1:  # a column
-            return reader.components([r[0] for r in listed])
-        if any(not isinstance(r, list) or len(r) != len(listed) for r in listed):
+    entries = [r if (inner := listed(r, what)) is None else inner for r in rows]
+    if any(isinstance(r, list) for r in entries):
+        if {len(r) if isinstance(r, list) else 0 for r in entries} == {1} and len(entries) > 1:  # a column
+            return reader.components([r[0] for r in entries])
+        if any(not isinstance(r, list) or len(r) != len(entries) for r in entries):
             raise ShapeError(
-                f"{what}: wanted a square matrix, {len(listed)} rows of {len(listed)} entries; got {shown(given)}"
+                f"{what}: wanted a square matrix, {len(entries)} rows of {len(entries)} entries; got {shown(given)}"
             )
-        return [[reader.scalar(entry) for entry in row] for row in listed]
-    return reader.components(listed)
+        return [[reader.scalar(entry) for entry in row] for row in entries]
+    return reader.components(entries)
 
 
 class _Reader:

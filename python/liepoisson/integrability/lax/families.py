@@ -16,12 +16,12 @@ from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.polynomials.groebner import rational_context
 from liepoisson.exact.printing import Formula
+from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.lax.search import MOST_DEGREE, linear_system, member, new_vectors, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 from liepoisson.scalars import as_count
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -165,8 +165,7 @@ def lax_families(
     names = [str(s) for s in symbols]
     if not symbols:
         raise ParameterError("system: wanted parameters that are symbols; got numbers; call search_lax_pairs")
-    if unknown := [name for name in (*nonzero, *positive) if name not in names]:
-        raise ParameterError(f"wanted names of parameters, {', '.join(names)}; got {shown(unknown[0])}")
+    nonzero, positive = names_among(names, nonzero, "nonzero"), names_among(names, positive, "positive")
     ansatz = Ansatz(system, form, symbols)
     splitting = _Splitting(ansatz, names, nonzero, positive, most)
     families: list[LaxFamily] = []

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import read_parameter, to_sympy
+from liepoisson.given import listed, named
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
@@ -241,13 +242,13 @@ def _values(
                 f"exp({n}/2)" if n in {str(s) for s in exponents} else n: Fraction(v) for n, v in given.items()
             }
             return shown_values, inserted
-    elif isinstance(point, Mapping):
-        given = dict(point)
+    elif (by_name := named(point, "point")) is not None:
+        given = by_name
     else:
-        listed = list(point)
-        if len(listed) != len(names):
-            raise ParameterError(f"point: wanted values of {', '.join(names)}; got {len(listed)} of them")
-        given = dict(zip(names, listed, strict=True))
+        values_in_order = listed(point, "point") or []
+        if len(values_in_order) != len(names):
+            raise ParameterError(f"point: wanted values of {', '.join(names)}; got {shown(point)}")
+        given = dict(zip(names, values_in_order, strict=True))
     values: dict[str, Fraction] = {}
     for name in names:
         if name not in given:

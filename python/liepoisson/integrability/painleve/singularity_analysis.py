@@ -24,6 +24,7 @@ from liepoisson.exact.polynomials.components import Assumptions, Component, comp
 from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
 from liepoisson.exact.polynomials.operations import radical_contains
 from liepoisson.exact.printing import Formula
+from liepoisson.given import listed, named
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.derivation import Derivation, derivation_of_rates
 from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
@@ -252,13 +253,12 @@ def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
     """Weights that a caller gives, checked."""
     names = [str(v).lstrip("_") for v in derivation.variables]
     wanted = f"weights: wanted one for each of {', '.join(names)}"
-    if isinstance(weights, Mapping):
-        by_name = weights
+    if (by_name := named(weights, "weights")) is not None:
         if set(by_name) != set(names):
             raise ParameterError(f"{wanted}; got {shown(', '.join(map(str, by_name)))}")
         given = [by_name[name] for name in names]
     else:
-        given = list(weights) if not isinstance(weights, str) else []
+        given = listed(weights, "weights") or []
         if len(given) != len(names):
             raise ParameterError(f"{wanted}; got {shown(weights)}")
     try:
