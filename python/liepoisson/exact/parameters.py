@@ -104,6 +104,31 @@ def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exac
     return first, second, third
 
 
+def as_expression(value: object, name: str) -> Expr:
+    """A number or an expression that a caller gives, as a SymPy expression: the one way of foreign values into SymPy.
+
+    Nothing is interpreted.  SymPy's own conversions run texts, and the texts of objects that they do not know, as
+    Python code; they are given only what this function returns.  `liepoisson.exact.expression` reads texts.
+
+    Args:
+        value: A SymPy expression, which stays as it is, or a number, which is read exactly.
+        name: What to call it in an error message.
+
+    Raises:
+        ParameterError: it is neither.
+    """
+    from sympy import Expr
+
+    if isinstance(value, Expr):
+        return value
+    if isinstance(value, str) or is_sympy(value):  # a matrix, a relation
+        raise ParameterError(
+            f"{name} must be a SymPy expression; got {value!r:.60} of type {type(value).__name__}. Build it from SymPy "
+            "symbols and numbers."
+        )
+    return to_sympy(read_parameter(value, name))
+
+
 def to_sympy(value: Exact) -> Expr:
     """The parameter as a SymPy expression."""
     from sympy import Rational as SympyRational

@@ -25,7 +25,7 @@ from liepoisson.exact.hamiltonian import (
 )
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, as_expression, substituted, symbols_of, to_sympy
 from liepoisson.exact.rational_polynomials import values_of
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
@@ -570,7 +570,7 @@ class System:
     def _read(self, given: str | Expr) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""
         if not isinstance(given, str):
-            return self.bracket.in_own_variables(with_exact_numbers(given))
+            return self.bracket.in_own_variables(with_exact_numbers(as_expression(given, "a function on phase space")))
         from liepoisson.exact.expression import read_expression
 
         return read_expression(given, self._names_in_formulas)

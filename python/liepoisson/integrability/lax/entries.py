@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.names import check_name
+from liepoisson.exact.parameters import as_expression
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -90,13 +90,9 @@ class _Reader:
 
     def scalar(self, given: Any) -> Expr:
         """One entry."""
-        from sympy import sympify
-
         if isinstance(given, str):
             return self._text(given, ())
-        if isinstance(given, Fraction):
-            given = f"{given.numerator}/{given.denominator}"
-        entry: Any = sympify(given)
+        entry: Any = as_expression(given, f"an entry of {self.what}")
         own = {s: self.spectral for s in entry.free_symbols if str(s) == str(self.spectral) and s != self.spectral}
         return self.system.expression(entry.xreplace(own)).expand()
 
