@@ -42,17 +42,20 @@ from liepoisson.exact.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
-from liepoisson.exact.names import CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
+from liepoisson.exact.names import (
+    CONSTANTS,
+    ELEMENTARY_FUNCTIONS,
+    FUNCTIONS,
+    MATRIX_FUNCTIONS,
+    NOT_SMOOTH,
+    PARTIAL_FUNCTIONS,
+)
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-_NOT_SMOOTH = {
-    "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
-    "mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac",
-}  # fmt: skip
 _INSTEAD = {
     "ln": "log(x)",
     "pow": "x^y",
@@ -144,6 +147,25 @@ def constant(text: str) -> Exact:
         ExpressionError: as in `read_formula`.
     """
     return evaluate(parse(text), text, Scope())
+
+
+def is_partial(text: str) -> bool:
+    """Whether a formula may be no real number at a real state: it has a logarithm, a root, or an inverse sine."""
+    waiting = [parse(text)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Call) and node.function in PARTIAL_FUNCTIONS:
+            return True
+        if isinstance(node, Power) and not _is_integer(node.children[1]):
+            return True
+        waiting.extend(node.children)
+    return False
+
+
+def _is_integer(exponent: Node) -> bool:
+    if isinstance(exponent, Negative):
+        return _is_integer(exponent.children[0])
+    return isinstance(exponent, Number) and exponent.value.denominator == 1
 
 
 def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:
@@ -367,7 +389,7 @@ def _unknown_name(name: str, scope: Scope) -> str:
 def _unknown_function(name: str, scope: Scope) -> str:
     if scope.owner(name) or name in CONSTANTS:
         return f"{name} is no function. Write {name}*(...) for a product, {name}[1] for a component"
-    if name.lower() in _NOT_SMOOTH:
+    if name.lower() in NOT_SMOOTH:
         return f"{name} is not smooth, and the equations of motion need derivatives. Use smooth functions only"
     if name.lower() in _INSTEAD:
         return f"the function {name!r} is unknown. Write {_INSTEAD[name.lower()]}"

@@ -20,6 +20,15 @@ MATRIX_FUNCTIONS = ("dot", "cross", "norm", "diag", "inv", "transpose", "trace")
 FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
 CONSTANTS = ("pi",)
 
+NOT_SMOOTH = {
+    "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
+    "mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac", "diracdelta",
+}  # fmt: skip
+"""Functions that formulas refuse, in lower case: here and in SymPy's."""
+
+PARTIAL_FUNCTIONS = ("log", "sqrt", "asin", "acos", "norm")
+"""Functions of formulas that are no real numbers, or not smooth, at some real arguments."""
+
 GREEK = (
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
     "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",

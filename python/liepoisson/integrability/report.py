@@ -301,12 +301,14 @@ def integrability_report(
 
 
 def _without_quadratures(system: System, notes: list[str]) -> System:
+    from liepoisson.exact.hamiltonian import symbols_in
     from liepoisson.exact.system import System
 
     if len(system.variables) == len(system.bracket.variables):
         return system
     notes.append("quadratures were left out: they are no functions on phase space")
-    return System(system.bracket, system.hamiltonian, name=system.name)
+    symbols = symbols_in(system.hamiltonian, system.component_names)
+    return System(system.bracket, system.hamiltonian, name=system.name, symbols=symbols)
 
 
 def _certificate(system: System, commuting: Mapping[str, Expr], notes: list[str]) -> dict[str, Any] | None:

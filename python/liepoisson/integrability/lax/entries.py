@@ -14,8 +14,9 @@ from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.exact.hamiltonian import read_expression_in, with_exact_numbers
 from liepoisson.exact.names import check_name
-from liepoisson.exact.parameters import as_expression
+from liepoisson.exact.parameters import substituted, symbols_of, to_sympy
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -84,6 +85,8 @@ class _Reader:
         names = [] if spectral is None else [str(spectral)]
         declared = (*system.as_given.symbols, *names)
         known = Scope.of_bracket(system.symbolic_bracket, system.values, declared)
+        in_values = set[str]().union(*map(symbols_of, system.parameters.values()))
+        self.names = sorted((known.numbers() | in_values).difference(system.component_names))
         self.has_unit = known.owner(IMAGINARY) is None
         self.declared = (*declared, IMAGINARY) if self.has_unit else declared
         self.spectral = spectral
@@ -92,9 +95,11 @@ class _Reader:
         """One entry."""
         if isinstance(given, str):
             return self._text(given, ())
-        entry: Any = as_expression(given, f"an entry of {self.what}")
+        parameters = self.system.parameters
+        entry: Any = read_expression_in(given, self.system.component_names, self.names, parameters)
         own = {s: self.spectral for s in entry.free_symbols if str(s) == str(self.spectral) and s != self.spectral}
-        return self.system.expression(entry.xreplace(own)).expand()
+        exact = self.system.bracket.in_own_variables(with_exact_numbers(entry.xreplace(own)))
+        return to_sympy(substituted(exact, parameters)).expand()
 
     def components(self, given: Sequence[Any]) -> list[Expr]:
         """The components of an element of the algebra."""
