@@ -342,7 +342,7 @@ class Bracket:
         """
         return list(self._known_casimirs(degree).expressions)
 
-    def rational_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
+    def polynomial_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
         """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""
         return self._known_casimirs(None).polynomials
 
