@@ -296,3 +296,22 @@ def test_numbers_of_large_fields_are_refused(value):
     for make in makers:
         with pytest.raises(ParameterError, match=r"field of degree at most 128; got .*the degree \d+. Give rational"):
             _ = make().rank()
+
+
+LARGE = "(2^(1/3) + 5^(1/7) + tan(13*pi/45))"
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize(
+    "search",
+    [
+        lambda s: lp.integrability.first_integrals(lp.System(s, f"{LARGE}*l1^2 + l2^2"), degree=2),
+        lambda s: lp.integrability.first_integrals(lp.System(s, "3*l1^2 + l2^2"), degree=2, on=f"C1 = {LARGE}"),
+        lambda s: lp.integrability.first_integrals(lp.System(s, f"sqrt({LARGE} + l1^2) + l2"), degree=2),
+        lambda s: lp.integrability.darboux_polynomials(lp.System(s, f"{LARGE}*l1^2 + l2^2"), degree=1),
+        lambda s: lp.integrability.integrability_report(lp.System(s, f"{LARGE}*l1^2 + l2^2")),
+    ],
+)
+def test_searches_over_such_fields_are_refused(search):
+    with pytest.raises(ParameterError, match="field of degree at most 128"):
+        search(lp.so(3) @ lp.trivial())

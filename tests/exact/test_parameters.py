@@ -39,7 +39,19 @@ def test_parameters_are_read_exactly(given, read):
 
 @pytest.mark.parametrize(
     "bad",
-    [float("nan"), float("inf"), np.float64("-inf"), "nan", "inf", "1/0", "", "2*x", "__import__('os')", *HARMFUL],
+    [
+        float("nan"),
+        float("inf"),
+        np.float64("-inf"),
+        "nan",
+        "inf",
+        "1/0",
+        "",
+        "2*x",
+        "__import__('os')",
+        np.timedelta64(1, "s"),
+        *HARMFUL,
+    ],
 )
 def test_what_is_not_a_finite_number_or_name_is_refused(bad):
     with pytest.raises(ParameterError, match=r"^mass must be .*got"):

@@ -63,7 +63,7 @@ def read_parameter(value: object, name: str) -> Exact:
     """
     if isinstance(value, str):
         return _read_string(value, name)
-    if isinstance(value, bool):
+    if isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "m":  # a time with its unit
         raise _not_a_parameter(value, name)
     if isinstance(value, Integral):
         return Fraction(int(value))
