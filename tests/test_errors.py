@@ -55,6 +55,30 @@ TWO_FIELDS = lp.so(3) @ lp.semidirect(2)
 TOP = lp.Top.kovalevskaya()
 
 
+class OnlyAField:
+    """What is enough to integrate."""
+
+    name = "own"
+
+    def field(self):
+        return TOP.field()
+
+
+SEARCHES = [
+    lambda system: lp.integrability.first_integrals(system, degree=1),
+    lambda system: lp.integrability.darboux_polynomials(system, degree=1),
+    lp.integrability.integrability_report,
+    lp.integrability.integrable_families,
+    lp.integrability.galois_obstruction,
+    lp.integrability.painleve_test,
+    lambda system: lp.integrability.scan_integrals(system, axes={"k": [1]}, degree=1),
+    lp.integrability.search_lax_pairs,
+    lambda system: lp.integrability.lax_pair(system, L="l", M="l"),
+    lambda system: lp.integrability.certificate(system, {"H": "l1"}),
+    lp.proofs.prove_chaos,
+]
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -79,6 +103,9 @@ TOP = lp.Top.kovalevskaya()
         (lambda: lp.inspect(TOP.field()), "a field does not know its bracket"),
         (lambda: lp.inspect(TWO_FIELDS), r"write System\(bracket, hamiltonian\)"),
         (lambda: lp.inspect(3), "wanted a system"),
+        *((lambda search=search: search(TOP.field()), "a field does not know its bracket") for search in SEARCHES),
+        *((lambda search=search: search(TWO_FIELDS), r"write System\(bracket, hamiltonian\)") for search in SEARCHES),
+        *((lambda search=search: search(OnlyAField()), "a vector field only; the equations") for search in SEARCHES),
         (lambda: lp.trivial() @ lp.so(3), r"write algebra @ extension, as in so\(3\) @ trivial\(\)"),
         (lambda: lp.so(3) @ lp.so(3), r"extension: wanted an Extension; got so\(3\); try leibniz"),
         (lambda: lp.Bracket("so(3)", lp.trivial()), r"algebra: wanted a LieAlgebra; got 'so\(3\)'; try so\(3\)"),

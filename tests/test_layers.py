@@ -94,6 +94,7 @@ FACADES = {
 _TEXT = 'a number given as text, such as "sqrt(2)", is read as a formula'
 EXCEPTIONS = {
     ("exact.parameters", "exact.expression"): _TEXT,
+    ("exact.parameters", "exact.linear.cyclotomic"): "whether a sum of sines and roots vanishes is decided there",
     ("arrays", "exact.expression"): _TEXT,
     ("arrays", "exact.parameters"): _TEXT,
     ("numeric.spectrum_check", "numeric.spectrum"): "the check of a spectrum, which has it as a method",

@@ -21,7 +21,7 @@ from typing import Any, Literal, ParamSpec, TypeVar, get_origin
 
 from liepoisson.errors import ExpressionError, LiePoissonError, MemoryLimitError, ParameterError, did_you_mean
 from liepoisson.given import is_several
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a_whole_system, shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -87,6 +87,8 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
         except AttributeError as error:
             if (name := _argument_that_is(error.obj, function, args, options)) is None:
                 raise
+            if name == "system":
+                raise not_a_whole_system(error.obj) from error
             raise ParameterError(
                 f"{name}: got {shown(error.obj)}, which has no {error.name!r}; {function.__qualname__} wants "
                 "another kind of thing: see its docstring"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from typing import Any, final
+from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.calls import explains_its_arguments, explains_its_methods, level_of_the_caller
 from liepoisson.errors import InertiaWarning, ParameterError
@@ -13,6 +13,10 @@ from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.parameters import Exact, Parameter, exceeds_sum, is_negative, is_zero, read_parameter, read_vector
 from liepoisson.exact.system import System
 from liepoisson.exact.top_parameters import ExactVector, TopParameters
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
 
 @explains_its_methods
@@ -82,7 +86,7 @@ class Top(System):
         )
         self._top = top
         name = _default_name(top) if name is None else name
-        super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name)
+        super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name, symbols=sorted(top.symbols))
         self.bracket.check_parameter_names(top.symbols)
 
     @property
@@ -174,6 +178,13 @@ class Top(System):
     def twisted_kovalevskaya(cls, epsilon: Parameter = 1) -> Top:
         """The twisted Kovalevskaya top, I = (2, 2, 1), a = (-1, 0, 0), b = 0."""
         return cls.kovalevskaya(epsilon)
+
+    def _check_hamiltonian(self) -> None:
+        """Nothing is left to check: the Hamiltonian of a top is what its parameters say."""
+
+    def without_value(self, states: ArrayLike) -> dict[str, NDArray[np.bool_]]:
+        """Nothing: the Hamiltonian of a top is a polynomial, real at all states."""
+        return {}
 
     def _recognise_top(self) -> TopParameters:
         return self._top

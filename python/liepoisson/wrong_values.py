@@ -29,6 +29,18 @@ def not_a_system(value: object) -> ParameterError:
     return ParameterError(f"system: wanted a system such as Top.kovalevskaya(); got {shown(value)}; {hint}")
 
 
+def not_a_whole_system(value: object) -> ParameterError:
+    """The refusal of what came where a bracket and a Hamiltonian are needed, perhaps a vector field."""
+    kind = type(value).__name__
+    if isinstance(value, type) or kind in _INSTEAD or not callable(getattr(value, "field", None)):
+        return not_a_system(value)
+    return ParameterError(
+        f"system: wanted a System, which has a bracket and a Hamiltonian; got {shown(value)}, which is a vector field "
+        "only; the equations dx/dt = f(x) are those of H = p1*f1(x) + p2*f2(x) + ... on canonical(names=..., "
+        "momenta=...)"
+    )
+
+
 def not_a(wanted: str, value: object, name: str, hint: str) -> ParameterError:
     """The refusal of a value of the wrong type: what was wanted, what came, what to try."""
     return ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; {hint}")

@@ -94,7 +94,7 @@ def test_quadratures_are_a_mapping():
 
 def test_a_symbol_without_a_number_is_refused_when_a_field_is_wanted():
     x, p, k = sp.symbols("x p k")
-    system = lp.systems.CanonicalSystem(["x"], ["p"], p**2 + k * sp.cos(x))
+    system = lp.systems.CanonicalSystem(["x"], ["p"], p**2 + k * sp.cos(x), symbols=["k"])
     assert system.equations[p] == k * sp.sin(x)
     with pytest.raises(ParameterError, match="k has none"):
         system.field()

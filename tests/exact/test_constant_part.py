@@ -4,6 +4,7 @@ import pickle
 
 import pytest
 import sympy as sp
+from sympy.vector import CoordSys3D
 
 import liepoisson as lp
 from liepoisson.errors import BracketError, CocycleError, LeafError, ParameterError, ShapeError, UnsupportedFieldError
@@ -93,7 +94,7 @@ def test_what_is_no_cocycle_names_the_triple():
         ({"l1": 1}, ParameterError, "by pairs of coordinates"),
         ([("l1", "l2")], ParameterError, "a mapping from pairs"),
         ({("l1", "l2"): object()}, ParameterError, r"\{l1, l2\} must be a number, a name or a formula"),
-        ({("l1", "l2"): "l3"}, BracketError, "rename the parameters"),
+        ({("l1", "l2"): "l3"}, BracketError, "Rename a parameter"),
     ],
 )
 def test_wrong_constants_are_refused(constant, error, message):
@@ -228,3 +229,97 @@ def test_a_generator_of_a_lower_degree_is_not_found_again():
     assert report.generators == (l4, l1**2 + l2**2 + l3**2 + 2 * l3)
     assert report.degrees == (1, 2)
     assert report.dimensions == {1: 1, 2: 3, 3: 5}  # x, then x^2 and C, then x^3 and x C, where x = l4
+
+
+@pytest.mark.parametrize("entry", ["l1", sp.Symbol("l1") ** 2, sp.Symbol("k") * sp.Symbol("l2") * sp.Symbol("l3")])
+def test_an_entry_that_depends_on_the_state_is_refused_with_a_way_on(entry):
+    with pytest.raises(BracketError, match=r"must not depend on the state; got \{l1, l2\} = .* H = p1\*f1\(x\)"):
+        (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): entry})
+
+
+def test_that_way_leads_on():
+    """dx/dt = x - x y, dy/dt = x y - y, whose bracket {x, y} = x y is quadratic, as a canonical system."""
+    bracket = lp.canonical(names=("x", "y"), momenta=("p1", "p2"))
+    system = lp.System(bracket, "p1*(x - x*y) + p2*(x*y - y)", integrals={"V": "x + y - log(x*y)"})
+    orbit = lp.integrate(system, {"x": 1, "y": 2}, t_end=20)
+    assert orbit.drift["V"].max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [sp.Dummy("k"), sp.Wild("k"), sp.IndexedBase("k")[1], sp.MatrixSymbol("k", 2, 2)[0, 0], CoordSys3D("N").x],
+    ids=str,
+)
+def test_an_entry_consists_of_numbers_and_plain_symbols(entry):
+    with pytest.raises(ParameterError, match="must consist of numbers and plain symbols; got"):
+        (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): entry})
+
+
+TAN, ROOT = sp.tan(13 * sp.pi / 45), sp.Integer(2) ** sp.Rational(1, 3)
+SINE, COSINE = sp.sin(13 * sp.pi / 45), sp.cos(13 * sp.pi / 45)
+A, B = sp.tan(sp.pi / 9), sp.tan(8 * sp.pi / 45)
+
+DISGUISED = {
+    "a quotient": (TAN - SINE / COSINE, True),
+    "the theorem of addition": (TAN - (A + B) / (1 - A * B), True),
+    "roots of it": (sp.sqrt(3) * TAN - sp.sqrt(6) * SINE / COSINE / sp.sqrt(2), True),
+    "another tangent": (TAN - sp.sqrt(5) * sp.tan(2 * sp.pi / 45), False),
+    "roots beside it": (TAN + sp.sqrt(2) + sp.sqrt(3) + sp.sqrt(5), False),
+    "a sine of another angle": (TAN * sp.sin(sp.pi / 7), False),
+}
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize("case", DISGUISED)
+def test_sums_of_tangents_and_roots_are_decided(case):
+    """In a cyclotomic field; SymPy was not seen to find the field that they generate."""
+    value, vanishes = DISGUISED[case]
+    bracket = (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): value})
+    assert bool(bracket.constant) is not vanishes
+    (casimir,) = bracket.casimirs()
+    l = sp.Matrix(bracket.variables)
+    assert float((casimir - l.dot(l) + 2 * value * l[2]).subs(l[2], 1)) == pytest.approx(0, abs=1e-12)
+    scaled = (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): sp.Symbol("k") * value})
+    assert bool(scaled.constant) is not vanishes
+    brackets = {(0, 1): {2: value}, (1, 2): {0: 1}, (2, 0): {1: 1}}
+    assert bool((0, 1) in lp.LieAlgebra.from_brackets(3, brackets).brackets) is not vanishes
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize(
+    "value",
+    [
+        TAN + ROOT + sp.Integer(5) ** sp.Rational(1, 7),
+        ROOT - ROOT ** sp.Rational(3, 5) + sp.Integer(3) ** sp.Rational(1, 11),
+        ROOT * (TAN - SINE / COSINE).expand(),
+    ],
+    ids=["tangent", "roots", "undecided"],
+)
+def test_numbers_of_large_fields_are_refused(value):
+    makers = [
+        lambda: (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): value}),
+        lambda: lp.LieAlgebra.from_brackets(3, {(0, 1): {2: value}, (1, 2): {0: 1}, (2, 0): {1: 1}}) @ lp.trivial(),
+        lambda: lp.so(3) @ lp.Extension([[[1, 0], [0, 0]], [[0, 1], [1, value]]]),
+    ]
+    for make in makers:
+        with pytest.raises(ParameterError, match=r"field of degree at most 128; got .*the degree \d+. Give rational"):
+            _ = make().rank()
+
+
+LARGE = "(2^(1/3) + 5^(1/7) + tan(13*pi/45))"
+
+
+@pytest.mark.timeout(60)
+@pytest.mark.parametrize(
+    "search",
+    [
+        lambda s: lp.integrability.first_integrals(lp.System(s, f"{LARGE}*l1^2 + l2^2"), degree=2),
+        lambda s: lp.integrability.first_integrals(lp.System(s, "3*l1^2 + l2^2"), degree=2, on=f"C1 = {LARGE}"),
+        lambda s: lp.integrability.first_integrals(lp.System(s, f"sqrt({LARGE} + l1^2) + l2"), degree=2),
+        lambda s: lp.integrability.darboux_polynomials(lp.System(s, f"{LARGE}*l1^2 + l2^2"), degree=1),
+        lambda s: lp.integrability.integrability_report(lp.System(s, f"{LARGE}*l1^2 + l2^2")),
+    ],
+)
+def test_searches_over_such_fields_are_refused(search):
+    with pytest.raises(ParameterError, match="field of degree at most 128"):
+        search(lp.so(3) @ lp.trivial())

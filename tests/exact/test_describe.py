@@ -104,6 +104,7 @@ def test_symbols_of_a_top_that_is_typed_get_the_usual_names():
     system = System(
         so(3) @ leibniz(3, "kappa"),
         lambda l, u, v: sum(l[i] ** 2 / (2 * J[i]) + c[i] * u[i] + d[i] * v[i] for i in range(3)),
+        symbols=("J[3]", "c[3]", "d[3]"),
     )
     text = inspect(system).text(UNICODE)
     assert "α′ = α × ω + ε β × a" in text

@@ -121,14 +121,15 @@ def test_a_subexpression_is_written_once():
 
 @pytest.mark.parametrize("function", [sp.Abs, sp.sign, sp.floor, sp.Heaviside, sp.gamma, sp.Function("f")])
 def test_what_is_not_smooth_or_not_known_is_refused(function):
-    system = System(so(3) @ semidirect(2), lambda l, alpha: l.dot(l) / 2 + l[0] * function(alpha[0]))
+    bracket = so(3) @ semidirect(2)
+    l, alpha = bracket.fields.values()
     with pytest.raises(UnsupportedFieldError, match="smooth expression"):
-        system.field()
+        lower(bracket, l.dot(l) / 2 + l[0] * function(alpha[0]))
 
 
 def test_symbols_without_value_are_named():
     bracket = so(3) @ leibniz(4, "epsilon")
-    system = System(bracket, lambda l, *others: l.dot(l) / (2 * sp.Symbol("m")), name="unfinished")
+    system = System(bracket, lambda l, *others: l.dot(l) / (2 * sp.Symbol("m")), name="unfinished", symbols=["m"])
     with pytest.raises(ParameterError, match="epsilon, m has none"):
         system.field()
 

@@ -55,6 +55,7 @@ def test_parameters_are_read_exactly(given, read):
         "2*sin",
         "x[1]",
         "__import__('os')",
+        np.timedelta64(1, "s"),
         *HARMFUL,
     ],
 )

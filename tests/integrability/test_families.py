@@ -116,7 +116,7 @@ def test_scalings_are_those_of_the_level():
     bracket = lp.Bracket(algebra, lp.trivial().rename("x"))
     l1, l2, l3, z = bracket.variables
     b, c, d = symbols("b c d")
-    system = lp.System(bracket, z * l1**2 + b * l2**2 + d * l3**2)
+    system = lp.System(bracket, z * l1**2 + b * l2**2 + d * l3**2, symbols=["b", "c", "d"])
     found = integrable_families(system, degree=1, on=[z - c], nonzero=["b", "c", "d"])
     assert found.complete
     assert sets(found) == as_sets("b - c", "c - d", "b - d")

@@ -180,3 +180,28 @@ def test_integrals_and_casimirs_are_not_called_like_coordinates(bracket, hamilto
     assert found.certificate is not None
     names = {*found.integrals, *found.certificate["casimirs"]} - {"H"}
     assert not names & set(found.system.component_names)
+
+
+def test_where_casimirs_are_unknown_nothing_is_called_proved(tmp_path):
+    """[e1, e3] = e1, [e2, e3] = e2, whose Casimir x1/x2 is no polynomial."""
+    algebra = lp.LieAlgebra.from_brackets(3, {(0, 2): {0: 1}, (1, 2): {1: 1}})
+    system = lp.System(algebra @ lp.trivial(), "l1*l2 + l3")
+    assert system.is_casimir(system.variables[0] / system.variables[1])
+    assert (system.bracket.casimirs(), system.bracket.n_unknown_casimirs, system.bracket.corank()) == ([], 1, 1)
+    found = report(system, degree=2)
+    assert (found.verdict, found.commuting, found.certificate) == ("open", ("H",), None)
+    first = "open, 1 of 1 Casimirs is unknown; with them the integrals would be enough, 1 commuting, on leaves of"
+    assert str(found).splitlines()[0] == f"Lie-Poisson system: {first} dimension 2"
+    assert "proved" not in str(found)
+    assert "certificate" not in str(found)
+    loaded = lp.integrability.load_report(found.save(tmp_path / "open.json"))
+    assert (loaded.verdict, str(loaded).splitlines()[0]) == ("open", str(found).splitlines()[0])
+    with pytest.raises(ParameterError, match="wanted a bracket of which all Casimirs are known; 1 of 1 is unknown"):
+        lp.integrability.certificate(system, {"H": "l1*l2 + l3"})
+
+
+def test_where_two_casimirs_are_unknown_their_number_is_said():
+    algebra = lp.LieAlgebra.from_brackets(4, {(0, 3): {0: 1}, (1, 3): {1: 2}, (2, 3): {2: 3}})
+    found = report(lp.System(algebra @ lp.trivial(), "l1^2 + l4^2"), degree=1)
+    assert found.verdict == "open"
+    assert "2 of 2 Casimirs are unknown" in str(found)

@@ -141,6 +141,9 @@ CASES: dict[str, Case] = {
     "CanonicalSystem.right_hand_side": Case(
         lambda state: chart("euler").system.right_hand_side(0.0, state), {"state": lambda: inside("euler")[0]}
     ),
+    "CanonicalSystem.without_value": Case(
+        lambda x: chart("euler").system.without_value(x), {"x": lambda: inside("euler")}
+    ),
     "CanonicalSystem.vector_field": Case(
         lambda x: chart("euler").system.vector_field(x), {"x": lambda: inside("euler")}
     ),
@@ -192,9 +195,11 @@ CASES: dict[str, Case] = {
     ),
     "System.invariant_values": Case(lambda states: TOP.invariant_values(states), {"states": STATES}),
     "System.right_hand_side": Case(lambda state: TOP.right_hand_side(0.0, state), {"state": STATE}),
+    "System.without_value": Case(lambda states: TOP.without_value(states), {"states": STATES}),
     "System.vector_field": Case(lambda states: TOP.vector_field(states), {"states": STATES}),
     "Top.invariant_values": Case(lambda states: TOP.invariant_values(states), {"states": STATES}),
     "Top.right_hand_side": Case(lambda state: TOP.right_hand_side(0.0, state), {"state": STATE}),
+    "Top.without_value": Case(lambda states: TOP.without_value(states), {"states": STATES}),
     "Top.vector_field": Case(lambda states: TOP.vector_field(states), {"states": STATES}),
     "alignment": Case(
         lambda starts, times: lp.chaos.alignment(TOP, starts, times=times, within="leaf"),

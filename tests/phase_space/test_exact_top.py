@@ -83,7 +83,9 @@ def test_irrational_parameters_are_refused():
     for root in (sp.sqrt(2), sp.Symbol("s")):
         for n in (1, 2, 3):
             system = lp.System(
-                lp.so(3) @ lp.leibniz(n), lambda l, *fields, c=root: l[0] ** 2 + l[1] ** 2 / 3 + c * l[2] ** 2
+                lp.so(3) @ lp.leibniz(n),
+                lambda l, *fields, c=root: l[0] ** 2 + l[1] ** 2 / 3 + c * l[2] ** 2,
+                symbols=["s"],
             )
             assert exact_top(system) is None
     assert exact_top(lp.Top(inertia=(1, 2, 2.5), a=(1, 0, 0), epsilon=0.5)).epsilon == fmpq(1, 2)

@@ -479,6 +479,7 @@ def _top(
     """The system with kinetic energy of the first field and constant vectors that couple to the next ones."""
     from sympy import S
 
+    from liepoisson.exact.hamiltonian import symbols_in
     from liepoisson.exact.system import System
 
     n, fields = bracket.algebra.dimension, list(bracket.fields.values())
@@ -492,7 +493,8 @@ def _top(
     energy = sum((x**2 / (2 * moment) for x, moment in zip(fields[0], moments, strict=True)), S.Zero)
     for field, (letter, vector) in zip(fields[1:], vectors.items(), strict=False):
         energy += sum((c * x for c, x in zip(_numbers(vector, n, letter), field, strict=True)), S.Zero)
-    return System(bracket, energy, name=name, source=source)
+    symbols = symbols_in(energy, bracket.coordinate_names)
+    return System(bracket, energy, name=name, source=source, symbols=symbols)
 
 
 def _difference_quotients(squares: Pairs, J: list[Any]) -> tuple[Any, dict[str, Any]]:

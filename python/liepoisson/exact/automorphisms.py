@@ -24,7 +24,15 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.names import free_name
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import (
+    Exact,
+    Parameter,
+    as_expression,
+    is_zero,
+    read_parameter,
+    symbols_of,
+    to_sympy,
+)
 from liepoisson.given import listed
 
 if TYPE_CHECKING:
@@ -129,7 +137,8 @@ class Automorphism:
             sum((to_sympy(p) * f for p, f in zip(row, fields, strict=True)), 0 * fields[0]) for row in self.matrix
         ]
         flat = [component for image in images for component in image]
-        image: Any = expression.subs(dict(zip(bracket.variables, flat, strict=True)), simultaneous=True)
+        function: Any = as_expression(expression, "expression")
+        image: Any = function.subs(dict(zip(bracket.variables, flat, strict=True)), simultaneous=True)
         return image
 
     def describe(self, bracket: Bracket) -> str:
@@ -305,13 +314,11 @@ def _scaled(entries: list[list[Any]]) -> list[list[Any]]:
 
 def _arrows(bracket: Bracket, rows: list[list[Any]], arrow: str = " -> ", identity: bool = True) -> str:
     """Which fields go where; fields that stay (or do not move) are left out."""
-    from sympy import sympify
-
     names = bracket.field_names
     moved: list[str] = []
     for k, row in enumerate(rows):
         order = sorted((i for i, c in enumerate(row) if c != 0), key=lambda i: i != k)  # the field itself comes first
-        terms = [_term(sympify(row[i]), names[i]) for i in order]
+        terms = [_term(as_expression(row[i], "an entry"), names[i]) for i in order]
         if terms != ([names[k]] if identity else []):
             moved.append(f"{names[k]}{arrow}" + (" + ".join(terms).replace("+ -", "- ") or "0"))
     return ", ".join(moved) or "every field stays as it is"

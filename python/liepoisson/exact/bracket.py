@@ -20,6 +20,7 @@ from liepoisson.exact.names import check_name, check_not_reserved, check_title
 from liepoisson.exact.parameters import (
     Column,
     Parameter,
+    as_expression,
     read_parameter,
     substituted,
     symbols_of,
@@ -345,7 +346,7 @@ class Bracket:
         """
         return list(self._known_casimirs(degree).expressions)
 
-    def rational_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
+    def polynomial_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
         """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""
         return self._known_casimirs(None).polynomials
 
@@ -473,16 +474,10 @@ class Bracket:
         return {}
 
     def _gradient(self, f: Expr) -> list[Expr]:
-        from sympy import S, SympifyError, sympify
+        from sympy import S
 
-        try:
-            expression = sympify(f, strict=True)  # strict: numbers become SymPy numbers, a string is refused
-        except SympifyError:
-            raise ParameterError(
-                f"a function on phase space must be a SymPy expression; got {f!r} of type {type(f).__name__}. "
-                "Build it from bracket.variables."
-            ) from None
-        expression, casimirs = self._modulo_casimirs(self.in_own_variables(expression))
+        given = as_expression(f, "a function on phase space")
+        expression, casimirs = self._modulo_casimirs(self.in_own_variables(given))
         occurring = expression.free_symbols
         slopes: list[Any] = [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
         return [slope.xreplace(casimirs) for slope in slopes] if casimirs else slopes

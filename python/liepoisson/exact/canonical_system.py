@@ -13,7 +13,7 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.hamiltonian import Hamiltonian, is_expression
+from liepoisson.exact.hamiltonian import Hamiltonian, is_expression, read_declarations
 from liepoisson.exact.names import check_name
 from liepoisson.exact.system import System
 from liepoisson.exact.values import GivenValue
@@ -49,6 +49,7 @@ class CanonicalSystem(System):
         parameters: Values of other names in a text: numbers, vectors or matrices.
         quadratures: Further components of the state by name, with their rates as functions of q and p: the cyclic
             angle of a reduced system.  Neither the Hamiltonian nor a rate may contain them.
+        symbols: Names that stay symbolic; a vector with its length, as in "a[3]".
         name: How the system is called.
         integrals: Further known integrals by name; claims, which `inspect` proves.
         source: Where the system is described.
@@ -69,6 +70,7 @@ class CanonicalSystem(System):
         *,
         parameters: Mapping[str, GivenValue] | None = None,
         quadratures: Mapping[str, str | Expr] | None = None,
+        symbols: Sequence[str] = (),
         name: str = "canonical system",
         integrals: Mapping[str, str | Expr] | None = None,
         source: str | None = None,
@@ -85,11 +87,19 @@ class CanonicalSystem(System):
         extra = by_name(rates, "quadratures", "rates", '{"psi": "p_psi"}')
         for component in (*coordinates, *momenta, *extra):
             check_name(component, "the name of a coordinate")
-        self._scope = Scope(parameters=parameters, symbols=(*coordinates, *momenta, *extra))
+        self._scope = Scope(
+            parameters=parameters, symbols=(*coordinates, *momenta, *extra, *read_declarations(symbols))
+        )
         self._quadrature_names: tuple[str, ...] = tuple(extra)
         bracket = canonical(names=coordinates, momenta=momenta)
         super().__init__(
-            bracket, hamiltonian, parameters, name=name, symbols=tuple(extra), integrals=integrals, source=source
+            bracket,
+            hamiltonian,
+            parameters,
+            name=name,
+            symbols=(*extra, *symbols),
+            integrals=integrals,
+            source=source,
         )
         self.quadratures: dict[str, Expr] = {angle: self._function(rate) for angle, rate in extra.items()}
         if extra:
@@ -194,7 +204,7 @@ class CanonicalSystem(System):
 
     def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function of the state with parameters as symbols; expressions are taken as they are."""
-        return super()._read(given, angles=angles) if isinstance(given, str) else given
+        return super()._read(given, angles=angles) if isinstance(given, str) else self._read_expression(given)
 
     def _function(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function of the state with values for the parameters.
@@ -212,7 +222,8 @@ class CanonicalSystem(System):
                 f"a function must be a text or a SymPy expression; got {type(given).__name__}. "
                 'Write for example "p_theta^2/2".'
             )
-        return self._with_parameters(given) if self.parameters else given
+        expression = self._read_expression(given)
+        return self._with_parameters(expression) if self.parameters else expression
 
     def __repr__(self) -> str:
         return f"<CanonicalSystem {self.name!r} in {', '.join(self.component_names)}>"

@@ -7,7 +7,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import BracketError, ParameterError, did_you_mean
-from liepoisson.exact.parameters import Parameter, is_zero, product_of, read_parameter, sum_of
+from liepoisson.exact.parameters import Parameter, is_zero, product_of, read_parameter, sum_of, symbols_of
 from liepoisson.given import is_named
 
 if TYPE_CHECKING:
@@ -39,6 +39,13 @@ def read_constant(
             raise BracketError(
                 f"each pair of different coordinates may have one constant; got ({names[i]}, {names[j]}) {what}. "
                 "Remove one entry."
+            )
+        if inside := sorted(symbols_of(entry).intersection(names)):
+            raise BracketError(
+                f"a constant part must not depend on the state; got {{{names[i]}, {names[j]}}} = {entry} with the "
+                f"coordinate {inside[0]}. Rename a parameter of this name. A linear bracket is one of a Lie algebra, "
+                "LieAlgebra.from_brackets; the equations dx/dt = f(x) of any other are those of "
+                "H = p1*f1(x) + p2*f2(x) + ... on canonical(names=..., momenta=...)."
             )
         found[min(i, j), max(i, j)] = entry if i < j else -entry
     return {pair: value for pair, value in sorted(found.items()) if not is_zero(value)}

@@ -44,17 +44,22 @@ from liepoisson.exact.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
-from liepoisson.exact.names import ANGLE, CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS, NOT_FINITE
+from liepoisson.exact.names import (
+    ANGLE,
+    CONSTANTS,
+    ELEMENTARY_FUNCTIONS,
+    FUNCTIONS,
+    MATRIX_FUNCTIONS,
+    NOT_FINITE,
+    NOT_SMOOTH,
+    PARTIAL_FUNCTIONS,
+)
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-_NOT_SMOOTH = {
-    "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
-    "mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac",
-}  # fmt: skip
 _INSTEAD = {
     "ln": "log(x)",
     "pow": "x^y",
@@ -161,6 +166,25 @@ def parameter(text: str) -> Exact:
     taken = {*CONSTANTS, *FUNCTIONS}
     symbols = [name for name in names_in(tree) if name not in taken and name.lower() not in NOT_FINITE]
     return evaluate(tree, text, Scope(symbols=symbols))
+
+
+def is_partial(text: str) -> bool:
+    """Whether a formula may be no real number at a real state: it has a logarithm, a root, or an inverse sine."""
+    waiting = [parse(text)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, Call) and node.function in PARTIAL_FUNCTIONS:
+            return True
+        if isinstance(node, Power) and not _is_integer(node.children[1]):
+            return True
+        waiting.extend(node.children)
+    return False
+
+
+def _is_integer(exponent: Node) -> bool:
+    if isinstance(exponent, Negative):
+        return _is_integer(exponent.children[0])
+    return isinstance(exponent, Number) and exponent.value.denominator == 1
 
 
 def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:
@@ -404,7 +428,7 @@ def _unknown_name(name: str, scope: Scope) -> str:
 def _unknown_function(name: str, scope: Scope) -> str:
     if scope.owner(name) or name in CONSTANTS:
         return f"{name} is no function. Write {name}*(...) for a product, {name}[1] for a component"
-    if name.lower() in _NOT_SMOOTH:
+    if name.lower() in NOT_SMOOTH:
         return f"{name} is not smooth, and the equations of motion need derivatives. Use smooth functions only"
     if name.lower() in _INSTEAD:
         return f"the function {name!r} is unknown. Write {_INSTEAD[name.lower()]}"

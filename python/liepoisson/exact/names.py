@@ -24,6 +24,15 @@ CONSTANTS = ("pi",)
 NOT_FINITE = frozenset({"nan", "inf", "infinity"})
 """What others write for no number, in small letters: never a symbol where a number is read."""
 
+NOT_SMOOTH = {
+    "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
+    "mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac", "diracdelta",
+}  # fmt: skip
+"""Functions that formulas refuse, in lower case: here and in SymPy's."""
+
+PARTIAL_FUNCTIONS = ("log", "sqrt", "asin", "acos", "norm")
+"""Functions of formulas that are no real numbers, or not smooth, at some real arguments."""
+
 GREEK = (
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
     "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",

@@ -231,7 +231,7 @@ class PhaseFunctions:
     def casimirs(self) -> dict[str, PhaseFunction]:
         """The Casimirs of the open stratum by name, C1, C2, ..."""
         bracket = self._system.bracket
-        polynomials = None if self._system.polynomial_hamiltonian is None else bracket.rational_casimirs()
+        polynomials = None if self._system.polynomial_hamiltonian is None else bracket.polynomial_casimirs()
         if polynomials is None:
             return {f"C{k}": self.of(casimir) for k, casimir in enumerate(bracket.casimirs(), start=1)}
         return {

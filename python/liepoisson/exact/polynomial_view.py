@@ -84,7 +84,7 @@ class PolynomialView:
             top: The top with these equations.
             given: Further integrals, texts or expressions, which are claims.
         """
-        casimirs = self._bracket.rational_casimirs()
+        casimirs = self._bracket.polynomial_casimirs()
         known = {} if top is None else known_polynomials(top)
         if self.rates is None or casimirs is None or known is None:
             return None

@@ -35,14 +35,16 @@ def in_private_symbols(
         UnsupportedFieldError: a function in it is neither one of SymPy's nor a trace, or it binds a variable of its
             own, like a sum.
     """
-    from sympy import S, Symbol, sympify
+    from sympy import S, Symbol
+
+    from liepoisson.exact.parameters import as_expression
 
     # Leading zeros, so that SymPy sorts the names by their numbers.  The last variable comes first: the tape of the
     # quaternion chart has 115 operations then, in the other order 118.
     n, width = len(variables), len(str(len(variables)))
     private = tuple(Symbol(f"_{n - 1 - k:0{width}d}") for k in range(n))
     named = dict(zip(variables, private, strict=True))
-    exact: list[Any] = [sympify(expression) for expression in expressions]
+    exact: list[Any] = [as_expression(expression, "a function to be compiled") for expression in expressions]
     free = {symbol for expression in exact for symbol in expression.free_symbols} - named.keys()
     if free:
         names = ", ".join(sorted(str(symbol) for symbol in free))

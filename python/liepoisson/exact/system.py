@@ -19,6 +19,7 @@ from liepoisson.exact.hamiltonian import (
     check_real,
     is_expression,
     read_declarations,
+    read_expression_in,
     read_functions,
     read_pairs_of_functions,
     with_exact_numbers,
@@ -92,18 +93,19 @@ class System:
     Args:
         bracket: The Lie-Poisson bracket.
         hamiltonian: A text such as `"dot(l, inv(I)*l)/2 + dot(a, alpha)"` (see `liepoisson.exact.expression`), a SymPy
-            expression in `bracket.variables`, or a Python function that takes one SymPy column per field (l, alpha,
-            beta for three fields) and returns such an expression.
+            expression in `bracket.variables` and parameters that are declared, or a Python function that takes one
+            SymPy column per field (l, alpha, beta for three fields) and returns such an expression.
         parameters: Values by name, for symbols that occur in the bracket or the Hamiltonian: numbers, vectors (lists)
             or matrices (lists of rows).
         name: How the system is called in texts and files.
-        symbols: Parameters of a text that stay symbolic; a vector with its length, as in "a[3]".
+        symbols: Parameters that stay symbolic, besides those of the bracket; a vector with its length, as in "a[3]".
         integrals: Further known integrals by name, as text or expressions.  They are claims: `inspect` proves them.
         partial_integrals: The same for integrals on an invariant set: name -> (integral, function that vanishes there).
         source: Where the system is described.
 
     Raises:
-        ParameterError: the Hamiltonian is of none of these kinds, `parameters` is not a mapping from names, or a
+        ParameterError: the Hamiltonian is of none of these kinds, or has a part that is neither a coordinate nor a
+            declared parameter, or a function that is not smooth; `parameters` is not a mapping from names, or a
             parameter is not exact.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         BracketError: a parameter is named like a coordinate.
@@ -138,9 +140,14 @@ class System:
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
-        if isinstance(hamiltonian, str):
-            # A text is checked at once, so that its errors come where it is written.
+        self._check_hamiltonian()
+
+    def _check_hamiltonian(self) -> None:
+        """Read the Hamiltonian, so that its errors come where it is written."""
+        if isinstance(self._given_hamiltonian, str):
             _ = self.polynomial_hamiltonian or self.hamiltonian
+        else:
+            _ = self.symbolic_hamiltonian
 
     @property
     def variables(self) -> tuple[Symbol, ...]:
@@ -250,6 +257,12 @@ class System:
         from liepoisson.exact.formula.scope import Scope
 
         return Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols)
+
+    @cached_property
+    def _parameter_names(self) -> tuple[str, ...]:
+        """The names of all parameters, and those in their values."""
+        in_values = set[str]().union(*map(symbols_of, self.parameters.values()))
+        return tuple(sorted((self._names_in_formulas.numbers() | in_values).difference(self.component_names)))
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
@@ -430,6 +443,42 @@ class System:
             return {name: values[..., k].copy() for k, name in enumerate(known)}
         return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), states), strict=True))
 
+    def without_value(self, states: ArrayLike) -> dict[str, NDArray[np.bool_]]:
+        """Where the Hamiltonian and the given integrals are no real numbers, such as the logarithm of a negative one.
+
+        Args:
+            states: Shape (..., N), dimensionless.
+
+        Returns:
+            One array of shape (...) for each of them that has a logarithm, a root, or an inverse sine or cosine.
+
+        Raises:
+            ShapeError: the last axis of `states` is not N.
+            ParameterError: a parameter is symbolic.
+        """
+        import numpy as np
+
+        if not self._partial_functions:
+            return {}
+        with np.errstate(all="ignore"):
+            values = self._evaluate(list(self._partial_functions.values()), states)
+        return dict(zip(self._partial_functions, map(np.isnan, values), strict=True))
+
+    @cached_property
+    def _partial_functions(self) -> dict[str, Expr]:
+        """Those of the Hamiltonian and the given integrals that are not real at all states."""
+        from liepoisson.exact.expression import is_partial
+        from liepoisson.exact.hamiltonian import has_partial_functions
+
+        given = {"H": self._given_hamiltonian, **self._given_integrals}
+        texts = {name: f for name, f in given.items() if isinstance(f, str)}
+        read = {
+            name: self.hamiltonian if name == "H" else self._function(cast("Any", f))
+            for name, f in given.items()
+            if name not in texts or is_partial(texts[name])
+        }
+        return {name: function for name, function in read.items() if has_partial_functions(function)}
+
     @cached_property
     def functions(self) -> PhaseFunctions:
         """Energy, Casimirs, Poisson tensor and any other function on phase space, as functions of arrays."""
@@ -575,10 +624,14 @@ class System:
     def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""
         if not isinstance(given, str):
-            return self.bracket.in_own_variables(with_exact_numbers(given))
+            return self.bracket.in_own_variables(with_exact_numbers(self._read_expression(given)))
         from liepoisson.exact.expression import read_expression
 
         return read_expression(given, self._names_in_formulas, angles=angles)
+
+    def _read_expression(self, given: object) -> Expr:
+        """A function on phase space that is given as an expression, as it is."""
+        return read_expression_in(given, self.component_names, self._parameter_names, self.parameters)
 
     def _function(self, given: str | Expr, *, angles: bool = False) -> Expr:
         return self._with_parameters(self._read(given, angles=angles))

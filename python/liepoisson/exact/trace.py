@@ -19,6 +19,7 @@ from sympy import AtomicExpr, Function, Integer, Rational, Tuple
 from sympy.core.symbol import Str
 
 from liepoisson.exact.lie.defining_matrices import DefiningMatrices, Entries, sparse_product
+from liepoisson.exact.parameters import as_expression
 from liepoisson.exact.trace_words import Word, canonical, chain
 
 if TYPE_CHECKING:
@@ -115,10 +116,10 @@ class Trace(Function):
 
     def __new__(cls, matrices: Any, fields: Any, word: Any, *coordinates: Any) -> Any:
         """The trace, or its value where the coordinates are numbers."""
-        from sympy import S, sympify
+        from sympy import S
 
         letters = canonical(tuple(int(letter) for letter in word))
-        values: list[Any] = [sympify(c) for c in coordinates]
+        values: list[Any] = [as_expression(c, "a coordinate") for c in coordinates]
         d = matrices.dimension
         if any(not any(values[f * d : (f + 1) * d]) for f in set(letters) if f >= 0):
             return S.Zero

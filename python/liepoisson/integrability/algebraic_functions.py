@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Element
+from liepoisson.exact.linear.coefficients import Element, check_degree
 from liepoisson.integrability.derivation import (
     Derivation,
     Exponents,
@@ -273,6 +273,7 @@ class _Reader:
             raise ParameterError(f"wanted at most {_MOST_ROOTS} different roots; got {len(bases)}. {OTHER_TOOLS}")
         for n in range(1, len(bases) + 1):
             for chosen in combinations(bases, n):
+                check_degree(chosen)
                 product: Any = Poly(prod(chosen), *self.coordinates, extension=True)
                 if all(m % 2 == 0 for _, m in product.sqf_list()[1]):
                     raise ParameterError(

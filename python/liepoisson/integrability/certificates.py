@@ -46,9 +46,16 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
 
     Raises:
         ExpressionError: a text is no formula.
-        ParameterError: coefficients are not rational, or the functions do not prove it; the message says what fails.
+        ParameterError: coefficients are not rational, Casimirs are unknown, or the functions do not prove it; the
+            message says what fails.
     """
     x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
+    if unknown := system.bracket.n_unknown_casimirs:
+        raise ParameterError(
+            f"a certificate of integrability: wanted a bracket of which all Casimirs are known; {unknown} of "
+            f"{system.bracket.corank()} {'is' if unknown == 1 else 'are'} unknown: no polynomials were found. Prove "
+            "single integrals, system.is_constant(f)"
+        )
     # a name in a certificate stands for one function: a Casimir is not called like a coordinate
     functions = functions_by_name(commuting, "commuting")
     taken = {*map(str, x), *functions}

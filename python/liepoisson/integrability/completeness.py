@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.coefficients import Coefficients, check_degree
 from liepoisson.exact.linear.linear_algebra import rank_mod, solve
 from liepoisson.exact.parameters import to_sympy
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
@@ -184,6 +184,7 @@ def _generic_rank(names: Sequence[str], matrix: Mapping[tuple[str, str], Expr], 
 
     if not matrix:
         return 0
+    check_degree(matrix.values())
     domain = Poly(sum(matrix.values()) + sum(generators), *generators, extension=True).domain
     fractions: Any = domain.get_field().frac_field(*generators)
     size = len(names)

@@ -414,14 +414,13 @@ class _Members:
         return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
 
     def _member(self, example: Mapping[Any, Any]) -> System:
+        from liepoisson.exact.hamiltonian import symbols_in
         from liepoisson.exact.system import System
 
         values = {str(s): Fraction(int(v.p), int(v.q)) for s, v in example.items()}
-        return System(
-            self.system.bracket.substitute(values),
-            cast("Expr", self.system.hamiltonian.xreplace(dict(example))),
-            name=self.system.name,
-        )
+        energy = cast("Expr", self.system.hamiltonian.xreplace(dict(example)))
+        symbols = symbols_in(energy, self.system.component_names)
+        return System(self.system.bracket.substitute(values), energy, name=self.system.name, symbols=symbols)
 
 
 def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import check_degree
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 
@@ -75,11 +76,16 @@ class Level:
 
 
 def squarefree(function: Any, variables: Sequence[Symbol]) -> Any:
-    """A polynomial without repeated factors that vanishes where the given one does: itself if it has none."""
+    """A polynomial without repeated factors that vanishes where the given one does: itself if it has none.
+
+    Raises:
+        ParameterError: its coefficients are algebraic numbers of too large a field.
+    """
     from sympy import Dummy, Poly, PolynomialError
 
     if not function.is_polynomial(*variables):
         return function
+    check_degree([function])
     random, t = Random(1), Dummy("t")
     line = {x: random.randint(-99, 99) + random.randint(1, 99) * t for x in variables}
     try:

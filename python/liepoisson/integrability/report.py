@@ -69,6 +69,7 @@ class IntegrabilityReport:
             not.
         degree: The degree up to which was to be searched.
         commuting: Names of integrals that commute with each other and are as many as half the rank; empty if not found.
+            With all Casimirs they prove integrability; where some are unknown the verdict is "open", and says so.
         closed: Where none of the integrals commute: integrals that are closed under the bracket, and enough by the
             theorem of Mishchenko and Fomenko (`liepoisson.integrability.completeness` states it); None if not found.
         searches: The searches, in their order.
@@ -135,6 +136,11 @@ class IntegrabilityReport:
         n, m, d = self.rank // 2, len(self.integrals), self.searched_degree
         leaves = f"on leaves of dimension {self.rank}"
         proved = "proved" if self.searched_here else "as the file says, not proved again"
+        unknown = self.system.bracket.n_unknown_casimirs if self.commuting or self.closed is not None else 0
+        if unknown:
+            casimirs = f"{unknown} of {self.system.bracket.corank()} Casimirs {'is' if unknown == 1 else 'are'} unknown"
+            enough = f"{n} commuting" if self.commuting else f"{m} that are closed under the bracket"
+            return f"open, {casimirs}; with them the integrals would be enough, {enough}, {leaves}"
         if self.closed is not None:
             closed = f"closed under the bracket, of corank {self.closed.corank}"
             return f"superintegrable, {m} independent integrals {closed}, {leaves}: proved"
@@ -289,13 +295,23 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
             commuting, closed = _enough(system, integrals, dependent, rank, notes)
         listen(0.7 * d / most)
     proof, obstruction, singularities = None, None, None
-    if commuting:
+    unknown = system.bracket.n_unknown_casimirs
+    if commuting and not unknown:
         proof = _certificate(system, {name: (integrals | dependent)[name] for name in commuting}, notes)
-    elif not closed:
+    elif not commuting and not closed:
         obstruction, singularities = _reasons(system, deadline.left, notes)
     return IntegrabilityReport(
         system,
-        verdict_of(rank, integrals, commuting, closed, searches, degree=most, obstruction=obstruction),
+        verdict_of(
+            rank,
+            integrals,
+            commuting,
+            closed,
+            searches,
+            degree=most,
+            n_unknown_casimirs=unknown,
+            obstruction=obstruction,
+        ),
         rank,
         integrals,
         dependent,
@@ -311,12 +327,14 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
 
 
 def _without_quadratures(system: System, notes: list[str]) -> System:
+    from liepoisson.exact.hamiltonian import symbols_in
     from liepoisson.exact.system import System
 
     if len(system.variables) == len(system.bracket.variables):
         return system
     notes.append("quadratures were left out: they are no functions on phase space")
-    return System(system.bracket, system.hamiltonian, name=system.name)
+    symbols = symbols_in(system.hamiltonian, system.component_names)
+    return System(system.bracket, system.hamiltonian, name=system.name, symbols=symbols)
 
 
 def _certificate(system: System, commuting: Mapping[str, Expr], notes: list[str]) -> dict[str, Any] | None:
@@ -357,9 +375,12 @@ def verdict_of(
     searches: Sequence[FirstIntegrals],
     *,
     degree: int,
+    n_unknown_casimirs: int,
     obstruction: GaloisObstruction | None = None,
 ) -> str:
-    """What these facts prove."""
+    """What these facts prove.  Where Casimirs are unknown, the rank of the bracket is no more than a lower bound."""
+    if n_unknown_casimirs and (commuting or closed is not None):
+        return "open"
     if closed is not None:
         return "superintegrable"
     if commuting:

@@ -145,7 +145,16 @@ class _Reader:
         obstruction, singularities = self._reasons()
         report = IntegrabilityReport(
             system,
-            verdict_of(rank, integrals, commuting, closed, searches, degree=degree, obstruction=obstruction),
+            verdict_of(
+                rank,
+                integrals,
+                commuting,
+                closed,
+                searches,
+                degree=degree,
+                n_unknown_casimirs=system.bracket.n_unknown_casimirs,
+                obstruction=obstruction,
+            ),
             rank,
             integrals,
             dependent,

@@ -104,21 +104,22 @@ def description_of_tops() -> dict[str, Any]:
           family that a top belongs to has all of its known invariants.
     """
     from sympy import Integer
-    from sympy.parsing.sympy_parser import parse_expr
 
     from liepoisson import __version__
+    from liepoisson.exact.expression import read_expression
+    from liepoisson.exact.formula.scope import Scope
 
     general = families()[0].top
     names = [*general.component_names, *PARAMETERS]
     variables = _symbols(names)
-    symbols = dict(zip(names, variables, strict=True))
+    symbols, scope = dict(zip(names, variables, strict=True)), Scope(symbols=names)
 
     def tape(functions: Sequence[Expr]) -> dict[str, Any]:
         return asdict(tape_of_functions(variables, [_in_symbols(function, symbols) for function in functions]))
 
     known: list[dict[str, Any]] = []
     for family in families():
-        conditions = [parse_expr(condition, local_dict=symbols) for condition in family.conditions]
+        conditions = [_in_symbols(read_expression(condition, scope), symbols) for condition in family.conditions]
         invariants = family.top.invariants
         known.append(
             {

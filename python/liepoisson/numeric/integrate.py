@@ -19,7 +19,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
-from liepoisson.numeric.systems import HasField, as_field, component_names, core_field
+from liepoisson.numeric.systems import HasField, as_field, component_names, core_field, without_value
 from liepoisson.result import labelled, pieces
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time, as_time_limit
 
@@ -52,7 +52,8 @@ class Orbit(IntegratedRun, KeepsInvariants):
         state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
         tangent: Tangent vectors, shape (trajectory, time, tangent, component).
         outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
-            "max steps", "no convergence", "time limit".
+            "max steps", "no convergence", "time limit"; "not finite" also where the Hamiltonian or a given integral
+            stops being a real number.
         end_time: Time that each trajectory reached, that of its last good state, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         end_state: Last good state of each trajectory, shape (trajectory, component).
@@ -271,7 +272,26 @@ def integrate(
         time_limit=limit,
     )
     overflown = in_series and not np.isfinite(orbit.end_state[orbit.n_steps > 0]).all()
-    return _before_overflow(orbit) if overflown else orbit
+    return _while_invariants_are_real(_before_overflow(orbit) if overflown else orbit)
+
+
+def _while_invariants_are_real(orbit: Orbit) -> Orbit:
+    """The same, with trajectories that end before the first time at which an invariant is no real number.
+
+    The rates may be real beyond: the logarithm of a negative number has a real derivative.
+    """
+    lost = np.zeros(orbit.state.shape[:2], dtype=bool)
+    for places in without_value(orbit.system, orbit.state).values():
+        lost |= places
+    if not lost.any():
+        return orbit
+    end, time, outcome = orbit.end_state.copy(), orbit.end_time.copy(), orbit.outcome.copy()
+    state, tangent = orbit.state.copy(), orbit.tangent.copy()
+    for k in np.flatnonzero(lost.any(axis=1)):
+        first = int(lost[k].argmax())
+        end[k], time[k], outcome[k] = state[k, first - 1], orbit.time[first - 1], "not finite"
+        state[k, first:], tangent[k, first:] = np.nan, np.nan
+    return replace(orbit, end_state=end, end_time=time, outcome=outcome, state=state, tangent=tangent)
 
 
 def _before_overflow(orbit: Orbit) -> Orbit:

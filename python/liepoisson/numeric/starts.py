@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.given import is_named, labelled, listed
-from liepoisson.numeric.systems import as_field, component_names, vector_length
+from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
 """States as arrays, or by the names of vectors and components, the others being zero."""
@@ -21,11 +21,21 @@ def as_starts(system: Any, starts: StartsLike, n_components: int) -> Array:
     """A copy of the starts of a run, shape (trajectory, component).
 
     Raises:
-        ParameterError: A name is none of the system's, or no start is finite.
+        ParameterError: A name is none of the system's, no start is finite, or the Hamiltonian or a given integral is no
+            real number at one.
         ShapeError: They have another shape.
     """
     names = component_names(system, n_components)
-    return as_states(given_starts(system, starts), n_components, names=names, some_may_fail=True)
+    states = as_states(given_starts(system, starts), n_components, names=names, some_may_fail=True)
+    for name, lost in without_value(system, states).items():
+        if lost.any():
+            k = int(lost.argmax())
+            raise ParameterError(
+                f"starts: wanted states at which the invariants of {system.name} are real numbers; {name} is none at "
+                f"{dict(zip(names, states[k].tolist(), strict=True))!s:.200} (trajectory {k}): see its logarithms and "
+                "roots. Start elsewhere, or write the real function that is meant, such as log(x^2)/2."
+            )
+    return states
 
 
 def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array:

@@ -7,7 +7,10 @@ they then do without it, or say what they want.  All of it is asked here, and `S
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, TypeGuard
+from typing import Any, Protocol, TypeGuard, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array
@@ -111,6 +114,18 @@ class HasInvariants(HasField, Protocol):
 def has_invariants(system: Any) -> TypeGuard[HasInvariants]:
     """Whether a system knows constants of its motion."""
     return callable(getattr(system, "invariant_values", None))
+
+
+def without_value(system: Any, states: Array) -> dict[str, NDArray[np.bool_]]:
+    """Where invariants are no real numbers, by name, shape (...); empty if the system has none for which this may be.
+
+    States that are not finite, where nothing has a value, are not meant.
+    """
+    told = getattr(system, "without_value", None)
+    if not callable(told):
+        return {}
+    finite = np.isfinite(states).all(axis=-1)
+    return {name: lost & finite for name, lost in cast("dict[str, NDArray[np.bool_]]", told(states)).items()}
 
 
 def vector_length(system: Any, n_components: int) -> int:

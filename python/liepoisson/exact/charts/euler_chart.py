@@ -31,6 +31,7 @@ from liepoisson.exact.charts.leaf_constants import (
     top_of,
     vectors,
 )
+from liepoisson.exact.hamiltonian import symbols_in
 from liepoisson.exact.parameters import Column, Parameter, to_sympy
 from liepoisson.portable import elementary, linear
 
@@ -170,7 +171,8 @@ class EulerChart:
     @cached_property
     def system(self) -> CanonicalSystem:
         """The canonical system on the leaf, in (phi, psi, theta, p_phi, p_psi, p_theta)."""
-        return CanonicalSystem(ANGLES, MOMENTA, self.hamiltonian, name=self.name)
+        symbols = symbols_in(self.hamiltonian, (*ANGLES, *MOMENTA))
+        return CanonicalSystem(ANGLES, MOMENTA, self.hamiltonian, symbols=symbols, name=self.name)
 
     def to_body(self, z: ArrayLike) -> Array:
         """States (l, alpha, beta), shape (..., 9), from angles and momenta, shape (..., 6); NaN stays NaN.

@@ -21,6 +21,7 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_chart import EulerChart
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.exact.charts.leaf_constants import COMPONENTS, FIELDS, GivenLeaf, chart_points, decimal, top_of
+from liepoisson.exact.hamiltonian import symbols_in
 from liepoisson.exact.parameters import Parameter, as_float
 
 if TYPE_CHECKING:
@@ -95,8 +96,10 @@ class ReducedLagrange:
     def system(self) -> CanonicalSystem:
         """The reduced system, followed by psi if it was asked for."""
         quadratures = {"psi": self.rate_of_psi} if self.with_cyclic_angle else None
+        coordinates, momenta = ("phi", "theta"), ("p_phi", "p_theta")
+        symbols = symbols_in(self.hamiltonian, (*coordinates, *momenta))
         return CanonicalSystem(
-            ("phi", "theta"), ("p_phi", "p_theta"), self.hamiltonian, quadratures=quadratures, name=self.name
+            coordinates, momenta, self.hamiltonian, quadratures=quadratures, symbols=symbols, name=self.name
         )
 
     def to_body(self, z: ArrayLike, psi: ArrayLike | None = None) -> Array:

@@ -20,6 +20,7 @@ from liepoisson.exact.charts.euler_angles import angular_momentum
 from liepoisson.exact.charts.euler_chart import NEAREST
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.exact.charts.leaf_constants import COMPONENTS, FIELDS, chart_points, dot, refuse, top_of, vectors
+from liepoisson.exact.hamiltonian import symbols_in
 from liepoisson.exact.parameters import Parameter, as_float, read_parameter, to_sympy
 from liepoisson.portable import elementary, linear
 
@@ -117,7 +118,11 @@ class OrdinaryLagrange:
     def system(self) -> CanonicalSystem:
         """The reduced system, followed by psi if it was asked for."""
         quadratures = {"psi": self.rate_of_psi} if self.with_cyclic_angle else None
-        return CanonicalSystem(("theta",), ("p_theta",), self.hamiltonian, quadratures=quadratures, name=self.name)
+        coordinates, momenta = ("theta",), ("p_theta",)
+        symbols = symbols_in(self.hamiltonian, (*coordinates, *momenta))
+        return CanonicalSystem(
+            coordinates, momenta, self.hamiltonian, quadratures=quadratures, symbols=symbols, name=self.name
+        )
 
     def to_body(self, z: ArrayLike, psi: ArrayLike | None = None) -> Array:
         """States (l, alpha, 0), shape (..., 9), from reduced states, shape (..., 2), or (..., 3) with psi.

@@ -36,6 +36,7 @@ from liepoisson.exact.charts.leaf_constants import (
     vectors,
 )
 from liepoisson.exact.charts.quaternions import body_rotation, components, left_matrix, shortest_turn, turned
+from liepoisson.exact.hamiltonian import symbols_in
 from liepoisson.exact.parameters import Column, Parameter, is_zero
 from liepoisson.portable import elementary, linear
 
@@ -156,7 +157,8 @@ class QuaternionChart:
     @cached_property
     def system(self) -> CanonicalSystem:
         """The canonical system in (q0, ..., q3, X, p0, ..., p3, Y), without X and Y if epsilon = 0."""
-        return CanonicalSystem(self.coordinates, self.momenta, self.hamiltonian, name=self.name)
+        symbols = symbols_in(self.hamiltonian, (*self.coordinates, *self.momenta))
+        return CanonicalSystem(self.coordinates, self.momenta, self.hamiltonian, symbols=symbols, name=self.name)
 
     def to_body(self, z: ArrayLike) -> Array:
         """States (l, alpha, beta), shape (..., 9), from coordinates, shape (..., 10), or (..., 8) if epsilon = 0.

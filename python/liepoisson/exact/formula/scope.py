@@ -87,6 +87,10 @@ class Scope:
         vectors = {f"{name}{component}" for name, components in self.fields.items() for component in components}
         return vectors | set(self.scalars)
 
+    def numbers(self) -> set[str]:
+        """The names of all scalars: coordinates, parameters and symbols, and the components of vectors and matrices."""
+        return {name for name, shape in self.shapes.items() if not shape} | set(self.components)
+
     def suggestion(self, name: str) -> str:
         """The end of a message about an unknown name: the nearest known ones, and all of them."""
         known = [*self.fields, *self.shapes]

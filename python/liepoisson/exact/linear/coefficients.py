@@ -20,9 +20,10 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.cyclotomic import CyclotomicField, cyclotomic_images
 from liepoisson.exact.linear.residues import Residues
-from liepoisson.exact.parameters import Exact, is_zero, to_sympy
+from liepoisson.exact.parameters import MAX_DEGREE, Exact, irrational_parts, is_zero, largest_degree, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -65,8 +66,11 @@ class Coefficients:
     @classmethod
     def _cyclotomic(cls, expressions: list[Any]) -> Coefficients | None:
         """The values without their common power of pi, if they are cyclotomic numbers then."""
-        from sympy import S, pi
+        from sympy import S, pi, tan
 
+        irrational = list(irrational_parts(expressions))
+        if len(irrational) == 1 and isinstance(irrational[0], tan):
+            return None  # a tangent alone is written as it is
         powers = {e.as_powers_dict().get(pi, S.Zero) for e in expressions if e != 0}
         if len(powers) != 1:
             return None
@@ -168,6 +172,21 @@ def _is_transcendental(number: Any) -> bool:
     return number in {pi, E}
 
 
+def check_degree(expressions: Iterable[Expr]) -> None:
+    """Refuse numbers whose field may be of so large a degree that SymPy does not find it in any time.
+
+    Raises:
+        ParameterError: they are such numbers.
+    """
+    given = list(expressions)
+    if (degree := largest_degree(given)) > MAX_DEGREE:
+        shown = ", ".join(sorted(map(str, irrational_parts(given))))
+        raise ParameterError(
+            f"wanted algebraic numbers in a field of degree at most {MAX_DEGREE}; got {shown:.200}, whose field may "
+            f"have the degree {degree}. Give rational numbers in the place of some, or names."
+        )
+
+
 def _domain(expressions: list[Any]) -> tuple[Any, list[Element]]:
     """The SymPy domain that the expressions generate, and their elements.
 
@@ -176,11 +195,16 @@ def _domain(expressions: list[Any]) -> tuple[Any, list[Element]]:
     from sympy import QQ, CoercionFailed, Pow, Symbol
     from sympy.polys.constructor import construct_domain
 
+    if not any(e.free_symbols for e in expressions):  # with symbols SymPy looks for no such field
+        check_degree(expressions)
     constructed: Any = construct_domain(expressions, field=True, extension=True)
     symbols = sorted({s for e in expressions for s in e.free_symbols}, key=str)
     roots = sorted({r for e in expressions for r in e.atoms(Pow) if r.is_number and r.is_algebraic}, key=str)
     if not constructed[0].is_EX or not symbols or not roots or not all(isinstance(s, Symbol) for s in symbols):
         return constructed
+    if not all(isinstance(part, Pow) for part in irrational_parts(expressions)):
+        return constructed  # whether a sine lies in the field of the roots, SymPy may ask for ever
+    check_degree(roots)
     functions: Any = QQ.algebraic_field(*roots).frac_field(*symbols)
     try:
         return functions, [functions.from_sympy(expression) for expression in expressions]

@@ -122,8 +122,8 @@ class _NotCyclotomicError(Exception):
 def cyclotomic_images(values: Iterable[Expr]) -> dict[Expr, CyclotomicNumber] | None:
     r"""The SymPy numbers in the smallest cyclotomic field that is found to hold them, or None.
 
-    Understood are rationals, square roots of rationals, i, sin and cos of rational multiples of pi, the nested square
-    roots that SymPy writes for some of these sines, and sums, products and integer powers.
+    Understood are rationals, square roots of rationals, i, sin, cos, tan and cot of rational multiples of pi, the
+    nested square roots that SymPy writes for some of these sines, and sums, products and integer powers.
     """
     given = list(values)
     try:
@@ -164,13 +164,13 @@ def _square_root_primes(base: Any) -> list[int]:
 def _order(value: Any) -> int:
     """An order n for which the value is in the field."""
     base: Any
-    from sympy import Add, Integer, Mul, Pow, Rational, S, cos, sin
+    from sympy import Add, Integer, Mul, Pow, Rational, S, cos, cot, sin, tan
 
     if isinstance(value, Rational) or value is S.ImaginaryUnit:
         return 4
     if isinstance(value, (Add, Mul)):
         return lcm(*(_order(term) for term in value.args))
-    if isinstance(value, (sin, cos)):
+    if isinstance(value, (sin, cos, tan, cot)):
         return lcm(4, 2 * _angle(value.args[0])[1])
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
         return _order(value.base)
@@ -187,7 +187,7 @@ def _order(value: Any) -> int:
 
 
 def _image(value: Any, field: CyclotomicField) -> CyclotomicNumber:
-    from sympy import Add, Integer, Mul, Pow, Rational, S, cos, sin
+    from sympy import Add, Integer, Mul, Pow, Rational, S, cos, cot, sin, tan
 
     match value:
         case Rational():
@@ -200,6 +200,12 @@ def _image(value: Any, field: CyclotomicField) -> CyclotomicNumber:
             image = field.sine(*_angle(value.args[0]))
         case cos():
             image = field.cosine(*_angle(value.args[0]))
+        case tan():
+            angle = _angle(value.args[0])
+            image = field.sine(*angle) / field.cosine(*angle)
+        case cot():
+            angle = _angle(value.args[0])
+            image = field.cosine(*angle) / field.sine(*angle)
         case Pow():
             whole = isinstance(value.exp, Integer)
             base = _image(value.base, field) if whole else _root_image(value.base, field)

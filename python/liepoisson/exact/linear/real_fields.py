@@ -14,6 +14,7 @@ from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import check_degree
 from liepoisson.exact.parameters import Exact, to_sympy
 
 if TYPE_CHECKING:
@@ -165,6 +166,8 @@ class ExtendedField(RealField):
     def __init__(self, values: Sequence[Expr]) -> None:
         from sympy.polys.constructor import construct_domain
 
+        if not any(value.free_symbols for value in values):
+            check_degree(values)
         self._domain: Any = construct_domain(list(values), field=True, extension=True)[0]
         symbols: Sequence[Any] = () if self._domain.is_Algebraic else getattr(self._domain, "symbols", ())
         numbers = [s for s in symbols if not s.is_Symbol]

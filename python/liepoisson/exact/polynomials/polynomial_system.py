@@ -15,6 +15,7 @@ from typing import Any
 from flint import fmpq
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.parameters import as_expression
 from liepoisson.exact.polynomials.buchberger import Poly
 from liepoisson.exact.polynomials.components import Assumptions, Component, components
 from liepoisson.exact.polynomials.groebner import GroebnerBasis, groebner_basis, rational_context
@@ -216,9 +217,9 @@ def polynomial(expression: Any, context: Any) -> Poly:
 
 def _read(expression: Any, names: Sequence[str]) -> dict[tuple[int, ...], fmpq]:
     from sympy import Poly as SymPyPoly
-    from sympy import PolynomialError, sympify
+    from sympy import PolynomialError
 
-    read: Any = sympify(expression)
+    read: Any = as_expression(expression, "a polynomial")
     by_name = {str(s): s for s in read.free_symbols}
     symbols: list[Any] = [s for name, s in by_name.items() if name in names]
     wrong = f"wanted a polynomial in {', '.join(names)} with rational coefficients; got {shown(expression)}"

@@ -203,21 +203,17 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
         ExpressionError: a text that is no formula.
         ParameterError: what is none of these.
     """
-    from sympy import Basic, Expr, Float, Symbol
+    from sympy import Symbol
 
     from liepoisson.exact.expression import read_expression
     from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.parameters import read_parameter, to_sympy
+    from liepoisson.exact.hamiltonian import with_exact_numbers
+    from liepoisson.exact.parameters import as_expression
 
     if isinstance(given, str):
         read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))
         return read.xreplace({Symbol(str(s)): s for s in symbols})
-    if not isinstance(given, Basic):
-        return to_sympy(read_parameter(given, where))
-    if not isinstance(given, Expr):
-        raise ParameterError(f"{where}: wanted a function of {symbols[0]}; got {shown(str(given))}")
-    exact: Any = given
-    return exact.xreplace({d: to_sympy(read_parameter(d, where)) for d in exact.atoms(Float)})
+    return with_exact_numbers(as_expression(given, where))
 
 
 def rational_function(expression: Any, field: Any) -> Any:

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.exact.hamiltonian import read_expression_in, with_exact_numbers
 from liepoisson.exact.names import check_name
-from liepoisson.exact.parameters import is_sympy
+from liepoisson.exact.parameters import is_sympy, substituted, symbols_of, to_sympy
 from liepoisson.given import listed
 from liepoisson.wrong_values import shown
 
@@ -86,21 +86,21 @@ class _Reader:
         names = [] if spectral is None else [str(spectral)]
         declared = (*system.as_given.symbols, *names)
         known = Scope.of_bracket(system.symbolic_bracket, system.values, declared)
+        in_values = set[str]().union(*map(symbols_of, system.parameters.values()))
+        self.names = sorted((known.numbers() | in_values).difference(system.component_names))
         self.has_unit = known.owner(IMAGINARY) is None
         self.declared = (*declared, IMAGINARY) if self.has_unit else declared
         self.spectral = spectral
 
     def scalar(self, given: Any) -> Expr:
         """One entry."""
-        from sympy import sympify
-
         if isinstance(given, str):
             return self._text(given, ())
-        if isinstance(given, Fraction):
-            given = f"{given.numerator}/{given.denominator}"
-        entry: Any = sympify(given)
+        parameters = self.system.parameters
+        entry: Any = read_expression_in(given, self.system.component_names, self.names, parameters)
         own = {s: self.spectral for s in entry.free_symbols if str(s) == str(self.spectral) and s != self.spectral}
-        return self.system.expression(entry.xreplace(own)).expand()
+        exact = self.system.bracket.in_own_variables(with_exact_numbers(entry.xreplace(own)))
+        return to_sympy(substituted(exact, parameters)).expand()
 
     def components(self, given: Sequence[Any]) -> list[Expr]:
         """The components of an element of the algebra."""

@@ -232,11 +232,13 @@ class _Splitting:
 
     def _pair(self, values: dict[str, Fraction], b: tuple[Fraction, ...]) -> LaxPair | None:
         """The pair of lowest degree at values of the parameters that has integrals."""
+        from liepoisson.exact.hamiltonian import symbols_in
         from liepoisson.exact.system import System
 
         given, at = self.ansatz.system, {s: _sympy(values[str(s)]) for s in self.ansatz.parameters}
         bracket = given.bracket.substitute(values) if given.bracket.symbols else given.bracket
-        one = System(bracket, cast("Any", given.hamiltonian).xreplace(at), name=given.name)
+        energy = cast("Any", given.hamiltonian).xreplace(at)
+        one = System(bracket, energy, name=given.name, symbols=symbols_in(energy, given.component_names))
         ansatz = Ansatz(one, self.ansatz.form)
         known = [(0, v) for v in self.trivial]
         for d in range(1, self.degree + 1):

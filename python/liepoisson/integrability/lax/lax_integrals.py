@@ -149,11 +149,13 @@ def lax_integrals(pair: LaxPair) -> LaxIntegrals:
 
 def _with_single_exponentials(system: System) -> System:
     """The system with exp(x)*exp(-y) for exp(x - y), so that all functions are in the same exponentials."""
+    from liepoisson.exact.hamiltonian import symbols_in
     from liepoisson.exact.system import System
 
     if system.hamiltonian.is_polynomial(*system.variables):
         return system
-    return System(system.bracket, system.hamiltonian.expand(), name=system.name)
+    symbols = symbols_in(system.hamiltonian, system.component_names)
+    return System(system.bracket, system.hamiltonian.expand(), name=system.name, symbols=symbols)
 
 
 def _sorted_one(

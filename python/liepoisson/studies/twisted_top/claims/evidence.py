@@ -229,14 +229,13 @@ class Evidence:
 
 
 def _entries(value: Any) -> Iterable[Any]:
-    from sympy import sympify
     from sympy.matrices import MatrixBase
+
+    from liepoisson.exact.parameters import as_expression
 
     if isinstance(value, MatrixBase):
         return list(value.flat())
-    return (
-        [sympify(v, strict=True) for v in value] if isinstance(value, (list, tuple)) else [sympify(value, strict=True)]
-    )
+    return [as_expression(v, "a value") for v in (value if isinstance(value, (list, tuple)) else [value])]
 
 
 def _readable(value: Any) -> Any:
