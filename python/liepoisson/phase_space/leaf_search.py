@@ -220,8 +220,9 @@ def _grows(leaf: LeafInUnits, sign: float) -> bool:
     energy = leaf.system.functions.energy
     states = _spread(leaf, 1e2, 1e2, most_steps=_FAR_STEPS)
     near = float(np.nanmin(sign * energy(states), initial=np.inf))
+    farther = elementary.power(1e2, 1 / _OUTWARD_STEPS)
     for _ in range(_OUTWARD_STEPS):
-        states, residual = solve(leaf.equations, states * 1e2 ** (1 / _OUTWARD_STEPS), most_steps=_FAR_STEPS)
+        states, residual = solve(leaf.equations, states * farther, most_steps=_FAR_STEPS)
         states = states[residual <= CONVERGED]
     return float(np.nanmin(sign * energy(states), initial=np.inf)) < 10 * near < 0
 
