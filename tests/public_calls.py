@@ -70,6 +70,7 @@ ONE_THING = {
     "sweeps.Axis.linear": {"start"},
     "sweeps.Axis.logarithmic": {"start"},
     "sweeps.SweepSpec": {"starts"},
+    "systems.PhaseFunction.of_pair": {"pair"},  # two polynomials that the package made
     "sweeps.sweep": {"spec", "settings"},  # those of SweepSpec
     "systems.CanonicalSystem.right_hand_side": {"time"},
 }
@@ -117,6 +118,7 @@ class Row:
 
 
 TOP = lp.Top.kovalevskaya()
+PARTIAL = lp.System(lp.so(3) @ lp.leibniz(3), "dot(l, l)/2 + log(10 + alpha1)", name="with a logarithm")
 NAMES = TOP.component_names
 X = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.0, 0.0, 0.0]
 RIGID = lp.Top.twisted(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 0.5, 0), epsilon=1)
@@ -314,6 +316,12 @@ def rows():
         ),
         "brackets.canonical": Row(
             lp.canonical, {"names": ["x", "y"], "momenta": ["u", "v"]}, {"names": TEXTS, "momenta": TEXTS}
+        ),
+        "catalog.system": Row(
+            lp.catalog.system, {"name": "heavy-top", "parameters": {"a": (1, 0, 2)}}, {"parameters": VALUES}
+        ),
+        "systems.SystemFile.with_parameters": Row(
+            lp.catalog.entry("lagrange").with_parameters, {"parameters": {"a": (0, 0, 2)}}, {"parameters": VALUES}
         ),
         "catalog.euler_top_on": Row(
             lp.catalog.euler_top_on, {"algebra": "so(3)", "inertia": (3, 2, 1)}, {"inertia": numbered("I", 3)}
@@ -706,10 +714,10 @@ def rows():
             lp.systems.CanonicalSystem,
             {
                 "coordinates": ["x"], "momenta": ["p"], "hamiltonian": "p^2/2 + k*x^2/2", "parameters": {"k": 2},
-                "quadratures": {"psi": "p"}, "integrals": {"K": "p^2 + 2*x^2"},
+                "quadratures": {"psi": "p"}, "integrals": {"K": "p^2 + 2*x^2"}, "symbols": ["m"],
             },
             {
-                "coordinates": TEXTS, "momenta": TEXTS, "parameters": VALUES, "quadratures": VALUES,
+                "coordinates": TEXTS, "momenta": TEXTS, "parameters": VALUES, "quadratures": VALUES, "symbols": TEXTS,
                 "integrals": VALUES,
             },
         ),
@@ -718,6 +726,8 @@ def rows():
             TOP.right_hand_side, {"time": 0.0, "state": X}, {"state": STATES}
         ),
         "systems.CanonicalSystem.vector_field": Row(TOP.vector_field, {"states": X}, body),
+        "systems.CanonicalSystem.without_value": Row(PARTIAL.without_value, {"states": X}, body),
+        "systems.Top.without_value": Row(PARTIAL.without_value, {"states": X}, body),
         "systems.DiscreteSymmetry.meets": Row(symmetric.meets, {"values": {"H": 1, "C1": 0}}, {"values": VALUES}),
         "systems.DiscreteSymmetry.__call__": Row(
             symmetric, {"states": X}, body

@@ -561,7 +561,7 @@ PROOFS = [
 ]
 
 LABORATORY = [
-    Advice(lambda: lp.laboratory.page_of(HEAVY, surfaces=None), "Leave them out", lambda: lp.laboratory.page_of(HEAVY)),
+    Advice(lambda: lp.laboratory.page_of(HEAVY, surfaces=None), "leave them out", lambda: lp.laboratory.page_of(HEAVY)),
     Advice(
         lambda: lp.laboratory.page_of(HEAVY, result=orbit()),
         "Leave the system out",
@@ -572,14 +572,18 @@ LABORATORY = [
 ]
 
 PLOT = [
-    Advice(lambda: lp.plot.section(3), "call section first", lambda: lp.plot.section(section())),
+    Advice(
+        lambda: lp.plot.section(3),
+        'try section(system, starts, surface="l3", t_end=100)',
+        lambda: lp.plot.section(section()),
+    ),
     Advice(
         lambda: lp.plot.orbit(3),
         "integrate(system, starts, t_end=100)",
         lambda: lp.plot.orbit(lp.integrate(TWISTED, X, t_end=100)),
     ),
     Advice(
-        lambda: lp.plot.section(section(), x="l1*l2"),
+        lambda: lp.plot.section(section(keep=["l1", "l2"]), x="l1*l2"),
         "section(..., keep=[...])",
         lambda: lp.plot.section(section(keep=["l1*l2", "l2"]), x="l1*l2", y="l2"),
     ),

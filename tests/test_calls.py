@@ -229,10 +229,10 @@ def test_a_warning_points_to_the_line_of_the_user():
 def test_what_no_function_takes_is_named_also_inside_a_list():
     top = lp.Top.kovalevskaya()
     for given in ([["l1"]], [[["l1"]]], ["l1"]):
-        with pytest.raises(ParameterError, match="functions: got"):
+        with pytest.raises(ParameterError, match="function"):
             top.function_tape(given)
     for given in ([["x"]], ["x"], None):
-        with pytest.raises(ParameterError, match="v must be a number or a name"):
+        with pytest.raises(ParameterError, match="v must be a number"):
             lp.charts.LeafConstants(epsilon=1, v=given, w=1, eta=1)
     assert str(lp.charts.LeafConstants(epsilon=1, v="1/2", w=2, eta="k").casimirs) == "(k + 1/4, 1, 4)"
 

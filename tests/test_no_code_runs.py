@@ -29,7 +29,10 @@ HOMES = {
     "lambdify": {"exact/private_symbols.py"},
     "loads": {"sweeps/family.py", "sweeps/remote.py"},
     "Unpickler": set[str](),
-    "pickle": {"sweeps/family.py", "sweeps/remote.py", "integrability/scan_processes.py"},
+    "pickle": {
+        *("sweeps/family.py", "sweeps/remote.py", "integrability/scan_processes.py"),
+        "exact/linear/flint_pickles.py",  # how numbers of FLINT are pickled; it reads none
+    },
     "cloudpickle": {"sweeps/remote.py"},
 }
 """Names with the only files that may use them.

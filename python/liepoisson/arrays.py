@@ -34,6 +34,7 @@ def as_array(values: ArrayLike, name: str, labels: Sequence[str] = ()) -> Array:
         MemoryLimitError: The copy does not fit into memory; an array that repeats a few numbers by strides takes none.
     """
     if type(values) is np.ndarray and values.dtype.kind in "fiu":
+        check_memory(8 * values.size, name)
         return np.array(values, dtype=np.float64, order="C")
     try:
         masked = _has_masks(values)

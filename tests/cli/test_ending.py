@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 import warnings
+from pathlib import Path
 
 import pytest
 from hostile_commands import ComplaintError, Source, run
@@ -14,6 +15,7 @@ from hostile_commands import command as hostile_command
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import liepoisson
 from liepoisson.cli import ending
 from liepoisson.errors import OutputError, ParameterError
 
@@ -317,7 +319,15 @@ def test_an_interruption_while_the_command_is_imported_ends_with_a_word(tmp_path
 def test_before_the_command_is_imported_next_to_nothing_is():
     """What is imported until then is where Ctrl-C ends in a traceback."""
     code = "import sys; before = set(sys.modules); import liepoisson.cli; print(*sorted({*sys.modules} - before))"
-    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    package = str(Path(liepoisson.__file__).parents[1])  # without its site, Python does not know where that is
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+        env=os.environ | {"PYTHONPATH": package},
+    )
     assert set(done.stdout.split()) <= {"__future__", "liepoisson", "liepoisson._lazy", "liepoisson.cli"}
 
 

@@ -33,11 +33,14 @@ def test_an_altered_certificate_is_refused(command, tmp_path):
         (("twisted-kovalevskaya", "--certificate", "none.json"), "no such file"),
         (("twisted-kovalevskaya", "--level", "H=1/2"), "belong to --search"),
         (("twisted-kovalevskaya", "--search", "--certificate", "x.json"), "got both"),
-        (("twisted-kovalevskaya", "--search", "--level", "C1=1"), "the value of H"),
+        (
+            ("twisted-kovalevskaya", "--search", "--level", "C1=1"),
+            "got none of H, C2, C3; add for example --level H=1,C2=1,C3=1",
+        ),
         (("twisted-kovalevskaya", "--search", "--level", "H"), "must be name=value"),
         (("twisted-kovalevskaya", "--starts", "5"), "belong to --search"),
         (("kovalevskaya", "--search"), "wanted a level of kovalevskaya"),
-        (("kovalevskaya", "--search", "--level", "H=1,C1=1/2"), "a value by name for each of C1 = l.alpha, C2"),
+        (("kovalevskaya", "--search", "--level", "H=1,C1=1/2"), "got none of C2; add for example --level C2=1"),
         (("kovalevskaya", "--search", "--level", "H=1,H=2"), "H comes twice"),
     ],
 )

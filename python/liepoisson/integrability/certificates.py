@@ -14,7 +14,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.files import write_atomically
 from liepoisson.formats import another_format
-from liepoisson.given import by_name
+from liepoisson.given import by_name, named
 from liepoisson.integrability import checker
 from liepoisson.integrability.polynomial_integrals import functions_by_name
 from liepoisson.wrong_values import not_a, shown
@@ -100,9 +100,9 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
         ParameterError: it proves nothing; the message says what fails.
         OutputError: the file cannot be written, or its name does not end in .json.
     """
-    if not isinstance(data, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise not_a("a certificate", data, "data", "try what certificate(...) returns, or report.certificate")
     path = Path(path)
+    if named(data, "data") is None:
+        raise not_a("a certificate", data, "data", "try what certificate(...) returns, or report.certificate")
     data = by_name(data, "data", "parts of a certificate", "certificate(system, commuting)")
     if wrong := checker.fault(data):
         raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")

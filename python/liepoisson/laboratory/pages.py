@@ -122,7 +122,7 @@ def page_of(
         ShapeError: the start has another number of components.
     """
     chosen = _several(surfaces)
-    if result is None and (isinstance(trajectory, bool) or trajectory != 0):
+    if result is None and not (type(trajectory) is int and trajectory == 0):
         raise ParameterError(
             f"trajectory must be left out where there is no result, of which it is one; got {trajectory!r:.40}."
         )

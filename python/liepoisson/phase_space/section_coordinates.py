@@ -88,5 +88,6 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
     bracket_of = as_system(system).bracket
     some = np.atleast_2d(as_phase_points(states, bracket_of.coordinate_names_in_order, bracket_of.field_names))
     plane = SectionPlane(system, some[:: max(1, len(some) // _SAMPLES)], surface)
-    signs = plane.signs(x, y)
-    return bool((signs > 0).any() and (signs < 0).any()) or plane.meets_itself(x, y)
+    across, up = (plane.system.functions.of(function) for function in (x, y))
+    signs = plane.signs(across, up)
+    return bool((signs > 0).any() and (signs < 0).any()) or plane.meets_itself(across, up)
