@@ -196,6 +196,7 @@ def test_what_has_no_factors_is_refused_or_unknown():
     with pytest.raises(linear.LinAlgError):
         linear.cholesky(-np.eye(2))
     assert np.isnan(linear.qr(bad).Q).all()
+    assert np.isnan(linear.solve(bad, np.ones(2))).all()
 
 
 @pytest.mark.parametrize("name", sorted({*elementary.FUNCTIONS} - {"arctan2", "hypot", "power", "arccosh"}))

@@ -82,7 +82,7 @@ def symmetric_homoclinic_orbits(
         >>> duffing = lp.System(lp.canonical(1, names=["x"]), "p_x^2/2 - x^2/2 + x^4/4")
         >>> saddle = lp.phase_space.equilibrium(duffing, [0, 0])
         >>> found = lp.orbits.symmetric_homoclinic_orbits(saddle, n_starts=20)
-        >>> [orbit.midpoint.round(6).tolist() for orbit in found]
+        >>> [abs(orbit.midpoint).round(6).tolist() for orbit in found]  # one of two that mirror each other
         [[1.414214, 0.0]]
 
     Args:
@@ -227,7 +227,9 @@ def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
         OrbitError: Newton's method does not lead back to it.
     """
     space = orbit.space
-    amplitude = linear.solve(linear.matrix_power(space.matrix, n_loops), orbit.amplitude).astype(np.float64)
+    amplitude = orbit.amplitude
+    for _ in range(n_loops):  # one after the other: the power of the matrix may be singular to round-off
+        amplitude = linear.solve(space.matrix, amplitude)
     time = orbit.time + n_loops * space.loop_time
     search = _Search(space, Flow(orbit.system, 1), 2 * time, float(linear.norm(amplitude)))
     found = search.solved(orbit.reverser, amplitude[None], np.array([time]))

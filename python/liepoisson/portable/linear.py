@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -284,15 +284,17 @@ def solve(a: Any, b: Any) -> Any:
     n, m = a.shape[-1], right.shape[-1]
     if a.shape[-2] != n or right.shape[-2] != n:
         raise ValueError(f"shapes {a.shape} and {b.shape} are no system of equations")
-    found = _core.solutions(
-        _flat(np.broadcast_to(a, (*stack, n, n))),
-        _flat(np.broadcast_to(right, (*stack, n, m))),
-        math.prod(stack),
-        (n, m),
-    )
+    left, right = np.broadcast_to(a, (*stack, n, n)), np.broadcast_to(right, (*stack, n, m))
+    unknown = ~np.isfinite(left).all(
+        axis=(-2, -1)
+    )  # as with NumPy, such a system is not singular: nothing is known of it
+    whole = np.where(unknown[..., None, None], np.eye(n), left)
+    found = _core.solutions(_flat(whole), _flat(right), math.prod(stack), (n, m))
     if found is None:
         raise LinAlgError("Singular matrix")
-    return found.reshape(*stack, n) if vector else found.reshape(*stack, n, m)
+    found = found.reshape(*stack, n, m)
+    found[unknown] = np.nan
+    return found[..., 0] if vector else found
 
 
 def _solve_complex(a: Any, b: Any) -> Any:
