@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -285,9 +285,8 @@ def solve(a: Any, b: Any) -> Any:
     if a.shape[-2] != n or right.shape[-2] != n:
         raise ValueError(f"shapes {a.shape} and {b.shape} are no system of equations")
     left, right = np.broadcast_to(a, (*stack, n, n)), np.broadcast_to(right, (*stack, n, m))
-    unknown = ~np.isfinite(left).all(
-        axis=(-2, -1)
-    )  # as with NumPy, such a system is not singular: nothing is known of it
+    finite: Any = np.isfinite(left).all(axis=(-2, -1))
+    unknown: Any = np.logical_not(finite)  # not singular: nothing is known of its solution, as NumPy has it
     whole = np.where(unknown[..., None, None], np.eye(n), left)
     found = _core.solutions(_flat(whole), _flat(right), math.prod(stack), (n, m))
     if found is None:
