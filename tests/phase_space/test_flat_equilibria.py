@@ -139,7 +139,7 @@ def test_clusters_beside_a_large_hill(shift):
     "power",
     [
         3,
-        # two of twelve guesses end 6e-11 away, where the second derivative 2u in v has a sign that is none of the point's
+        # two of twelve guesses end 6e-11 away, where the second derivative 2u in v has a sign of its own
         pytest.param(4, marks=pytest.mark.xfail(strict=True, reason="a state 6e-11 away has another signature")),
     ],
 )
@@ -192,7 +192,7 @@ def test_three_waves_at_rest_are_flat():
 @pytest.mark.parametrize(
     "seed",
     [
-        # the first start that arrives ends 6e-8 from the upright state, and turning it about the vertical gives a circle
+        # the first start that arrives ends 6e-8 from the upright state; turned about the vertical it gives a circle
         pytest.param(0, marks=pytest.mark.xfail(strict=True, reason="a state 6e-8 away is taken for a circle")),
         *range(1, 5),
     ],
