@@ -17,7 +17,7 @@ from PIL import Image
 
 import liepoisson as lp
 from script_folders import modules_of
-from test_docs import LINK, SPAN, accepted_errors, attribute, difference, headings
+from test_docs import LINK, SPAN, attribute, difference, headings
 from test_prose import found
 
 ROOT = Path(__file__).parent.parent
@@ -74,12 +74,12 @@ def test_a_story_prints_and_draws_what_is_stored(name, tmp_path):
         where = f"{name}, cell {before['execution_count']}"
         assert len(texts(before)) == len(texts(after)), where
         for shown, printed in zip(texts(before), texts(after), strict=True):
-            wrong = difference(shown, printed, errors=accepted_errors())
+            wrong = difference(shown, printed)
             again = f"python docs/stories/make.py {name} stores what is printed now"
             assert wrong is None, f"{where}: {wrong}\n{again}\nshown:\n{shown}\nprinted:\n{printed}"
         for shown, drawn in zip(pictures(before), pictures(after), strict=True):
             # Where starts differ in their last bit, chaotic orbits are others, and so are their points.
-            assert how_far(shown, drawn) < (0.03 if accepted_errors() else 0.001), where
+            assert how_far(shown, drawn) < 0.001, where
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import acb_mat
+from flint import acb_mat, arb_mat
 
 from liepoisson.arrays import Array
 from liepoisson.errors import EnclosureError
@@ -13,7 +13,6 @@ from liepoisson.proofs.box import Box
 from liepoisson.proofs.rigorous import down, up
 
 if TYPE_CHECKING:
-    from flint import arb_mat
     from numpy.typing import NDArray
 
 
@@ -27,7 +26,10 @@ def eigenvalue_boxes(matrix: arb_mat) -> tuple[Box, Box, NDArray[np.bool_]]:
     if not n:
         return Box(np.zeros(0), np.zeros(0)), Box(np.zeros(0), np.zeros(0)), np.zeros(0, dtype=bool)
     try:
-        found = acb_mat(matrix).eig(multiple=True)
+        try:
+            found = acb_mat(matrix).eig(multiple=True)
+        except ValueError:  # of multiple eigenvalues, where the matrix has many zeros: not in other coordinates
+            found = acb_mat(_in_other_coordinates(matrix)).eig(multiple=True)
     except ValueError as error:
         raise EnclosureError(f"eigenvalues: wanted their enclosures; {error}; try a smaller set") from error
     low, high = (np.array([(bound(value.real), bound(value.imag)) for value in found], float) for bound in (down, up))
@@ -42,6 +44,15 @@ def eigenvalue_boxes(matrix: arb_mat) -> tuple[Box, Box, NDArray[np.bool_]]:
     order = np.lexsort((low[:, 1], low[:, 0]))[::-1]
     low, high = low[order], high[order]
     return Box(low[:, 0], high[:, 0]), Box(low[:, 1], high[:, 1]), simple[order]
+
+
+def _in_other_coordinates(matrix: arb_mat) -> arb_mat:
+    """A similar matrix, by whole numbers of determinant 1."""
+    n = matrix.nrows()
+    below = {(i, j): (i * j + i + j) % 3 - 1 for i in range(n) for j in range(i)}
+    lower = arb_mat(n, n, [1 if i == j else below.get((i, j), 0) for i in range(n) for j in range(n)])
+    T = lower * lower.transpose()
+    return T.inv() * matrix * T
 
 
 def _overlap(low: Array, high: Array, i: int, j: int) -> bool:

@@ -297,9 +297,7 @@ class _Problem:
         with working(self.means.precision):
             rows = self.balls.gradients(_exact(state)).tolist()
         _, _, basis = linear.svd(np.array([[float(e.mid()) for e in row] for row in rows], float))
-        # turned, since Arb does not isolate the multiple eigenvalues of some matrices with many zeros
-        turn = linear.qr(generator(0).standard_normal((self.dimension, self.dimension))).Q
-        return np.rint(linear.matmul(turn, basis[len(self.values) :]) * _DIRECTIONS).astype(np.int64)
+        return np.rint(basis[len(self.values) :] * _DIRECTIONS).astype(np.int64)
 
     def improved(self, guess: Array) -> Array:
         """Newton's method, without proof, from a guess; the directions follow it."""
