@@ -26,7 +26,6 @@ __all__ = [
     "cond",
     "cov",
     "det",
-    "dot",
     "eig",
     "eigh",
     "eigvals",
@@ -36,7 +35,6 @@ __all__ = [
     "inv",
     "lstsq",
     "matmul",
-    "matrix_power",
     "norm",
     "pinv",
     "poly",
@@ -109,11 +107,6 @@ def times(a: Any, b: Any) -> Any:
     """Products of complex numbers, one by one: NumPy fuses their sums on some processors."""
     a, b = _arrays(a, b)
     return (a.real * b.real - a.imag * b.imag) + 1j * (a.real * b.imag + a.imag * b.real)
-
-
-def dot(a: Any, b: Any) -> Any:
-    r"""Products $\sum_k a_{...k} b_{...k}$ of vectors along the last axis."""
-    return einsum("...i,...i->...", a, b)
 
 
 def tensordot(a: Any, b: Any, axes: int = 1) -> Any:
@@ -434,17 +427,6 @@ def poly(zeros: Any) -> Any:
         longer[1:] -= zero.real * found + 1j * (zero.imag * found)
         found = longer
     return found
-
-
-def matrix_power(a: Any, n: int) -> Any:
-    """The n-th power of a matrix, n >= 0, by squares."""
-    square = np.asarray(a)
-    result: Any = np.eye(square.shape[-1])
-    while n:
-        if n & 1:
-            result = matmul(result, square)
-        square, n = (matmul(square, square), n >> 1) if n > 1 else (square, 0)
-    return result
 
 
 def roots(coefficients: Sequence[float] | Array) -> Any:
