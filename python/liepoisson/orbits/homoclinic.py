@@ -39,6 +39,12 @@ if TYPE_CHECKING:
 MEETS = 1e-9
 """Largest distance of a midpoint from the fixed set, in units of the level; 1e-12 is usual (see `unstable`)."""
 
+_GROWN_ROUND_OFF = 100 * float(np.finfo(float).eps)
+"""The same times the amplitude of the start, where round-off is larger: up to 18 epsilon were measured.
+
+The flow that makes 1 of the amplitude multiplies the last digits of the start as much.
+"""
+
 _EXCURSION = 6.0
 """By default flights go on for so many times 1 / rate after the amplitude would have grown to 1."""
 
@@ -215,7 +221,8 @@ class _Search:
             size_of_a = linear.norm(a[active], axis=1) / self.size
             inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 2 * self.factor) & (T[active] > 0)
             active = active[go & inside & (T[active] < 1.2 * self.longest)]
-        return [(*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS]
+        meets = max(MEETS, _GROWN_ROUND_OFF / self.size)
+        return [(*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= meets]
 
 
 def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
