@@ -11,6 +11,7 @@ from liepoisson import deadline
 from liepoisson.deadline import Deadline, checkpoint, has_passed
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
+from liepoisson.scalars import as_deadline
 
 Q, P = ("q1", "q2", "q3"), ("p1", "p2", "p3")
 PAIRS = "1/(q1 - q2)^2 + 1/(q2 - q3)^2 + 1/(q1 - q3)^2"
@@ -82,7 +83,7 @@ def test_work_that_is_counted_ends_at_the_deadline_too():
 @pytest.mark.parametrize("limit", [0, -1, float("nan"), "soon", None])
 def test_a_limit_is_a_positive_number(limit):
     with pytest.raises(ParameterError, match="time_limit: wanted a positive number of seconds"):
-        Deadline(limit)
+        as_deadline(limit)
 
 
 def test_no_limit_is_a_limit():

@@ -16,7 +16,7 @@ import sympy as sp
 import liepoisson as lp
 from liepoisson.errors import LiePoissonError
 from liepoisson.exact.canonical_system import CanonicalSystem
-from liepoisson.exact.parameters import as_expression
+from liepoisson.exact.exact_numbers import as_expression
 from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
 from liepoisson.exact.private_symbols import in_private_symbols
 

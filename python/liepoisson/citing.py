@@ -156,7 +156,7 @@ def _described(used: Any) -> Any:
 
 def _is_twisted(system: Any) -> bool:
     """Whether it is a top with a cocycle."""
-    from liepoisson.exact.parameters import is_zero
+    from liepoisson.exact.exact_numbers import is_zero
 
     top = getattr(system, "top_parameters", None)
     return top is not None and not is_zero(top.epsilon)

@@ -20,16 +20,11 @@ class Deadline:
     """When a call gives up.
 
     Args:
-        seconds: From now.
-
-    Raises:
-        ParameterError: they are no positive number.
+        seconds: From now, a positive number.
     """
 
     def __init__(self, seconds: float) -> None:
-        from liepoisson.scalars import as_time_limit  # with NumPy, which the exact algebra does without
-
-        self.seconds = as_time_limit(seconds)
+        self.seconds = seconds
         self._end = time.monotonic() + self.seconds
 
     @property

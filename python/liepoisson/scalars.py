@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from liepoisson.arrays import as_double
+from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
+from liepoisson.exact.formula.numbers import as_double
 from liepoisson.given import as_scalar
 from liepoisson.wrong_values import shown
 
@@ -72,6 +73,15 @@ def as_threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return as_count(threads, "threads", least=1, most=MOST_THREADS, hint="leave it out to use all processors")
+
+
+def as_deadline(time_limit: float) -> Deadline:
+    """The deadline of a call that begins now.
+
+    Raises:
+        ParameterError: the limit is no positive number of seconds.
+    """
+    return Deadline(as_time_limit(time_limit))
 
 
 def as_time_limit(seconds: float) -> float:

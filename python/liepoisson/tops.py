@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.calls import explains_its_arguments, explains_its_methods, level_of_the_caller
 from liepoisson.errors import InertiaWarning, ParameterError
+from liepoisson.exact.exact_numbers import Exact, exceeds_sum, is_negative, is_zero
 from liepoisson.exact.extensions import leibniz
 from liepoisson.exact.lie_algebras import so
-from liepoisson.exact.parameters import Exact, Parameter, exceeds_sum, is_negative, is_zero, read_parameter, read_vector
+from liepoisson.exact.parameters import Parameter, read_parameter, read_vector
 from liepoisson.exact.system import System
 from liepoisson.exact.top_parameters import ExactVector, TopParameters
 

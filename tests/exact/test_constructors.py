@@ -4,9 +4,9 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ExpressionError
+from liepoisson.exact.bracket_scope import scope_of
 from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.expression import read_expression
-from liepoisson.exact.formula.scope import Scope
 
 
 @pytest.mark.parametrize(
@@ -68,5 +68,5 @@ def test_a_mistake_in_the_name_of_an_extension_is_refused(text):
 
 def test_the_text_of_a_hamiltonian_fits_the_bracket():
     bracket = read_algebra("so(4)") @ read_extension("trivial()").rename("M")
-    scope = Scope.of_bracket(bracket)
+    scope = scope_of(bracket)
     assert read_expression("M12 + M[6]", scope) == sp.Symbol("M12") + sp.Symbol("M34")

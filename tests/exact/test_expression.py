@@ -12,6 +12,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.exact.bracket_scope import scope_of
 from liepoisson.exact.expression import check_names, read_expression, read_formula
 from liepoisson.exact.extensions import leibniz
 from liepoisson.exact.formula.grammar import parse
@@ -223,7 +224,7 @@ def test_names_must_stand_for_one_thing():
 
 
 def test_the_scope_of_a_bracket_knows_its_coordinates_and_symbols():
-    scope = Scope.of_bracket(so(3) @ leibniz(3, "epsilon"), {"I": (1, 2, 3)}, ("kappa",))
+    scope = scope_of(so(3) @ leibniz(3, "epsilon"), {"I": (1, 2, 3)}, ("kappa",))
     expected = sp.Symbol("epsilon") * beta1 * sp.Symbol("kappa") / sp.Symbol("I2")
     assert read_expression("epsilon*beta1*kappa/I2", scope) == expected
     assert scope.owner("alpha3") == "alpha"

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
+from liepoisson.exact.bracket_scope import scope_of
 from liepoisson.exact.expression import read_expression
 from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.lowering import lower
@@ -172,7 +173,7 @@ def test_a_false_integral_is_refused_as_before():
 
 def test_brackets_with_the_hamiltonian_are_derivatives_along_the_motion():
     system = lp.catalog.system("kovalevskaya")
-    function = read_polynomial("l1*alpha2^2 - l3", Scope.of_bracket(system.bracket), system.component_names)
+    function = read_polynomial("l1*alpha2^2 - l3", scope_of(system.bracket), system.component_names)
     rate = bracket_with(system.polynomial_rates, function)
     assert expression_of(rate, system.variables) == sp.expand(system.derivative("l1*alpha2^2 - l3"))
 

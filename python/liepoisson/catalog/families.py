@@ -148,10 +148,10 @@ def zeitlin(N: int) -> System:
     """
     from sympy import S
 
+    from liepoisson.exact.exact_numbers import to_sympy
     from liepoisson.exact.extensions import trivial
     from liepoisson.exact.lie.sine_algebra import sine_energy
     from liepoisson.exact.lie_algebras import sine
-    from liepoisson.exact.parameters import to_sympy
     from liepoisson.exact.system import System
 
     bracket = sine(N) @ trivial().rename("w")
@@ -190,7 +190,7 @@ def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
     """
     import numpy as np
 
-    from liepoisson.arrays import as_array
+    from liepoisson.exact.formula.numbers import as_array
     from liepoisson.exact.lie.sine_algebra import sine_modes
     from liepoisson.portable import elementary
     from liepoisson.scalars import as_count
@@ -227,10 +227,10 @@ def reduced_mhd(N: int) -> System:
     """
     from sympy import S
 
+    from liepoisson.exact.exact_numbers import to_sympy
     from liepoisson.exact.extensions import semidirect
     from liepoisson.exact.lie.sine_algebra import sine_energy
     from liepoisson.exact.lie_algebras import sine
-    from liepoisson.exact.parameters import to_sympy
     from liepoisson.exact.system import System
 
     bracket = sine(N) @ semidirect(2).rename("w", "psi")
@@ -523,7 +523,8 @@ def _moments(values: Sequence[Parameter] | None, n: int, name: str) -> list[Any]
 
 def _numbers(values: Sequence[Parameter], n: int, name: str, letter: str | None = None) -> list[Any]:
     """Exact numbers (or names), as SymPy expressions; labels are the letter with numbers from 1."""
-    from liepoisson.exact.parameters import read_parameter, to_sympy
+    from liepoisson.exact.exact_numbers import to_sympy
+    from liepoisson.exact.parameters import read_parameter
     from liepoisson.given import listed
 
     items = listed(values, name, [f"{letter or name}{k + 1}" for k in range(n)])

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.arrays import as_double
 from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ParameterError
+from liepoisson.exact.formula.numbers import as_double
 
 if TYPE_CHECKING:
     from liepoisson.arrays import Array
@@ -43,8 +43,8 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
         ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
     file = with_settings(read_file(argument), settings)
+    from liepoisson.exact.exact_numbers import as_float, is_zero
     from liepoisson.exact.names import MAX_TITLE
-    from liepoisson.exact.parameters import as_float, is_zero
     from liepoisson.exact.values import flattened
 
     if file.symbols:

@@ -21,18 +21,11 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.exact_numbers import Exact, as_expression, is_zero, symbols_of, to_sympy
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.names import free_name
-from liepoisson.exact.parameters import (
-    Exact,
-    Parameter,
-    as_expression,
-    is_zero,
-    read_parameter,
-    symbols_of,
-    to_sympy,
-)
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.given import listed
 
 if TYPE_CHECKING:

@@ -14,20 +14,14 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.constant_part import read_constant, with_linear_part_at
+from liepoisson.exact.exact_numbers import as_expression, substituted, symbols_of, to_sympy
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_name, check_not_reserved, check_title
-from liepoisson.exact.parameters import (
-    Column,
-    Parameter,
-    as_expression,
-    read_parameter,
-    substituted,
-    symbols_of,
-    to_sympy,
-)
+from liepoisson.exact.parameters import Column, Parameter, read_parameter
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
+from liepoisson.facades import function_of
 from liepoisson.given import by_name, listed
 from liepoisson.wrong_values import not_a
 
@@ -37,7 +31,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.automorphisms import Derivation, Scaling
     from liepoisson.exact.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.exact.certificates import JacobiCertificate, RankCertificate
-    from liepoisson.exact.parameters import Exact
+    from liepoisson.exact.exact_numbers import Exact
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
     from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.strata import Stratum
@@ -436,9 +430,7 @@ class Bracket:
 
     def _repr_latex_(self) -> str | None:
         """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
-        from liepoisson.exact.describe import displayed_bracket
-
-        return displayed_bracket(self)
+        return function_of("Bracket._repr_latex_")(self)
 
     def __repr__(self) -> str:
         if self._name is not None:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.exact.exact_numbers import Exact, to_sympy
 from liepoisson.exact.formula.arithmetic import expanded_terms
-from liepoisson.exact.parameters import Exact, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import Exact, is_zero, to_sympy
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import (
     MAX_WORK,
     CasimirSearch,

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import CocycleError
+from liepoisson.exact.exact_numbers import Exact, is_zero, product_of
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
-from liepoisson.exact.parameters import Exact, is_zero, product_of
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT, LinearPoissonTensor
 
 if TYPE_CHECKING:

@@ -13,11 +13,12 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError
 from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra
 from liepoisson.exact.commutative.local_normal_form import RealFactor, SurdVector, real_factors
+from liepoisson.exact.exact_numbers import Exact, to_sympy
 from liepoisson.exact.extension import Extension, Products
 from liepoisson.exact.linear.real_fields import RealField, Surd
 from liepoisson.exact.names import free_name
 from liepoisson.exact.normal_forms import complex_name
-from liepoisson.exact.parameters import Exact, Parameter, to_sympy
+from liepoisson.exact.parameters import Parameter
 
 if TYPE_CHECKING:
     from sympy import Expr

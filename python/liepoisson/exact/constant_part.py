@@ -7,11 +7,12 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import BracketError, ParameterError, did_you_mean
-from liepoisson.exact.parameters import Parameter, is_zero, product_of, read_parameter, sum_of, symbols_of
+from liepoisson.exact.exact_numbers import is_zero, product_of, sum_of, symbols_of
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.given import is_named
 
 if TYPE_CHECKING:
-    from liepoisson.exact.parameters import Exact
+    from liepoisson.exact.exact_numbers import Exact
 
 Pair: TypeAlias = tuple[int, int]
 

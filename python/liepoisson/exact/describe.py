@@ -226,7 +226,7 @@ def displayed_algebra(algebra: LieAlgebra) -> str | None:
     """The brackets of a basis in LaTeX, those that are not zero; None where there are too many to be read."""
     from sympy import Add, Symbol, latex
 
-    from liepoisson.exact.parameters import to_sympy
+    from liepoisson.exact.exact_numbers import to_sympy
 
     if len(algebra.brackets) > MOST_SHOWN or algebra.dimension > MOST_SHOWN:
         return None

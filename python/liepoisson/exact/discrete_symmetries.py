@@ -27,11 +27,12 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.display import as_line, as_table
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.parameters import is_zero
+from liepoisson.exact.exact_numbers import is_zero
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.exact.signed_permutations import (
     MOST_TRIED,
     SignedPermutation,

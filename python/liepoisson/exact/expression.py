@@ -21,6 +21,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ExpressionError, did_you_mean
+from liepoisson.exact.exact_numbers import Exact, symbols_of, to_sympy
 from liepoisson.exact.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.exact.formula.grammar import (
     Call,
@@ -54,7 +55,6 @@ from liepoisson.exact.names import (
     NOT_SMOOTH,
     PARTIAL_FUNCTIONS,
 )
-from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
 if TYPE_CHECKING:

@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, cast
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.exact_numbers import Exact, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, substituted, symbols_of, to_sympy
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
 from liepoisson.given import by_name, is_named
 from liepoisson.wrong_values import not_a

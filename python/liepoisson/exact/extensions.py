@@ -13,8 +13,9 @@ from numbers import Integral
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.extension import Extension, Products, read_field_count
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, read_symbol, to_sympy
+from liepoisson.exact.parameters import Parameter, read_parameter, read_symbol
 
 
 @explains_its_arguments

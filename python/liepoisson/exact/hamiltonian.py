@@ -7,8 +7,9 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, did_you_mean
+from liepoisson.exact.exact_numbers import Exact, as_expression, is_sympy, to_sympy
 from liepoisson.exact.names import NOT_SMOOTH, check_title
-from liepoisson.exact.parameters import Column, Exact, as_expression, is_sympy, read_parameter, to_sympy
+from liepoisson.exact.parameters import Column, read_parameter
 from liepoisson.given import listed, named
 
 if TYPE_CHECKING:

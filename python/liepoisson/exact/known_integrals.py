@@ -12,7 +12,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
-from liepoisson.exact.parameters import Column, is_zero, to_sympy
+from liepoisson.exact.exact_numbers import is_zero, to_sympy
+from liepoisson.exact.parameters import Column
 from liepoisson.exact.rational_polynomials import RationalPolynomial
 from liepoisson.exact.top_parameters import TopNumbers, TopParameters
 from liepoisson.exact.triples import Scalar, Triple

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.exact_numbers import Exact, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.exact.parameters import Parameter
 from liepoisson.exact.tensors import (
     Brackets,
     Tensor3,
@@ -25,6 +26,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
+from liepoisson.facades import function_of
 from liepoisson.given import by_name, listed
 from liepoisson.wrong_values import not_a
 
@@ -283,9 +285,7 @@ class LieAlgebra:
 
     def _repr_latex_(self) -> str | None:
         """What a notebook shows: the brackets of the basis, up to 12 of them."""
-        from liepoisson.exact.describe import displayed_algebra
-
-        return displayed_algebra(self)
+        return function_of("LieAlgebra._repr_latex_")(self)
 
     def __repr__(self) -> str:
         return self.name

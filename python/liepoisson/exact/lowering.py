@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped
+from liepoisson.exact.exact_numbers import as_coefficient
 from liepoisson.exact.overflow import without_overflow
-from liepoisson.exact.parameters import as_coefficient
 from liepoisson.exact.polynomial_dynamics import of_degree_two
 from liepoisson.exact.private_symbols import in_private_symbols, name_of_function
 from liepoisson.exact.rounded import ONE, ZERO, Rounded, rational, rounded

@@ -19,8 +19,8 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import UnsupportedFieldError
+from liepoisson.exact.exact_numbers import as_coefficient
 from liepoisson.exact.lowering import Polynomial, check_numeric
-from liepoisson.exact.parameters import as_coefficient
 from liepoisson.exact.rounded import rational
 from liepoisson.field import Piece, PiecesField
 

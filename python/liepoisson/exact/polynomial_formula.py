@@ -11,12 +11,12 @@ from fractions import Fraction
 from typing import Any
 
 from liepoisson.errors import LiePoissonError
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.expression import Reader
 from liepoisson.exact.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.exact.formula.grammar import Call, Node, Power, names_in, parse
 from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.formula.tensor_arithmetic import Matrix
-from liepoisson.exact.parameters import Exact
 from liepoisson.exact.rational_polynomials import (
     MOST_TERMS,
     RationalPolynomial,

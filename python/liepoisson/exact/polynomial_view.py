@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from liepoisson.exact.bracket_scope import scope_of
 from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.known_integrals import known_polynomials
 from liepoisson.exact.polynomial_dynamics import bracket_with, is_rational, rates_of
@@ -52,7 +53,7 @@ class PolynomialView:
         known = flattened(values)
         if not all(isinstance(value, Fraction) for value in known.values()) or not is_rational(bracket):
             return None
-        scope, names = Scope.of_bracket(symbolic, values), bracket.coordinate_names_in_order
+        scope, names = scope_of(symbolic, values), bracket.coordinate_names_in_order
         hamiltonian = read_polynomial(text, scope, names)
         if hamiltonian is None:
             return None

@@ -37,7 +37,7 @@ def in_private_symbols(
     """
     from sympy import S, Symbol
 
-    from liepoisson.exact.parameters import as_expression
+    from liepoisson.exact.exact_numbers import as_expression
 
     # Leading zeros, so that SymPy sorts the names by their numbers.  The last variable comes first: the tape of the
     # quaternion chart has 115 operations then, in the other order 118.

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from liepoisson.arrays import Array
-from liepoisson.exact.parameters import is_zero
+from liepoisson.exact.exact_numbers import is_zero
 from liepoisson.streams import generator
 
 Term: TypeAlias = tuple[tuple[int, ...], int, int]

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.exact.casimirs import quotient_casimirs
+from liepoisson.exact.exact_numbers import is_zero
 from liepoisson.exact.locus import Locus
-from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.poisson.casimir_search import n_independent
 from liepoisson.exact.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.exact.poisson.pfaffians import PfaffianIdeal

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.bracket_scope import scope_of
+from liepoisson.exact.exact_numbers import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.hamiltonian import (
     RESERVED_NAME,
@@ -26,9 +28,9 @@ from liepoisson.exact.hamiltonian import (
 )
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.rational_polynomials import values_of
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
+from liepoisson.facades import function_of
 from liepoisson.field import Field, PiecesField, TapeFunction
 from liepoisson.read_only import ReadOnlyDict
 from liepoisson.wrong_values import not_a, shown
@@ -254,9 +256,8 @@ class System:
 
     @cached_property
     def _names_in_formulas(self) -> Scope:
-        from liepoisson.exact.formula.scope import Scope
 
-        return Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols)
+        return scope_of(self.symbolic_bracket, self.values, self._given_symbols)
 
     @cached_property
     def _parameter_names(self) -> tuple[str, ...]:
@@ -340,7 +341,7 @@ class System:
             known = self._polynomials.is_constant(polynomial)
             if known is not None:
                 return known
-        from liepoisson.exact.parameters import is_zero
+        from liepoisson.exact.exact_numbers import is_zero
         from liepoisson.exact.trace import abbreviated
 
         return is_zero(abbreviated(self.derivative(function))[0])
@@ -552,7 +553,6 @@ class System:
         from sympy import Symbol
 
         from liepoisson.exact.expression import read_expression
-        from liepoisson.exact.formula.scope import Scope
 
         try:
             return self.expression(text)
@@ -560,7 +560,7 @@ class System:
             names = [name for name in self.invariants if name in set(_NAME.findall(text))]
             if not names:
                 raise
-        scope = Scope.of_bracket(self.symbolic_bracket, self.values, (*self._given_symbols, *names))
+        scope = scope_of(self.symbolic_bracket, self.values, (*self._given_symbols, *names))
         read: Any = self._with_parameters(read_expression(text, scope))
         return read.xreplace({Symbol(name): self.invariants[name] for name in names})
 
@@ -585,15 +585,11 @@ class System:
 
     def __str__(self) -> str:
         """The bracket, the Hamiltonian, the equations and the invariants; `inspect` has the full report."""
-        from liepoisson.exact.describe import describe
-
-        return describe(self)
+        return function_of("System.__str__")(self)
 
     def _repr_latex_(self) -> str:
         """What a notebook shows: Hamiltonian, equations and invariants."""
-        from liepoisson.exact.describe import displayed
-
-        return displayed(self)
+        return function_of("System._repr_latex_")(self)
 
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"

@@ -42,11 +42,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
+from liepoisson.exact.bracket_scope import scope_of
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.expression import read_formula
 from liepoisson.exact.formula.scope import Scope, read_declaration, shape_of
 from liepoisson.exact.formula.toml_text import TomlText
 from liepoisson.exact.names import MAX_TITLE
-from liepoisson.exact.parameters import Exact
 from liepoisson.exact.values import GivenValue, Shape, Value, read_values
 
 if TYPE_CHECKING:
@@ -151,7 +152,7 @@ class SystemFile:
     @cached_property
     def scope(self) -> Scope:
         """The names that the formulas of the file may use."""
-        return Scope.of_bracket(self.bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
+        return scope_of(self.bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
 
     @property
     def formulas(self) -> dict[tuple[str, ...], str]:

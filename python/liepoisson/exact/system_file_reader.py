@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.exact.constructors import read_algebra, read_extension
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.expression import check_names, evaluate
 from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
 from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
 from liepoisson.exact.hamiltonian import RESERVED_NAME
 from liepoisson.exact.names import MAX_TITLE, check_name
-from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
 from liepoisson.exact.values import Value
 

@@ -15,8 +15,8 @@ from liepoisson.errors import LiePoissonError, SystemFileError
 from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.constructors import read_algebra, read_extension
+from liepoisson.exact.exact_numbers import to_sympy
 from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.parameters import to_sympy
 from liepoisson.exact.system import System
 from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.files import write_atomically

@@ -8,14 +8,8 @@ from itertools import product
 from typing import TypeAlias, cast
 
 from liepoisson.errors import BracketError, ShapeError
-from liepoisson.exact.parameters import (
-    Exact,
-    Parameter,
-    is_sympy,
-    is_zero,
-    read_parameter,
-    to_sympy,
-)
+from liepoisson.exact.exact_numbers import Exact, is_sympy, is_zero, to_sympy
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.given import is_named, listed
 
 Tensor3: TypeAlias = tuple[tuple[tuple[Exact, ...], ...], ...]

@@ -10,16 +10,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import (
-    Column,
-    Exact,
-    as_coefficient,
-    as_float,
-    display,
-    is_zero,
-    symbols_of,
-    to_sympy,
-)
+from liepoisson.exact.exact_numbers import Exact, as_coefficient, as_float, display, is_zero, symbols_of, to_sympy
+from liepoisson.exact.parameters import Column
 from liepoisson.exact.rounded import rational
 from liepoisson.exact.triples import Scalar, Triple
 from liepoisson.field import TopField, Vector3

@@ -18,8 +18,8 @@ from weakref import WeakValueDictionary
 from sympy import AtomicExpr, Function, Integer, Rational, Tuple
 from sympy.core.symbol import Str
 
+from liepoisson.exact.exact_numbers import as_expression
 from liepoisson.exact.lie.defining_matrices import DefiningMatrices, Entries, sparse_product
-from liepoisson.exact.parameters import as_expression
 from liepoisson.exact.trace_words import Word, canonical, chain
 
 if TYPE_CHECKING:

@@ -25,6 +25,7 @@ from math import comb, prod
 from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.lie.defining_matrices import (
     DefiningMatrices,
     Entries,
@@ -35,7 +36,6 @@ from liepoisson.exact.lie.defining_matrices import (
 )
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank_mod
-from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import MAX_WORK, CasimirSearch
 from liepoisson.exact.poisson.polynomials import Polynomial, gradient_at
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted

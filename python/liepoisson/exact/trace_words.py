@@ -84,9 +84,9 @@ def balanced_combinations(extension: Extension, degree: int) -> list[Combination
 
     There are none where the words are too many, see `MOST_WORDS`.
     """
+    from liepoisson.exact.exact_numbers import is_zero
     from liepoisson.exact.linear.coefficients import Coefficients
     from liepoisson.exact.linear.linear_algebra import nullspace
-    from liepoisson.exact.parameters import is_zero
 
     n = extension.dimension
     if n**degree > MOST_WORDS:

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import Exact, is_sympy
 from liepoisson.exact.names import check_name
-from liepoisson.exact.parameters import Exact, Parameter, is_sympy, read_parameter
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.given import labelled, listed, named
 
 Shape: TypeAlias = tuple[int, ...]

@@ -317,7 +317,7 @@ class _Reader:
             self.relations.append(s**2 + c**2 - 1)
 
     def _written(self, form: Form) -> Any:
-        from liepoisson.exact.parameters import to_sympy
+        from liepoisson.exact.exact_numbers import to_sympy
 
         return sum(to_sympy(c) * x for c, x in zip(form, self.coordinates, strict=True))
 

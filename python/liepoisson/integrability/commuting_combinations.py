@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.exact.exact_numbers import to_sympy
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
-from liepoisson.exact.parameters import to_sympy
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.completeness import fields_rank
 from liepoisson.integrability.derivation import Polynomial

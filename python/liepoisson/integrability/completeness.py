@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.exact.exact_numbers import to_sympy
 from liepoisson.exact.linear.coefficients import Coefficients, check_degree
 from liepoisson.exact.linear.linear_algebra import rank_mod, solve
-from liepoisson.exact.parameters import to_sympy
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import level_of

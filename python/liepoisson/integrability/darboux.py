@@ -15,7 +15,6 @@ from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.display import as_text
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients
@@ -35,7 +34,7 @@ from liepoisson.integrability.polynomial_integrals import (
 )
 from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
 from liepoisson.integrability.square_roots import element, field_of
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_deadline
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -220,7 +219,7 @@ def darboux_polynomials(
     """
     if field not in get_args(Field):
         raise ParameterError(f"field: wanted 'complex', 'real' or 'rational'; got {shown(field)}")
-    deadline = Deadline(time_limit)
+    deadline = as_deadline(time_limit)
     with deadline.running():
         given, zeros, derivation, known_polynomials, zero_polynomials = read_search(system, known, on)
     if not derivation.field.is_rational:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.linear.coefficients import Coefficients, Element
-from liepoisson.exact.parameters import Exact
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

@@ -15,7 +15,6 @@ from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.given import texts
@@ -35,7 +34,7 @@ from liepoisson.integrability.polynomial_integrals import (
     zeros_on_level,
 )
 from liepoisson.integrability.search import Generator, Search
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_deadline
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -98,7 +97,7 @@ class ParameterCase:
         Raises:
             ParameterError: a parameter of the conditions has no value.
         """
-        from liepoisson.exact.parameters import to_sympy
+        from liepoisson.exact.exact_numbers import to_sympy
         from liepoisson.exact.values import read_values
 
         at = {name: to_sympy(cast("Any", v)) for name, v in read_values(values).items()}
@@ -227,7 +226,7 @@ def integrable_families(
         ParameterError: the system has no symbols or no polynomial equations, its numbers are not rational, the level is
             not invariant, or the search is too large.
     """
-    d, deadline = as_count(degree, "degree", least=1), Deadline(time_limit)
+    d, deadline = as_count(degree, "degree", least=1), as_deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
     check_numbers(system, "integrable_families", zeros)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)

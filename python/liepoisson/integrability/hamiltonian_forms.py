@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.exact_numbers import is_sympy
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import nullspace
-from liepoisson.exact.parameters import is_sympy
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.system import System
 from liepoisson.given import is_named, listed, sequence
@@ -28,7 +28,7 @@ from liepoisson.wrong_values import not_a, shown
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.parameters import Exact
+    from liepoisson.exact.exact_numbers import Exact
 
 Symmetry: TypeAlias = "Mapping[str, str | Expr] | str | Expr"
 

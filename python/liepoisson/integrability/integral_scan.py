@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.calls import shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.files import exclusive
@@ -42,7 +41,7 @@ from liepoisson.integrability.scan_points import PointResult, PointSearch, plain
 from liepoisson.integrability.scan_processes import results
 from liepoisson.integrability.scan_store import ScanStore
 from liepoisson.result import Result, labelled, names_along, recorded
-from liepoisson.scalars import TIME_LIMIT, as_count, as_threads
+from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -183,7 +182,7 @@ def scan_integrals(
         DamagedFileError: the store cannot be read.
         KeyboardInterrupt: Ctrl-C; what is stored stays.
     """
-    d, deadline, n_at_once = as_count(degree, "degree", least=1), Deadline(time_limit), as_threads(threads)
+    d, deadline, n_at_once = as_count(degree, "degree", least=1), as_deadline(time_limit), as_threads(threads)
     chosen = equations_of(on)
     search, names = _search(system, d, chosen)
     grid = _axes(axes, names)

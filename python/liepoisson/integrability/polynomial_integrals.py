@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import is_sympy, to_sympy
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import is_sympy, read_parameter, to_sympy
+from liepoisson.exact.parameters import read_parameter
 from liepoisson.exact.printing import Formula
 from liepoisson.given import by_name, named, sequence
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic

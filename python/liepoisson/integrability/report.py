@@ -27,7 +27,7 @@ from liepoisson.integrability.completeness import (
 from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named, search_record
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_deadline
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ def integrability_report(
         ParameterError: the equations are not such as `first_integrals` searches.
         TimeLimitError: not even the rank and the Casimirs of the bracket were known in time.
     """
-    most, deadline = as_count(degree, "degree", least=1), Deadline(time_limit)
+    most, deadline = as_count(degree, "degree", least=1), as_deadline(time_limit)
     with deadline.running():
         return _report(system, most, deadline, progress or (lambda _: None))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
-from liepoisson.exact.parameters import is_zero
+from liepoisson.exact.exact_numbers import is_zero
 from liepoisson.exact.system_text import read_system_text
 from liepoisson.formats import another_format
 from liepoisson.integrability import checker

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
-from liepoisson.exact.parameters import is_sympy
+from liepoisson.exact.exact_numbers import is_sympy
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.files import write_atomically
 from liepoisson.given import sequence
 from liepoisson.laboratory.description import description_of, record_of_functions

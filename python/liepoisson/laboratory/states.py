@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import by_name, listed, named
 from liepoisson.laboratory.pages import LARGEST, exact_text
 from liepoisson.laboratory.presets import presets

@@ -9,8 +9,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import ReadOnlyArrays, as_array
+from liepoisson.arrays import ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count, as_number
 

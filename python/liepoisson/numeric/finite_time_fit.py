@@ -18,10 +18,11 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array, check_memory
+from liepoisson.arrays import check_memory
 from liepoisson.calls import explains_its_arguments
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import listed
 from liepoisson.numeric.estimates import (
     Estimate,

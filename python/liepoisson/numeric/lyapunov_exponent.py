@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.numeric.estimates import Estimate, Resampling
 from liepoisson.numeric.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.numeric.methods import Method

@@ -17,7 +17,8 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.numeric.estimates import Estimate, as_confidence
 from liepoisson.portable import elementary, linear
 

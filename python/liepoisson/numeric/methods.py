@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.numeric.systems import TOP_COMPONENTS, has_pieces
 from liepoisson.scalars import as_count, as_number

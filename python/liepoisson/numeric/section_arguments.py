@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.field import TapeFunction
 from liepoisson.given import listed
 from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas

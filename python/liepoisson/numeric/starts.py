@@ -8,8 +8,9 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import is_named, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.exact.parameters import Exact, read_parameter, to_sympy
+from liepoisson.exact.exact_numbers import Exact, to_sympy
+from liepoisson.exact.parameters import read_parameter
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.given import named
 from liepoisson.phase_space._checks import are_equal, as_energy, as_system

@@ -15,7 +15,7 @@ from math import ceil, log
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import OrbitError, ParameterError
-from liepoisson.exact.parameters import Exact, to_sympy
+from liepoisson.exact.exact_numbers import Exact, to_sympy
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

@@ -8,10 +8,11 @@ from typing import Any, Protocol, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method

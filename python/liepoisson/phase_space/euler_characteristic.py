@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.arrays import Array
-from liepoisson.exact.parameters import as_float
+from liepoisson.exact.exact_numbers import as_float
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.linearisation import definite_sign
 from liepoisson.phase_space.top_equilibria import euler_characteristic_of_leaf

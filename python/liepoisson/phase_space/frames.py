@@ -18,10 +18,11 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array, read_only
+from liepoisson.arrays import Array, read_only
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.charts.quaternions import components, rotation, shortest_turn
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.system import System
 from liepoisson.field import Field

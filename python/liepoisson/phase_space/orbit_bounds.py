@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import named
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.portable import elementary, linear

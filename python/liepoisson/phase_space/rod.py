@@ -24,9 +24,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.starts import StartsLike, as_starts, as_values
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
@@ -245,7 +246,7 @@ def loads(system: System) -> tuple[Weights, Weights]:
 def _product(system: System, first: Weights, second: Weights) -> Weights:
     from sympy import Integer, simplify
 
-    from liepoisson.exact.parameters import to_sympy
+    from liepoisson.exact.exact_numbers import to_sympy
 
     sums: list[Any] = [Integer(0)] * len(first)
     for (mu, nu), row in system.bracket.extension.products.items():

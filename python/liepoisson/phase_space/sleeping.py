@@ -19,7 +19,8 @@ import numpy as np
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter
+from liepoisson.exact.exact_numbers import Exact, as_float, is_zero
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.phase_space.linearisation import ComplexArray
 from liepoisson.phase_space.stability import Equilibrium, equilibrium, has_own_motion
 from liepoisson.portable import linear

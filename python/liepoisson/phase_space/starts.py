@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import is_named, named
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system

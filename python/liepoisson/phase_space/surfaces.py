@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.exact.parameters import is_zero
+from liepoisson.exact.exact_numbers import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.exact.rational_polynomials import in_words
 from liepoisson.given import by_name, named

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import listed, sequence
 from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
 from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style

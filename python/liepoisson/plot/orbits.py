@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import by_name
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants

@@ -11,9 +11,10 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.exact.parameters import read_parameter
 from liepoisson.given import ordered
 from liepoisson.wrong_values import shown

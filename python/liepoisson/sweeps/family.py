@@ -155,7 +155,7 @@ class FileFamily(Family):
         """Inertia, a, b and epsilon as functions of all components of all parameters; None if it is no top."""
         from sympy import Symbol
 
-        from liepoisson.exact.parameters import to_sympy
+        from liepoisson.exact.exact_numbers import to_sympy
         from liepoisson.exact.private_symbols import numpy_function
         from liepoisson.exact.values import component_name
 

@@ -140,7 +140,7 @@ def system_record(system: Any) -> dict[str, str]:
     """
     from sympy import srepr
 
-    from liepoisson.exact.parameters import to_sympy
+    from liepoisson.exact.exact_numbers import to_sympy
 
     entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in system.bracket.entries()]
     coordinates = ", ".join(map(str, system.bracket.variables))

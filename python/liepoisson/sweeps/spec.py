@@ -17,9 +17,9 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.exact.names import check_name, check_title
 from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.given import as_scalar, listed, named

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 import liepoisson
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.field import QuadraticField, TopField
 from liepoisson.numeric.finite_time_exponents import exponents_of_many, finite_time_exponents
 from liepoisson.numeric.methods import Method, Taylor

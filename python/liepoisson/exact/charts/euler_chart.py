@@ -31,8 +31,9 @@ from liepoisson.exact.charts.leaf_constants import (
     top_of,
     vectors,
 )
+from liepoisson.exact.exact_numbers import to_sympy
 from liepoisson.exact.hamiltonian import symbols_in
-from liepoisson.exact.parameters import Column, Parameter, to_sympy
+from liepoisson.exact.parameters import Column, Parameter
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:

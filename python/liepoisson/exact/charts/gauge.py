@@ -10,7 +10,8 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_vector, to_sympy
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.exact.parameters import Parameter, read_vector
 from liepoisson.given import listed
 
 Given: TypeAlias = "str | tuple[Sequence[Parameter], Sequence[Parameter]]"

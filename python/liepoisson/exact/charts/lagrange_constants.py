@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.charts.leaf_constants import COMPONENTS, refuse
-from liepoisson.exact.parameters import Parameter, as_float, is_zero, read_parameter, to_sympy
+from liepoisson.exact.exact_numbers import as_float, is_zero, to_sympy
+from liepoisson.exact.formula.numbers import as_array
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.exact.top_parameters import TopParameters
 from liepoisson.portable import linear
 

@@ -15,14 +15,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_methods
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_chart import EulerChart
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.exact.charts.leaf_constants import COMPONENTS, FIELDS, GivenLeaf, chart_points, decimal, top_of
+from liepoisson.exact.exact_numbers import as_float
+from liepoisson.exact.formula.numbers import as_array
 from liepoisson.exact.hamiltonian import symbols_in
-from liepoisson.exact.parameters import Parameter, as_float
+from liepoisson.exact.parameters import Parameter
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ChartError, ParameterError, ShapeError
-from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.exact_numbers import Exact, as_float, is_zero, symbols_of, to_sympy
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.exact.top_parameters import TopParameters
 from liepoisson.given import named

@@ -20,8 +20,9 @@ from liepoisson.exact.charts.euler_angles import angular_momentum
 from liepoisson.exact.charts.euler_chart import NEAREST
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.exact.charts.leaf_constants import COMPONENTS, FIELDS, chart_points, dot, refuse, top_of, vectors
+from liepoisson.exact.exact_numbers import as_float, to_sympy
 from liepoisson.exact.hamiltonian import symbols_in
-from liepoisson.exact.parameters import Parameter, as_float, read_parameter, to_sympy
+from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:

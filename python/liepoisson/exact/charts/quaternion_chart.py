@@ -36,8 +36,9 @@ from liepoisson.exact.charts.leaf_constants import (
     vectors,
 )
 from liepoisson.exact.charts.quaternions import body_rotation, components, left_matrix, shortest_turn, turned
+from liepoisson.exact.exact_numbers import is_zero
 from liepoisson.exact.hamiltonian import symbols_in
-from liepoisson.exact.parameters import Column, Parameter, is_zero
+from liepoisson.exact.parameters import Column, Parameter
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:

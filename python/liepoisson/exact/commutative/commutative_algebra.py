@@ -9,9 +9,9 @@ from itertools import chain, count, pairwise
 from itertools import product as pairs
 from typing import TypeAlias, final
 
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.linear.linear_systems import echelon, null_space, pivot_column
 from liepoisson.exact.linear.real_fields import RealField, Scalar, real_field
-from liepoisson.exact.parameters import Exact
 
 Vector: TypeAlias = tuple[Scalar, ...]
 """An element of the algebra, by its n coordinates."""

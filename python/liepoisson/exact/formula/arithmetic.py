@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.exact.exact_numbers import Exact, to_sympy
 from liepoisson.exact.names import ANGLE, ELEMENTARY_FUNCTIONS
-from liepoisson.exact.parameters import Exact, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -6,14 +6,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from typing import TYPE_CHECKING
 
 from liepoisson.errors import ParameterError, did_you_mean
 from liepoisson.exact.names import CONSTANTS, check_name, check_not_reserved
 from liepoisson.exact.values import GivenValue, Shape, Value, component_name, read_values
-
-if TYPE_CHECKING:
-    from liepoisson.exact.bracket import Bracket
 
 _DECLARATION = re.compile(r"([A-Za-z_][A-Za-z_0-9]{0,99})(?:\[ *([1-9][0-9]{0,2}) *(?:, *([1-9][0-9]{0,2}) *)?\])?")
 
@@ -58,23 +54,6 @@ class Scope:
         object.__setattr__(self, "components", _components(self.fields, shapes))
         for name in self.components:
             check_not_reserved(name, "a name of a component")
-
-    @classmethod
-    def of_bracket(
-        cls, bracket: Bracket, parameters: Mapping[str, GivenValue] | None = None, symbols: Sequence[str] = ()
-    ) -> Scope:
-        """The names of the coordinates of a bracket, its own symbols, and the given parameters and symbols.
-
-        Raises:
-            ParameterError: as for a scope.
-        """
-        scalars = bracket.field_names if bracket.has_scalar_fields else ()
-        fields = {} if scalars else dict.fromkeys(bracket.field_names, bracket.algebra.basis_names)
-        symbols = (*scalars, *symbols)
-        remark = _about_fields(bracket)
-        known = cls(fields, parameters or {}, symbols, scalars, remark)
-        missing = sorted(bracket.symbols - set(known.shapes) - set(known.components))
-        return cls(fields, parameters or {}, (*symbols, *missing), scalars, remark) if missing else known
 
     def owner(self, name: str) -> str | None:
         """The field, parameter or symbol to which a name belongs, itself or as a component; None if unknown."""
@@ -125,16 +104,6 @@ class Scope:
         names = [f"{name}{component}" for name, components in self.fields.items() for component in components]
         few = names if len(names) <= 6 else [*names[:3], "...", *names[-3:]]
         return f"; components {', '.join(few)}" if names else ""
-
-
-def _about_fields(bracket: Bracket) -> str:
-    """How the fields of a bracket get other names; and for se(3), where one field has two vectors, how they get any."""
-    if bracket.has_scalar_fields:
-        return ""
-    if bracket.algebra.name == "se(3)" and len(bracket.field_names) == 1:
-        return "Write so(3) @ semidirect(2) for se(3)* with two vectors, l and alpha"
-    names = ", ".join(f'"{name}"' for name in ("m", "p", "q", "r")[: len(bracket.field_names)])
-    return f"Other names: bracket.rename({names})" if len(bracket.field_names) <= 4 else ""
 
 
 def read_declaration(text: str) -> tuple[str, Shape]:

@@ -8,8 +8,8 @@ from fractions import Fraction
 from itertools import chain
 from typing import TypeAlias
 
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.formula.arithmetic import Arithmetic, RefusedError
-from liepoisson.exact.parameters import Exact
 
 MAX_SYMBOLIC_INVERSE = 4
 MAX_INVERSE = 40

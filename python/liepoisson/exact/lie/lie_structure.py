@@ -15,10 +15,10 @@ from operator import mul
 from typing import Any, TypeAlias
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.linear.coefficients import Coefficients, Element
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import Vector
-from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 
 _FEW = 100  # distinct constants up to which products are remembered: at most 4 x 10^4 of them
 

@@ -7,10 +7,10 @@ from itertools import combinations
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import BracketError, ShapeError
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.lie.sparse_matrices import add_multiple, commutator, entries_of, in_field, read_matrices
 from liepoisson.exact.lie_algebra import LieAlgebra, joined_names
 from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.parameters import Exact
 from liepoisson.exact.tensors import read_names
 
 

@@ -9,10 +9,11 @@ from itertools import combinations
 from typing import Any, TypeAlias, cast
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.exact_numbers import Exact, is_sympy
 from liepoisson.exact.linear.coefficients import Coefficients, Element
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import Vector
-from liepoisson.exact.parameters import Exact, is_sympy, read_parameter
+from liepoisson.exact.parameters import read_parameter
 from liepoisson.exact.tensors import Brackets
 from liepoisson.given import listed
 

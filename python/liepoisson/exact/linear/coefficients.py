@@ -21,9 +21,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import MAX_DEGREE, Exact, irrational_parts, is_zero, largest_degree, to_sympy
 from liepoisson.exact.linear.cyclotomic import CyclotomicField, cyclotomic_images
 from liepoisson.exact.linear.residues import Residues
-from liepoisson.exact.parameters import MAX_DEGREE, Exact, irrational_parts, is_zero, largest_degree, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr

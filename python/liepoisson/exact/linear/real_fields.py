@@ -14,8 +14,8 @@ from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.exact_numbers import Exact, to_sympy
 from liepoisson.exact.linear.coefficients import check_degree
-from liepoisson.exact.parameters import Exact, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.exact.parameters import Exact, read_parameter, to_sympy
+from liepoisson.exact.exact_numbers import Exact, to_sympy
+from liepoisson.exact.parameters import read_parameter
 
 if TYPE_CHECKING:
     from liepoisson.exact.linear.coefficients import Coefficients

@@ -8,7 +8,7 @@ from functools import cached_property
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.exact.parameters import Exact, is_zero, product_of, to_sympy
+from liepoisson.exact.exact_numbers import Exact, is_zero, product_of, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol

@@ -13,10 +13,10 @@ from functools import cached_property
 from random import Random
 from typing import Any
 
+from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank, rank_mod, solve
 from liepoisson.exact.linear.residues import PRIME, Residues
-from liepoisson.exact.parameters import Exact
 
 CONSTANT = -1
 """The index of the constant coordinate, 1; a list of coordinates with a 1 behind them has it at this index."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.parameters import Exact, is_zero
+from liepoisson.exact.exact_numbers import Exact, is_zero
 from liepoisson.exact.poisson.leading_monomials import monic
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from typing import Any
 from flint import fmpq
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import as_expression
+from liepoisson.exact.exact_numbers import as_expression
 from liepoisson.exact.polynomials.buchberger import Poly
 from liepoisson.exact.polynomials.components import Assumptions, Component, components
 from liepoisson.exact.polynomials.groebner import GroebnerBasis, groebner_basis, rational_context

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.errors import BracketError, LiePoissonError, ParameterError
-from liepoisson.exact.parameters import is_zero, to_sympy
+from liepoisson.exact.exact_numbers import is_zero, to_sympy
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.report.lines import (
     Equation,
@@ -38,8 +38,8 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.classification import Classification
+    from liepoisson.exact.exact_numbers import Exact
     from liepoisson.exact.lie_algebra import LieAlgebra
-    from liepoisson.exact.parameters import Exact
 
 
 class Topic(ABC):

@@ -12,7 +12,7 @@ from itertools import pairwise
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.parameters import to_sympy
+from liepoisson.exact.exact_numbers import to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

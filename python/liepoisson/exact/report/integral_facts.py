@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import is_zero, to_sympy
+from liepoisson.exact.exact_numbers import is_zero, to_sympy
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.report.bracket_facts import Topic
 from liepoisson.exact.report.counterexamples import is_nonzero_on, is_nonzero_somewhere

@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, final
 
-from liepoisson.exact.parameters import is_zero, to_sympy
+from liepoisson.exact.exact_numbers import is_zero, to_sympy
 from liepoisson.exact.report.bracket_facts import CasimirFacts, Topic
 from liepoisson.exact.report.lines import (
     MOST_TERMS,

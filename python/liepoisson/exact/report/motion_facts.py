@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.decimals import LONG_NUMBER, Decimal
-from liepoisson.exact.parameters import Exact, is_zero, to_sympy
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.printing import Form, Formula, Image
 from liepoisson.exact.report.bracket_facts import Topic
 from liepoisson.exact.report.limits import too_large_formula

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.parameters import is_zero, to_sympy
+from liepoisson.exact.exact_numbers import is_zero, to_sympy
 from liepoisson.exact.printing import Atom, Cross, Formula, Gradient, Image, Itself, Vector
 from liepoisson.exact.report.vector_gradients import vector_gradient
 from liepoisson.exact.report.vector_notation import VectorNotation

@@ -12,7 +12,7 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.exact.parameters import is_zero, to_sympy
+from liepoisson.exact.exact_numbers import is_zero, to_sympy
 from liepoisson.exact.printing import Atom, Dot, Form, Formula, Shifted, Square, Triple
 from liepoisson.exact.report.lines import Equation
 from liepoisson.exact.styles import split_name

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.parameters import is_sympy
+from liepoisson.exact.exact_numbers import is_sympy
 from liepoisson.given import listed, texts
 from liepoisson.wrong_values import shown
 
@@ -205,10 +205,10 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
     """
     from sympy import Symbol
 
+    from liepoisson.exact.exact_numbers import as_expression
     from liepoisson.exact.expression import read_expression
     from liepoisson.exact.formula.scope import Scope
     from liepoisson.exact.hamiltonian import with_exact_numbers
-    from liepoisson.exact.parameters import as_expression
 
     if isinstance(given, str):
         read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))

@@ -22,14 +22,13 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.display import as_text
 from liepoisson.errors import EnclosureError, TimeLimitError
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
 from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS, root_text
 from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, solutions_on_planes
 from liepoisson.integrability.galois.variational import Flag, flag, variational_equations
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_deadline
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -127,7 +126,7 @@ def galois_obstruction(
     Raises:
         ParameterError: the equations are not polynomial, or have coefficients that are not rational.
     """
-    with Deadline(time_limit).running():
+    with as_deadline(time_limit).running():
         return _obstruction(system, solution, most, progress or (lambda _: None))
 
 

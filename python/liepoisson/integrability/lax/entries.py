@@ -14,9 +14,10 @@ from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.exact.bracket_scope import scope_of
+from liepoisson.exact.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
 from liepoisson.exact.hamiltonian import read_expression_in, with_exact_numbers
 from liepoisson.exact.names import check_name
-from liepoisson.exact.parameters import is_sympy, substituted, symbols_of, to_sympy
 from liepoisson.given import listed
 from liepoisson.wrong_values import shown
 
@@ -79,13 +80,12 @@ def read_entries(system: System, given: Any, spectral: Symbol | None, what: str)
 
 class _Reader:
     def __init__(self, system: System, spectral: Symbol | None, what: str) -> None:
-        from liepoisson.exact.formula.scope import Scope
 
         self.system, self.what = system, what
         self.size = system.bracket.algebra.dimension
         names = [] if spectral is None else [str(spectral)]
         declared = (*system.as_given.symbols, *names)
-        known = Scope.of_bracket(system.symbolic_bracket, system.values, declared)
+        known = scope_of(system.symbolic_bracket, system.values, declared)
         in_values = set[str]().union(*map(symbols_of, system.parameters.values()))
         self.names = sorted((known.numbers() | in_values).difference(system.component_names))
         self.has_unit = known.owner(IMAGINARY) is None
@@ -126,10 +126,9 @@ class _Reader:
 
         from liepoisson.exact.expression import read_expression
         from liepoisson.exact.formula.grammar import parse
-        from liepoisson.exact.formula.scope import Scope
 
         parse(text)  # what is no formula is refused as it was written
-        scope = Scope.of_bracket(self.system.symbolic_bracket, self.system.values, (*self.declared, *further))
+        scope = scope_of(self.system.symbolic_bracket, self.system.values, (*self.declared, *further))
         try:
             read: Any = read_expression(f"dot({text}, {_DIRECTION})" if further else text, scope, insert_values=True)
         except ExpressionError as error:
@@ -207,7 +206,7 @@ class EntryArithmetic:
     def vanishes(self, element: Element) -> bool:
         """Whether an element is zero."""
         if not self.is_rational:
-            from liepoisson.exact.parameters import is_zero
+            from liepoisson.exact.exact_numbers import is_zero
 
             return is_zero(element)
         return not self.canonical(element)

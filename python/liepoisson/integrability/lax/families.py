@@ -12,7 +12,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.errors import ParameterError
 from liepoisson.exact.polynomials.groebner import rational_context
 from liepoisson.exact.printing import Formula
@@ -21,7 +20,7 @@ from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.lax.search import MOST_DEGREE, linear_system, member, new_vectors, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_deadline
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -157,7 +156,7 @@ def lax_families(
         ParameterError: the system is not such a one, or a name is none of a parameter.
     """
     most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
-    deadline = Deadline(time_limit)
+    deadline = as_deadline(time_limit)
     symbols: list[Any] = sorted(
         {s for e in (*system.equations.values(), system.hamiltonian) for s in e.free_symbols} - set(system.variables),
         key=str,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError
-from liepoisson.exact.parameters import to_sympy
+from liepoisson.exact.exact_numbers import to_sympy
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients, commutator
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol

@@ -26,14 +26,13 @@ from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.polynomials.groebner import rational_context
 from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_deadline
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -126,7 +125,7 @@ def search_lax_pairs(
     References: [manakov1976]; [musso2005].
     """
     most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
-    deadline = Deadline(time_limit)
+    deadline = as_deadline(time_limit)
     ansatz = Ansatz(system, form)
     pairs: list[LaxPair] = []
     trivial = trivial_vectors(ansatz)

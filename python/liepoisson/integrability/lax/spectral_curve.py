@@ -18,7 +18,8 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import read_parameter, to_sympy
+from liepoisson.exact.exact_numbers import to_sympy
+from liepoisson.exact.parameters import read_parameter
 from liepoisson.given import listed, named
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients
 from liepoisson.integrability.lax.entries import EntryArithmetic

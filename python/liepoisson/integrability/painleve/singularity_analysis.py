@@ -16,7 +16,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.display import as_text
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.exact.parameters import read_parameter
@@ -36,7 +35,7 @@ from liepoisson.integrability.painleve.linear import characteristic_polynomial
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
 from liepoisson.integrability.painleve.resolvent import Resolvent
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
-from liepoisson.scalars import MOST
+from liepoisson.scalars import MOST, as_deadline
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -199,7 +198,7 @@ def painleve_test(
         ParameterError: numbers in the equations are not rational, the equations contain other functions, weights do not
             fit them, or there are too many choices of weights.
     """
-    deadline, listen = Deadline(time_limit), progress or (lambda _: None)
+    deadline, listen = as_deadline(time_limit), progress or (lambda _: None)
     with deadline.running():
         derivation, functions = _equations(system)
         chosen = maximal_weights(derivation) if weights is None else (_read(weights, derivation),)

@@ -231,7 +231,7 @@ class Evidence:
 def _entries(value: Any) -> Iterable[Any]:
     from sympy.matrices import MatrixBase
 
-    from liepoisson.exact.parameters import as_expression
+    from liepoisson.exact.exact_numbers import as_expression
 
     if isinstance(value, MatrixBase):
         return list(value.flat())

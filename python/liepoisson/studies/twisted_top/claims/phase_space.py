@@ -69,7 +69,8 @@ def symbolic_top(
     epsilon: Parameter = "epsilon",
 ) -> SymbolicTop:
     """A top with the bracket of the context; parameters are names (kept symbolic) or exact numbers."""
-    from liepoisson.exact.parameters import read_parameter, to_sympy
+    from liepoisson.exact.exact_numbers import to_sympy
+    from liepoisson.exact.parameters import read_parameter
 
     moments, mass, charge = (
         column(*(to_sympy(read_parameter(v, "parameter")) for v in vector)) for vector in (inertia, a, b)

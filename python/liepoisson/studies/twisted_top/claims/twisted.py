@@ -101,7 +101,7 @@ def _square_completed(evidence: Evidence) -> None:
 
 def _structure(bracket: Bracket) -> list[list[list[Any]]]:
     """The structure constants of the Lie algebra, from the linear Poisson tensor, J_ij = -c_ij^k x_k."""
-    from liepoisson.exact.parameters import to_sympy
+    from liepoisson.exact.exact_numbers import to_sympy
 
     n = bracket.dimension
     c: list[list[list[Any]]] = [[[0] * n for _ in range(n)] for _ in range(n)]

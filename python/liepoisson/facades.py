@@ -1,0 +1,25 @@
+"""The methods that are computed in a layer above their class: the one list of these arrows.
+
+An import runs down. A method that a user looks for on a bracket, such as how a notebook shows it, but that needs what
+stands on brackets, asks for its function by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+FACADES = {
+    "LieAlgebra._repr_latex_": "exact.describe.displayed_algebra",
+    "Bracket._repr_latex_": "exact.describe.displayed_bracket",
+    "System.__str__": "exact.describe.describe",
+    "System._repr_latex_": "exact.describe.displayed",
+}
+"""The function of each such method, in its module within the package."""
+
+
+def function_of(method: str) -> Callable[..., Any]:
+    """The function that computes a method of `FACADES`; its module is imported when it is first called."""
+    module, _, name = FACADES[method].rpartition(".")
+    return getattr(import_module(f"liepoisson.{module}"), name)
