@@ -15,6 +15,8 @@ FACADES = {
     "Bracket._repr_latex_": "exact.describe.displayed_bracket",
     "System.__str__": "exact.describe.describe",
     "System._repr_latex_": "exact.describe.displayed",
+    "System.text": "exact.system_text.system_text",
+    "System.top_parameters": "exact.top_recognition.recognised_top",
 }
 """The function of each such method, in its module within the package."""
 

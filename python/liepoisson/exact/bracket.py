@@ -28,9 +28,9 @@ from liepoisson.wrong_values import not_a
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from liepoisson.exact.automorphisms import Derivation, Scaling
     from liepoisson.exact.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.exact.certificates import JacobiCertificate, RankCertificate
+    from liepoisson.exact.derivations import Constant, Derivation, Scaling
     from liepoisson.exact.exact_numbers import Exact
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
     from liepoisson.exact.rational_polynomials import RationalPolynomial
@@ -310,7 +310,7 @@ class Bracket:
 
     def rank_certificate(self) -> RankCertificate:
         """The generic rank between two proved bounds: J at one point, and the independent Casimirs found."""
-        from liepoisson.exact.certificates import rank_certificate
+        from liepoisson.exact.casimirs import rank_certificate
 
         return rank_certificate(self)
 
@@ -388,15 +388,22 @@ class Bracket:
 
     def derivations(self) -> list[Derivation]:
         """A basis of the derivations of A that keep the constant part: linear symmetries that act on the fields."""
-        from liepoisson.exact.automorphisms import derivations
+        from liepoisson.exact.derivations import Names, derivations
 
-        return derivations(self)
+        return derivations(self.extension, self.constants_of_fields, Names(self.field_names, self.symbols))
 
     def scalings(self) -> list[Scaling]:
         """Scalings of fields that change nothing but the values of symbolic parameters."""
-        from liepoisson.exact.automorphisms import scalings
+        from liepoisson.exact.derivations import scalings
 
-        return scalings(self)
+        return scalings(self.extension, self.constants_of_fields, self.field_names)
+
+    @property
+    def constants_of_fields(self) -> list[Constant]:
+        """The constant part by fields and components, both orders."""
+        n = self.algebra.dimension
+        terms = [(divmod(i, n), divmod(j, n), c) for (i, j), c in self.constant.items()]
+        return [entry for i, j, c in terms for entry in ((i, j, c), (j, i, -c))]
 
     def substitute(self, values: Mapping[str, Exact]) -> Bracket:
         """The same bracket with values for some of its symbols.
@@ -455,7 +462,7 @@ class Bracket:
     @cached_property
     def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
         """All (i, j, m, c) with sum_m c x_m the linear part of J_ij, both orders of i and j."""
-        return linear_terms(self.algebra, self.extension)
+        return linear_terms(self.algebra.dimension, self.algebra.brackets, self.extension)
 
     @cached_property
     def _matrix(self) -> PoissonMatrix:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError
+from liepoisson.exact.certificates import RankCertificate
 from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import (
     MAX_WORK,
@@ -187,6 +188,17 @@ def leading_monomials(bracket: Bracket) -> tuple[tuple[int, ...], ...]:
 def independent_casimirs(bracket: Bracket) -> int:
     """How many functionally independent Casimirs are found (proved to be so many)."""
     return bracket.corank() - bracket.n_unknown_casimirs
+
+
+def rank_certificate(bracket: Bracket) -> RankCertificate:
+    """Bounds of the generic rank: from below J at one point, from above the Casimirs, or that the rank is even."""
+    N, lower = bracket.dimension, bracket.tensor.rank_at_a_point
+    even = N - N % 2
+    if lower == even:
+        return RankCertificate(lower, even, N, f"J has rank {lower} at one point, and no antisymmetric matrix has more")
+    n = independent_casimirs(bracket)
+    method = f"J has rank {lower} at one point; {n} of {N} directions are gradients of independent Casimirs"
+    return RankCertificate(lower, min(even, N - n), N, method)
 
 
 def _traces_or_found(bracket: Bracket, degree: int | None) -> _Found | TraceCasimirs:

@@ -19,7 +19,6 @@ from liepoisson.exact.poisson.poisson_tensor import CONSTANT, LinearPoissonTenso
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.bracket import Bracket
 
 _FORWARD = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
@@ -222,16 +221,3 @@ def rank_at(dimension: int, terms: Sequence[tuple[int, int, int, Exact]], point:
         if total := sum(elements[1:], elements[0]):
             rows[i][j] = total
     return rank([row for row in rows if row], field)
-
-
-def rank_certificate(bracket: Bracket) -> RankCertificate:
-    """Bounds of the generic rank: from below J at one point, from above the Casimirs, or that the rank is even."""
-    from liepoisson.exact.casimirs import independent_casimirs
-
-    N, lower = bracket.dimension, bracket.tensor.rank_at_a_point
-    even = N - N % 2
-    if lower == even:
-        return RankCertificate(lower, even, N, f"J has rank {lower} at one point, and no antisymmetric matrix has more")
-    n = independent_casimirs(bracket)
-    method = f"J has rank {lower} at one point; {n} of {N} directions are gradients of independent Casimirs"
-    return RankCertificate(lower, min(even, N - n), N, method)

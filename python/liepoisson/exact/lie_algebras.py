@@ -15,7 +15,7 @@ from typing import TypeAlias
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.lie.matrix_family import MatrixFamily
-from liepoisson.exact.lie.sine_algebra import sine_algebra, sine_energy, sine_modes
+from liepoisson.exact.lie.sine_algebra import sine_brackets, sine_energy, sine_modes, sine_names
 from liepoisson.exact.lie_algebra import MAX_DIMENSION, LieAlgebra
 
 __all__ = [
@@ -283,7 +283,7 @@ def sine(N: int) -> LieAlgebra:
         raise ParameterError(
             f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {size}. Take {size - 1}."
         )
-    algebra = sine_algebra(size)
+    algebra = LieAlgebra.from_brackets(size**2 - 1, sine_brackets(size), f"sine({size})", sine_names(size), check=False)
     algebra.family = MatrixFamily("sine", size)
     return algebra
 

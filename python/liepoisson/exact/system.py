@@ -185,10 +185,8 @@ class System:
     @cached_property
     def text(self) -> str | None:
         """The text of a system file from which `read_system` gives the same system; None if there is none."""
-        from liepoisson.exact.system_text import system_text
-
         try:
-            return system_text(self)
+            return function_of("System.text")(self)
         except SystemFileError:
             return None
 
@@ -597,9 +595,7 @@ class System:
     def _recognise_top(self) -> TopParameters | None:
         if self.bracket.dimension != 9 or self.bracket.constant:
             return None
-        from liepoisson.exact.top_recognition import recognised_top
-
-        return recognised_top(self)
+        return function_of("System.top_parameters")(self)
 
     def _states(self, x: ArrayLike) -> NDArray[np.float64]:
         from liepoisson.exact.phase_functions import as_phase_points

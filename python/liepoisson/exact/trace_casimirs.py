@@ -32,7 +32,6 @@ from liepoisson.exact.lie.defining_matrices import (
     defining_matrices,
     holds_roots,
     in_field,
-    summands,
 )
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank_mod
@@ -46,6 +45,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.lie_algebra import LieAlgebra
 
 MOST_TERMS = 5000
 """Of an expanded Pfaffian with its polarisations; beyond it the trace of degree 2m takes its place, its square."""
@@ -93,6 +93,14 @@ class _Candidate:
     part: int
     words: Combination | None = None
     polynomial: Polynomial | None = None
+
+
+def summands(algebra: LieAlgebra) -> Iterator[tuple[int, LieAlgebra]]:
+    """The direct summands that an algebra was made of, each with the number of its first basis element."""
+    start = 0
+    for part in algebra.summands or (algebra,):
+        yield start, part
+        start += part.dimension
 
 
 def replaces_search(bracket: Bracket) -> bool:

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from liepoisson.exact.linear.coefficients import Coefficients
 
 if TYPE_CHECKING:
-    from liepoisson.exact.lie_algebra import LieAlgebra
+    from liepoisson.exact.lie.matrix_family import MatrixAlgebra
 
 Roots: TypeAlias = tuple[tuple[Fraction, int], ...]
 r"""A number $\sum q\,\zeta^a$ by its pairs (q, a), with $\zeta = e^{2\pi i/n}$ for an order n kept beside it."""
@@ -57,7 +57,7 @@ class DefiningMatrices:
     pfaffian: int
     meaning: str
 
-    def defect(self, algebra: LieAlgebra) -> str:
+    def defect(self, algebra: MatrixAlgebra) -> str:
         """Where (1) fails for this algebra, in words; empty if it holds for all j and k.
 
         If movers are given for some j only, it is also verified that these generate the algebra: the linear functions
@@ -90,15 +90,7 @@ class DefiningMatrices:
         return ""
 
 
-def summands(algebra: LieAlgebra) -> Iterator[tuple[int, LieAlgebra]]:
-    """The direct summands that an algebra was made of, each with the number of its first basis element."""
-    start = 0
-    for part in algebra.summands or (algebra,):
-        yield start, part
-        start += part.dimension
-
-
-def defining_matrices(algebra: LieAlgebra) -> DefiningMatrices | None:
+def defining_matrices(algebra: MatrixAlgebra) -> DefiningMatrices | None:
     """The matrices of an algebra that was made by a constructor of `exact.lie_algebras`; None for all others."""
     family = algebra.family
     if family is None:
@@ -242,7 +234,7 @@ def _real(matrix: Mapping[tuple[int, int], complex], m: int) -> _Rational:
     return found
 
 
-def _adjoint(algebra: LieAlgebra) -> list[Any]:
+def _adjoint(algebra: MatrixAlgebra) -> list[Any]:
     matrices: list[Any] = [{} for _ in range(algebra.dimension)]
     for (i, j), row in algebra.brackets.items():
         for k, c in row.items():
@@ -292,7 +284,7 @@ def _sum_of_roots(
     return {place: tuple(roots) for place, roots in sorted(found.items())}
 
 
-def _coadjoint(algebra: LieAlgebra, field: Coefficients) -> list[dict[int, list[tuple[int, Any]]]]:
+def _coadjoint(algebra: MatrixAlgebra, field: Coefficients) -> list[dict[int, list[tuple[int, Any]]]]:
     """The $c_{ij}^k$ by j, then by k: pairs of i and the constant."""
     table: list[dict[int, list[tuple[int, Any]]]] = [{} for _ in range(algebra.dimension)]
     for (i, j), row in algebra.brackets.items():
@@ -323,7 +315,7 @@ def sparse_product(a: Mapping[tuple[int, int], Any], b: Mapping[tuple[int, int],
     return result
 
 
-def _generate(algebra: LieAlgebra, chosen: list[int], field: Coefficients) -> bool:
+def _generate(algebra: MatrixAlgebra, chosen: list[int], field: Coefficients) -> bool:
     """Whether basis elements generate the algebra: proved modulo a prime, where a dimension can only be lower."""
     from flint import nmod_mat
 

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from liepoisson.exact.tensors import Brackets
 
 
 @dataclass(frozen=True)
@@ -20,3 +24,27 @@ class MatrixFamily:
     kind: str
     size: int
     basis: tuple[Mapping[tuple[int, int], complex], ...] = ()
+
+
+class MatrixAlgebra(Protocol):
+    """A Lie algebra as its matrices see it; `LieAlgebra` is one."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        ...
+
+    @property
+    def dimension(self) -> int:
+        """The number of basis elements."""
+        ...
+
+    @property
+    def brackets(self) -> Brackets:
+        """The structure constants."""
+        ...
+
+    @property
+    def family(self) -> MatrixFamily | None:
+        """Which matrices it was made of."""
+        ...

@@ -17,8 +17,6 @@ from fractions import Fraction
 from itertools import combinations
 from typing import TYPE_CHECKING, TypeAlias
 
-from liepoisson.exact.lie_algebra import LieAlgebra
-
 if TYPE_CHECKING:
     from sympy import Expr
 
@@ -51,8 +49,8 @@ def sine_names(N: int) -> tuple[str, ...]:
     return tuple(f"{part}{separator.join(n)}" for n in numbers for part in "cs")
 
 
-def sine_algebra(N: int) -> LieAlgebra:
-    r"""The algebra of the module for odd N, without a check of N: see `exact.lie_algebras.sine`.
+def sine_brackets(N: int) -> dict[tuple[int, int], dict[int, Expr]]:
+    r"""The brackets of the algebra of the module for odd N, without a check of N: see `exact.lie_algebras.sine`.
 
     With $w_n = c_n + i s_n$ and $S = \frac{N}{2\pi} \sin(2\pi\, m \times n/N)$ the brackets of the coordinates are
 
@@ -88,7 +86,7 @@ def sine_algebra(N: int) -> LieAlgebra:
             2 * minus + 1: up if other > 0 else down,
         }
         brackets[2 * p + 1, 2 * q + 1] = {2 * plus: up, 2 * minus: up}
-    return LieAlgebra.from_brackets(N * N - 1, brackets, f"sine({N})", sine_names(N), check=False)
+    return brackets
 
 
 def _half_sines(N: int) -> list[Expr]:

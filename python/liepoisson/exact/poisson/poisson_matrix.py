@@ -14,21 +14,21 @@ if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
     from liepoisson.exact.extension import Extension
-    from liepoisson.exact.lie_algebra import LieAlgebra
+    from liepoisson.exact.tensors import Brackets
 
 Term: TypeAlias = "tuple[int, int, int, Exact]"
 """(i, j, m, c): the summand $c\\,x_m$ of $J_{ij}$."""
 
 
-def linear_terms(algebra: LieAlgebra, extension: Extension) -> tuple[Term, ...]:
-    r"""All terms of the bracket of g (x) A, $J = -W_\lambda{}^{\mu\nu} c_{ij}{}^k x_{\lambda k}$."""
-    n, W = algebra.dimension, extension.tensor
+def linear_terms(n: int, brackets: Brackets, extension: Extension) -> tuple[Term, ...]:
+    r"""All terms of the bracket of g (x) A, $J = -W_\lambda{}^{\mu\nu} c_{ij}{}^k x_{\lambda k}$, g of dimension n."""
+    W = extension.tensor
     labels = range(extension.dimension)
     products = [
         (mu, nu, lam, W[lam][mu][nu]) for mu, nu, lam in product(labels, repeat=3) if not is_zero(W[lam][mu][nu])
     ]
     terms: list[Term] = []
-    for (i, j), row in algebra.brackets.items():
+    for (i, j), row in brackets.items():
         for k, c in row.items():
             for mu, nu, lam, w in products:
                 value = product_of(w, c)

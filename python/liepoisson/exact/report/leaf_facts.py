@@ -25,8 +25,8 @@ from liepoisson.exact.report.lines import (
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.automorphisms import Derivation
     from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.derivations import Derivation
     from liepoisson.exact.report.vector_notation import VectorNotation
     from liepoisson.exact.strata import Stratum
 
