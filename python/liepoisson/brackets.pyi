@@ -1,6 +1,6 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
 from liepoisson.exact.automorphisms import Automorphism as Automorphism
-from liepoisson.exact.automorphisms import Derivation as Derivation
+from liepoisson.exact.derivations import Derivation as Derivation
 from liepoisson.exact.bracket import Bracket as Bracket
 from liepoisson.exact.canonical_bracket import canonical as canonical
 from liepoisson.exact.casimirs import CasimirReport as CasimirReport

@@ -20,9 +20,7 @@ def _run(payload: bytes, version: str) -> tuple[str, Any, str]:
 
     address = get_worker().address
     try:
-        import liepoisson
-
-        found = liepoisson.__version__
+        from liepoisson import __version__ as found
     except ImportError as error:
         return "refused", f"liepoisson {version} is wanted; it cannot be imported ({error})", address
     if found != version:

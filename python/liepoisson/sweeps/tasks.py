@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-import liepoisson
-from liepoisson import _core
+from liepoisson import __version__, _core
 from liepoisson.arrays import Array
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.exact.formula.numbers import as_array
@@ -124,9 +123,9 @@ def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
         WorkerVersionError: this process has another version of liepoisson.
     """
     began = time.perf_counter()
-    if liepoisson.__version__ != piece.version:
+    if __version__ != piece.version:
         raise WorkerVersionError(
-            f"the sweep needs liepoisson {piece.version} on all workers; this one has {liepoisson.__version__}. "
+            f"the sweep needs liepoisson {piece.version} on all workers; this one has {__version__}. "
             "Install the same version there."
         )
     if piece.quantity not in QUANTITIES:
