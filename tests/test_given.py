@@ -27,6 +27,12 @@ LiePoissonError = lp.errors.LiePoissonError
 SAME, REFUSED, ANY = "the same answer", "refused", "answered or refused"
 
 
+@pytest.fixture(autouse=True)
+def in_a_temporary_folder(monkeypatch, tmp_path):
+    """A text in the place of a path is one, and the call writes there."""
+    monkeypatch.chdir(tmp_path)
+
+
 def forms(kind, plain):
     """What an argument may look like, and what is wanted then."""
     return list(forms_by_name(plain, kind) if isinstance(kind, ByName) else forms_in_order(plain, kind))
