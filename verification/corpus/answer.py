@@ -20,6 +20,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST = 32
 """Numbers of an array that are written out."""
+OF_LIBRARIES = (DeprecationWarning, PendingDeprecationWarning, FutureWarning, ImportWarning, ResourceWarning)
+"""Warnings that depend on what was imported before."""
 _MASKS = (
     (re.compile(r"0x[0-9a-f]{6,}"), "0x..."),
     (re.compile(re.escape(tempfile.gettempdir()) + r"[^\s'\",:;)\]}]*"), "(temporary path)"),
@@ -48,7 +50,8 @@ def answer(question: Callable[[], Any]) -> Any:
             found = plain(question())
         except Exception as error:  # whatever it is, it is the answer
             found = {"raises": type(error).__name__, "message": lines(str(error))}
-    said = sorted({f"{one.category.__name__}: {masked(str(one.message))}" for one in caught})
+    ours = [one for one in caught if not issubclass(one.category, OF_LIBRARIES)]
+    said = sorted({f"{one.category.__name__}: {masked(str(one.message))}" for one in ours})
     return {"answer": found, "warnings": said} if said else found
 
 
