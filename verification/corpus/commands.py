@@ -75,7 +75,7 @@ lab nosuch
 
 _WRITTEN = (".csv", ".toml")
 """Endings of files that are kept as texts."""
-_SECONDS = re.compile(r"\b\d+(?:\.\d+)? ?(?:s|seconds|ms)\b")
+_SECONDS = re.compile(r"\b\d+(?:\.\d+)? ?(?:s|seconds|ms)\b|(?<=\nseconds ) .*")
 """How long something took."""
 
 
