@@ -75,7 +75,7 @@ lab nosuch
 
 _WRITTEN = (".csv", ".toml")
 """Endings of files that are kept as texts."""
-_SECONDS = re.compile(r"\b\d+(?:\.\d+)? ?(?:s|seconds|ms)\b|(?<=\nseconds ) .*")
+_SECONDS = re.compile(r"\b\d+(?:\.\d+)? ?(?:s|seconds|ms)\b|(?<=^seconds ) .*", re.MULTILINE)
 """How long something took."""
 
 
@@ -83,12 +83,12 @@ def record() -> dict[str, Any]:
     """Help, and the short commands, by what is typed."""
     everything = run(["--help"])
     names = re.findall(r"^  ([a-z]+)  ", str(everything["output"]).partition("Commands:")[2], re.MULTILINE)
-    helped = {"liepoisson --help": everything}
-    helped |= {f"liepoisson {name} --help": run([name, "--help"]) for name in names}
+    helped = {"liepoisson --help": answer(lambda: everything)}
+    helped |= {f"liepoisson {name} --help": answer(lambda name=name: run([name, "--help"])) for name in names}
     short = {f"liepoisson {line}": answer(lambda line=line: run(shlex.split(line))) for line in SHORT}
     ascii_report = {"ASCII: liepoisson inspect twisted-top": run(["inspect", "twisted-top"], encoding="ascii")}
     return {
-        "help": {line: tidy(said) for line, said in helped.items()},
+        "help": helped,
         "short": {line: tidy(said) for line, said in (short | ascii_report).items()},
     }
 
@@ -115,6 +115,8 @@ def tidy(said: Any) -> Any:
     """By lines, without how long it took."""
     if isinstance(said, dict):
         return {key: tidy(value) for key, value in said.items()}
+    if isinstance(said, list):
+        return [tidy(line) for line in said]
     return lines(_SECONDS.sub("(time)", said)) if isinstance(said, str) else said
 
 

@@ -30,7 +30,7 @@ METHODS: dict[str, Callable[[], Any]] = {
     "Gauss": lambda: lp.Gauss(step=1 / 32),
     "splitting": lambda: lp.Splitting(order=6, step=1 / 32),
 }
-NOT_COMPARED = {"seconds", "kernel", "version", "created", "report"}
+NOT_COMPARED = {"seconds", "kernel", "version", "created", "reports"}
 """Fields and attributes that tell of the machine and the day."""
 
 
