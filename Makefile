@@ -50,6 +50,11 @@ audit: $(VENV)/.built ## evidence for each method: orders, drift, Poisson maps, 
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
 	$(BIN)/python verification/run.py
 
+# Before a change of the package's inside, and after it: `python -m verification.corpus.compare BEFORE results/corpus` prints
+# what differs (verification/corpus/record.py).
+corpus: $(VENV)/.built ## record what the package answers into results/corpus (some four minutes of one core)
+	$(BIN)/python -m verification.corpus.record --out results/corpus
+
 bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (some 40 minutes; leave the machine alone meanwhile)
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/general.py
@@ -120,7 +125,7 @@ release-check: ## is everything ready for a release? (docs/releasing.md; runs al
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
-.PHONY: help lab reproduce test test-rust test-python test-as test-slow check static lint types quick-tests arm bench audit guard instructions \
+.PHONY: help lab reproduce test test-rust test-python test-as test-slow check static lint types quick-tests arm bench audit corpus guard instructions \
   sanitize miri wasm page test-web docs docs-check stories wheel wheel-check vulnerabilities release-check lock clean set-up tools
 
 # One pip after the other.

@@ -4,6 +4,7 @@ import os
 import pickle
 import signal
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -32,6 +33,18 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(items):
     rank = {name: k for k, name in enumerate(LONGEST)}
     items.sort(key=lambda item: rank.get(item.nodeid.partition("::")[0], len(rank)))
+
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def nothing_is_left_behind():
+    """Tests write into temporary folders: none leaves a file or a folder in that in which they run."""
+    before = set(ROOT.iterdir())
+    yield
+    left = sorted(path.name for path in set(ROOT.iterdir()) - before if not path.name.startswith("."))
+    assert not left, f"tests left {', '.join(left)} in {ROOT}; let them write below tmp_path"
 
 
 @pytest.fixture(scope="session")

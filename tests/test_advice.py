@@ -338,6 +338,31 @@ NUMERIC = [
 
 PHASE_SPACE = [
     Advice(
+        lambda: lp.integrate(HEAVY, {"l4": 1}, t_end=1),
+        "Did you mean one of l1, l2, l3?",
+        lambda: [lp.integrate(HEAVY, {name: 1}, t_end=1) for name in ("l1", "l2", "l3")],
+    ),
+    Advice(
+        lambda: lp.integrate(HEAVY, {"l4": (1, 0, 0)}, t_end=1),
+        "Did you mean l?",
+        lambda: lp.integrate(HEAVY, {"l": (1, 0, 0)}, t_end=1),
+    ),
+    Advice(
+        lambda: lp.phase_space.find_start(OSCILLATOR, leaf={"C1": 1}),
+        "Write {}",
+        lambda: lp.phase_space.find_start(OSCILLATOR, leaf={}),
+    ),
+    Advice(
+        lambda: lp.phase_space.find_start(OSCILLATOR, leaf=3),
+        "Write {}",
+        lambda: lp.phase_space.find_start(OSCILLATOR, leaf={}),
+    ),
+    Advice(
+        lambda: lp.integrability.first_integrals(OSCILLATOR, degree=1, on=None),
+        'on="H = 0" or on={"H": 0}',
+        lambda: [lp.integrability.first_integrals(OSCILLATOR, degree=1, on=on) for on in ("H = 0", {"H": 0})],
+    ),
+    Advice(
         lambda: lp.Leaf(HEAVY, {"C9": 1}), 'Write {"C1": ..., "C2": ...}', lambda: lp.Leaf(HEAVY, {"C1": 0.5, "C2": 1})
     ),
     Advice(

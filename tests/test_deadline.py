@@ -9,7 +9,7 @@ import pytest
 import liepoisson as lp
 from liepoisson import deadline
 from liepoisson.deadline import Deadline, checkpoint, has_passed
-from liepoisson.errors import ParameterError, TimeLimitError
+from liepoisson.errors import MemoryLimitError, ParameterError, TimeLimitError
 from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
 from liepoisson.scalars import as_deadline
 
@@ -88,3 +88,56 @@ def test_a_limit_is_a_positive_number(limit):
 
 def test_no_limit_is_a_limit():
     assert OF.painleve_test(lp.catalog.system("henon-heiles-kdv"), time_limit=float("inf")).verdict == "passes"
+
+
+HENON_HEILES, DUFFING = lp.catalog.system("henon-heiles"), lp.System(lp.canonical(1), "p1^2/2 - q1^2/2 + q1^4/4")
+PRECESSIONS = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="spherical")
+LINE = lp.System(lp.canonical(1), "cosh(p1) + sin(q1)*exp(-q1^2)", name="no polynomial")
+SEARCHES = {
+    "periodic orbits": lambda **limit: lp.orbits.symmetric_periodic_orbits(
+        HENON_HEILES, {}, energy="1/10", n_starts=20, **limit
+    ),
+    "homoclinic orbits": lambda **limit: lp.orbits.symmetric_homoclinic_orbits(
+        lp.phase_space.equilibrium(DUFFING, [0, 0]), n_starts=20, **limit
+    ),
+    "equilibria": lambda **limit: lp.equilibria(LINE, {}, n_starts=20, **limit),
+    "relative equilibria": lambda **limit: lp.equilibria(
+        PRECESSIONS, {"C1": "1/5", "C2": 1}, along=("l3",), values={"l3": 0.5}, n_starts=10, **limit
+    ),
+}
+
+
+def rows(found):
+    """The energies, periods or half flights of what was found, with its stability where it is known."""
+    columns = list(found.columns().items())
+    (_, values), words = columns[0], dict(columns).get("linear_stability", dict(columns).get("stability", [""] * 99))
+    return {(round(float(value), 6), str(word)) for value, word in zip(values, words, strict=False)}
+
+
+@pytest.mark.parametrize("name", SEARCHES)
+def test_a_search_returns_what_it_found_before_the_limit(monkeypatch, name):
+    """The clock stands still until it was looked at n times; what is found then is part of what there is."""
+    whole = SEARCHES[name]()
+    assert whole
+    assert not whole.is_cut_short
+    assert "time limit" not in repr(whole)
+    numbers, looks = [], count()
+    monkeypatch.setattr(deadline.time, "monotonic", lambda: 0.0 * next(looks))
+    SEARCHES[name](time_limit=60)
+    n_looks = next(looks)
+    for n in sorted({2, n_looks // 8, n_looks // 4, n_looks // 2, n_looks - 8, 2 * n_looks}):
+        looks = count()
+        monkeypatch.setattr(deadline.time, "monotonic", lambda looks=looks, n=n: 100.0 if next(looks) > n else 0.0)
+        found = SEARCHES[name](time_limit=60)
+        assert rows(found) <= rows(whole), (n, n_looks)
+        assert ("the time limit ended the search" in repr(found)) == found.is_cut_short
+        numbers.append((found.is_cut_short, len(found)))
+    assert numbers[0] == (True, 0)
+    assert numbers[-1] == (False, len(whole))
+
+
+@pytest.mark.parametrize("t_end", [1e12, 1e300])
+@pytest.mark.parametrize("name", ["periodic orbits", "homoclinic orbits"])
+def test_too_long_a_search_is_refused_before_anything_is_made(name, t_end):
+    with pytest.raises(MemoryLimitError, match=r"t_end: wanted what fits into memory; got [\d,]+ bytes"):
+        SEARCHES[name](t_end=t_end)

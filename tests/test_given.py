@@ -27,6 +27,12 @@ LiePoissonError = lp.errors.LiePoissonError
 SAME, REFUSED, ANY = "the same answer", "refused", "answered or refused"
 
 
+@pytest.fixture(autouse=True)
+def in_a_temporary_folder(monkeypatch, tmp_path):
+    """A text in the place of a path is one, and the call writes there."""
+    monkeypatch.chdir(tmp_path)
+
+
 def forms(kind, plain):
     """What an argument may look like, and what is wanted then."""
     return list(forms_by_name(plain, kind) if isinstance(kind, ByName) else forms_in_order(plain, kind))
@@ -324,3 +330,18 @@ def test_numbers_are_not_read_from_texts_booleans_or_keys():
     for degree in ({2: 1}, {2}, "2"):
         with pytest.raises(lp.errors.ParameterError, match="degree"):
             lp.integrability.general_system(lp.so(3) @ lp.trivial(), degree=degree)
+
+
+@pytest.mark.parametrize("values", [pd.Series([0.0, 0.5]), pd.Series(["0", "1/2"]), pd.Index([0.0, 0.5])], ids=repr)
+def test_columns_are_axes_of_a_sweep_as_lists_are(values):
+    plain = {"system": "twisted-kovalevskaya", "n_starts": 1, "t_end": 10}
+    wanted = lp.sweep(**plain, axes={"epsilon": [0, 0.5]})
+    for axes in ({"epsilon": values}, pd.DataFrame({"epsilon": values}), pd.Series({"epsilon": values})):
+        assert lp.sweep(**plain, axes=axes).spec == wanted.spec
+    spec = lp.sweeps.SweepSpec("twisted-top", wanted.spec.axes, 10, parameters={"a": pd.Series([-1, 0, 0])})
+    assert spec.parameters == {"a": (-1, 0, 0)}
+
+
+def test_an_axis_with_labels_is_refused():
+    with pytest.raises(lp.errors.ParameterError, match="axis epsilon: wanted values in order"):
+        lp.sweeps.Axis("epsilon", pd.Series([0.0, 0.5], index=["u", "v"]))

@@ -1,5 +1,6 @@
 """Every result is drawn by one function, which says so where something is no result."""
 
+import inspect
 import json
 from fractions import Fraction
 
@@ -13,6 +14,7 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.plot.results import _FIGURES
 from liepoisson.repeat import RUNS
+from public_calls import rows
 
 TOP = lp.Top.kovalevskaya("1/2")
 SYMMETRY = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + J*l3^2 + a*alpha1", symbols=["J", "a"])
@@ -83,3 +85,41 @@ def test_a_scan_marks_the_points_with_further_integrals():
 def test_what_is_no_result_is_refused(given):
     with pytest.raises(ParameterError, match="wanted what a run returned"):
         lp.plot.draw(given)
+
+
+WRONG = (3, "text", None, object(), np.zeros(3), [1, 2], {"a": 1}, 1j, b"bytes", True, lp.so(3), lp.Top)
+NUMBERS = {"exponent_distribution", "sleeping_diagram"}
+"""Functions that draw numbers."""
+
+
+def calls():
+    """What each function draws first, and a call of those that take several values with each of their arguments."""
+    for name in lp.plot.__all__:
+        parameters = inspect.signature(getattr(lp.plot, name)).parameters.values()
+        needed = [one.name for one in parameters if one.default is one.empty and one.kind is not one.VAR_KEYWORD]
+        if needed:
+            yield name, needed, {}
+    for key, row in rows().items():
+        if key.startswith("plot."):
+            name = key.split(":")[0].removeprefix("plot.")
+            for argument, one in inspect.signature(row.function).parameters.items():
+                if one.kind is not one.VAR_KEYWORD:
+                    yield name, [argument], row.arguments
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_every_function_refuses_a_wrong_object_in_its_own_words():
+    wrong, drawn = [], set()
+    with mpl.rc_context():
+        for name, arguments, others in calls():
+            for value in WRONG:
+                try:
+                    getattr(lp.plot, name)(**others | dict.fromkeys(arguments, value))
+                    drawn |= set() if others else {name}
+                except lp.errors.LiePoissonError:
+                    pass
+                except Exception as error:
+                    wrong.append(f"{name}({', '.join(arguments)}={value!r:.40}): {type(error).__name__}: {error}")
+                plt.close("all")
+    assert not wrong, "\n".join(wrong)
+    assert drawn <= NUMBERS

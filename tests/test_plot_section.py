@@ -247,3 +247,12 @@ def test_options_that_make_no_sense_are_refused(points, options, message):
     for source in (points, points.dataset):
         with pytest.raises(ParameterError, match=message):
             draw(source, "l1", "l2", **options)
+
+
+@pytest.mark.parametrize("keep", [["l1", "l2 + alpha1", "dot(l, alpha)"], ["l1"]])
+def test_axes_of_kept_functions_are_the_first_and_the_last(keep):
+    top = lp.Top.kovalevskaya()
+    run = lp.section(top, lp.sample_states(top, 2, seed=1), surface="l3", t_end=20, keep=[*keep, top.hamiltonian])
+    assert run.default_axes == (run.coordinates[0], run.coordinates[-1])
+    energy = top.functions.energy(run.start)[run.crossing_trajectory]
+    np.testing.assert_allclose(run.state[:, -1], energy, rtol=1e-12)

@@ -1,6 +1,7 @@
 """What a seed decides is the same bits on every processor, and nothing in the package asks a library that is not."""
 
 import ast
+import itertools
 import json
 import os
 import subprocess
@@ -12,6 +13,7 @@ import pytest
 
 import liepoisson
 from liepoisson import streams
+from liepoisson.orbits import unstable
 from liepoisson.portable import elementary, linear
 
 ROOT = Path(liepoisson.__file__).parent
@@ -207,3 +209,55 @@ def test_elementary_functions_are_right_to_two_units(name):
 def test_numbers_at_equal_ratios_and_between_places():
     assert elementary.geomspace(1, 1000, 4).tolist() == [1, 10, 100, 1000]
     assert elementary.interp([-1, 0, 0.5, 1, 3], [0, 1, 2], [3.0, 5.0, 1.0]).tolist() == [3, 3, 4, 5, 1]
+
+
+def test_eigenvectors_where_francis_steps_and_balancing_are_hard():
+    """Of saddle foci +-1 +- ih, whose shifts wander (Day 1996), and beside zeros that are round-off."""
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0]
+    cases = [turn @ np.kron(np.diag([1, -1]), [[1, 10.0**-k], [-(10.0**-k), 1]]) @ turn.T for k in range(1, 17)]
+    cases += [np.array([[-2, 2, 1e-16], [1e-16, 2, 0], [-2, -2, -2]]), np.array([[1.0, 1, 0], [-2, 2, -1], [0, 2, 1]])]
+    for matrix in cases:
+        values, vectors = linear.eig(matrix)
+        assert np.abs(matrix @ vectors - vectors * values).max() < 1e-13
+
+
+def test_the_unstable_space_of_a_defective_saddle():
+    """q' = J q with Jordan blocks 1 and -1: the space of the block of 1 is q1, q2, however its vectors are ordered."""
+    jordan = np.array([[1.0, 1, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 1, -1]])
+    for order in itertools.permutations(range(4)):
+        basis, rates = unstable._invariant(jordan[np.ix_(order, order)], 2, of_rates=True)
+        assert np.allclose(np.linalg.eigvals(rates), 1, atol=1e-7)
+        assert np.allclose(basis[[order.index(2), order.index(3)]], 0, atol=1e-7)
+
+
+def test_small_singular_values_keep_their_sign():
+    assert np.isclose(linear.pinv(np.diag([1, -1.1e-15]))[1, 1], -1 / 1.1e-15)
+    assert np.isclose(linear.lstsq(np.diag([1, -1e-17]), np.array([0.0, 1]), rcond=1e-20)[0][1], -1e17)
+
+
+def test_complex_numbers_at_the_ends_of_the_range():
+    found = elementary.exp(np.array([1000 + 0j, 709.9 + 0.5j, -1000 + 1j, complex(0, -0.0)]))
+    assert found[0] == np.inf
+    assert found[0].imag == 0
+    assert np.allclose(found[1], np.exp(709.9 + 0.5j), rtol=1e-13)
+    assert found[2] == 0
+    assert np.signbit(found[3].imag)
+
+
+def test_what_these_functions_do_not_have_is_refused():
+    for call in (
+        lambda: elementary.sin(1j),
+        lambda: elementary.geomspace(0, 1),
+        lambda: linear.einsum("aaa->", np.zeros((2, 2, 2))),
+        lambda: linear.einsum("i...->i...", np.zeros((2, 2))),
+        lambda: linear.norm([1.0], ord=1),
+        lambda: linear.det(np.zeros((3, 0))),
+        lambda: linear.cholesky(np.zeros((3, 0))),
+        lambda: streams.generator(0).normal(0, -1),
+    ):
+        with pytest.raises((TypeError, ValueError, linear.LinAlgError)):
+            call()
+    assert linear.norm(np.array([250, 250], dtype=np.uint8)) == np.hypot(250, 250)
+    assert np.array_equal(elementary.power([1.0, 2.0], 2), [1, 4])
+    assert len(set(streams.generator(0).normal(np.zeros(5)).tolist())) == 5
+    assert linear.cond(np.zeros((2, 2))) == np.inf

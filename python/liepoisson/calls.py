@@ -67,7 +67,7 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     def called(*args: P.args, **options: P.kwargs) -> R:
         for name, value in (*zip(single, args, strict=False), *options.items()):
             flag = single.get(name) == _FLAG and isinstance(value, str)
-            if flag or (single.get(name) and is_several(value)):
+            if flag or (single.get(name) and (isinstance(value, (bytes, bytearray)) or is_several(value))):
                 raise ParameterError(f"{name}: wanted {single[name]}; got {shown(value)}; give one value")
         try:
             return function(*args, **options)

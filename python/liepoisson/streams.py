@@ -66,7 +66,11 @@ class Random(np.random.Generator):
 
     def normal(self, loc: ArrayLike = 0.0, scale: ArrayLike = 1.0, size: Any = None) -> Any:
         """Normal numbers with a mean and a standard deviation."""
-        return (np.asarray(loc) + np.asarray(scale) * np.asarray(self.standard_normal(size)))[()]
+        mean, scale = np.asarray(loc, dtype=np.float64), np.asarray(scale, dtype=np.float64)
+        if (scale < 0).any():
+            raise ValueError("scale: wanted standard deviations, which are not negative")
+        shape = np.broadcast_shapes(mean.shape, scale.shape) if size is None else size
+        return (mean + scale * np.asarray(self.standard_normal(shape)))[()]
 
     def _fill(self, values: Any) -> None:
         bits: Any = self.bit_generator

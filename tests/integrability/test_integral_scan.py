@@ -4,6 +4,7 @@ import io
 import json
 import pickle
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -143,6 +144,16 @@ def test_lines_with_a_right_checksum_that_say_nothing_are_computed_again(tmp_pat
     text = f'{scan} {{"0":{record}}}'
     path.write_text(head + f"{crc32(text.encode()):08x} {text}\n")
     assert scan_integrals(TOP, axes=AXES, degree=1, threads=1, store=store).dataset.identical(whole.dataset)
+
+
+@pytest.mark.parametrize("text", ["1e999999999", "1E999999999", "1/1e9", "0.5", " 1", "1_0"])
+def test_numbers_of_a_line_are_whole_numbers_and_fractions_of_them(text):
+    """The exact value of the first would fill the memory."""
+    from liepoisson.integrability import scan_store
+
+    assert scan_store._result(["finished", 1, [[["-1/2", [1, 0]]]]]).found == ({(1, 0): Fraction(-1, 2)},)
+    with pytest.raises(ValueError, match="numbers are texts such as '-1/2'"):
+        scan_store._result(["finished", 1, [[[text, [1, 0]]]]])
 
 
 def test_a_line_of_another_scan_is_left_out(tmp_path):

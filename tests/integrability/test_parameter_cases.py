@@ -7,6 +7,8 @@ from itertools import product
 import flint
 import pytest
 
+from liepoisson import deadline
+from liepoisson.deadline import Deadline
 from liepoisson.exact.polynomials.limits import Limits
 from liepoisson.integrability import parameter_cases
 from liepoisson.integrability.parameter_cases import Cases, CaseSplitting
@@ -215,7 +217,25 @@ def test_a_scaling_changes_no_case():
 
 def test_what_is_not_decided_is_left():
     splitting, cases = CaseSplitting(CONTEXT, frozenset(), []), Cases()
-    splitting.run([{0: A}], 1, 0, cases, lambda: False)
+    with Deadline(1e-9).running():
+        splitting.run([{0: A}], 1, 0, cases)
+    assert len(cases.left) == 1
+
+
+def test_the_deadline_is_seen_within_a_step_of_an_elimination(monkeypatch):
+    """One pivot is subtracted from fifty rows; after the second of them the time is over."""
+    splitting, cases, subtracted = CaseSplitting(CONTEXT, frozenset(), []), Cases(), []
+    rows = [{0: A**0, 1: B, 2: A}, *({0: A + k, 1: B + k, 2: A * B} for k in range(50))]
+    of_rows = CaseSplitting._cleaned
+
+    def cleaned(self, row, case):
+        subtracted.append(row)
+        return of_rows(self, row, case)
+
+    monkeypatch.setattr(CaseSplitting, "_cleaned", cleaned)
+    monkeypatch.setattr(deadline, "has_passed", lambda: len(subtracted) > len(rows) + 2)
+    splitting.run(rows, 3, 0, cases)
+    assert len(subtracted) == len(rows) + 3
     assert len(cases.left) == 1
 
 

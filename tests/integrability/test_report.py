@@ -196,7 +196,9 @@ def test_where_casimirs_are_unknown_nothing_is_called_proved(tmp_path):
     assert "certificate" not in str(found)
     loaded = lp.integrability.load_report(found.save(tmp_path / "open.json"))
     assert (loaded.verdict, str(loaded).splitlines()[0]) == ("open", str(found).splitlines()[0])
-    with pytest.raises(ParameterError, match="wanted a bracket of which all Casimirs are known; 1 of 1 is unknown"):
+    with pytest.raises(
+        ParameterError, match="wanted a bracket of which all Casimirs are known; 1 of 1 Casimirs is unknown"
+    ):
         lp.integrability.certificate(system, {"H": "l1*l2 + l3"})
 
 

@@ -38,6 +38,10 @@ REFUSED = {
     "a level with many digits": lambda d: d["level"].update(H="0." + "3" * 45),
     "a radius with a long exponent": lambda d: d.update(level_radius="1e-\uff19\uff19\uff19999999"),
     "no system": lambda d: d.pop("system"),
+    "an unknown entry": lambda d: d.update(levelradius="1/2"),
+    "an unknown entry of the system": lambda d: d["system"].update(parameters={}),
+    "an unknown entry of a set": lambda d: d["sets"][0].update(centre=[]),
+    "an unknown entry of an edge": lambda d: d["edges"][0].update(symetry=True),
 }
 
 

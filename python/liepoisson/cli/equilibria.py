@@ -36,6 +36,7 @@ def equilibria(
     along: Annotated[list[str] | None, typer.Option(metavar="INTEGRAL=VALUE", help=ALONG_HELP)] = None,
     starts: Annotated[int | None, typer.Option(help=STARTS_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    time_limit: Annotated[float, typer.Option(help="Seconds that the search may take.")] = 3600.0,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
@@ -45,7 +46,7 @@ def equilibria(
     """
     from liepoisson.phase_space.leaf_equilibria import equilibria as find_equilibria
 
-    check_limits(seed=seed, time_limit=1.0)
+    check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())
     found = find_equilibria(
         chosen,
@@ -53,6 +54,7 @@ def equilibria(
         along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
         values=cast("Any", values or None),
         seed=seed,
+        time_limit=time_limit,
         **({} if starts is None else {"n_starts": starts}),
     )
     if format_ is Format.JSON:

@@ -30,6 +30,12 @@ _LARGEST = 7
 """Coordinates of the point are whole numbers up to this."""
 
 
+def unknown_casimirs(system: System) -> str:
+    """How many Casimirs of the bracket were not found, in words; empty if none is missing."""
+    n = system.bracket.n_unknown_casimirs
+    return f"{n} of {system.bracket.corank()} Casimirs {'is' if n == 1 else 'are'} unknown" if n else ""
+
+
 @explains_its_arguments
 def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str, Any]:
     """The certificate that functions on phase space, as many as half the rank, make a system integrable; checked.
@@ -50,11 +56,10 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
             message says what fails.
     """
     x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
-    if unknown := system.bracket.n_unknown_casimirs:
+    if unknown := unknown_casimirs(system):
         raise ParameterError(
-            f"a certificate of integrability: wanted a bracket of which all Casimirs are known; {unknown} of "
-            f"{system.bracket.corank()} {'is' if unknown == 1 else 'are'} unknown: no polynomials were found. Prove "
-            "single integrals, system.is_constant(f)"
+            f"a certificate of integrability: wanted a bracket of which all Casimirs are known; {unknown}: no "
+            "polynomials were found. Prove single integrals, system.is_constant(f)"
         )
     # a name in a certificate stands for one function: a Casimir is not called like a coordinate
     functions = functions_by_name(commuting, "commuting")

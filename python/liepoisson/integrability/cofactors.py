@@ -14,16 +14,18 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from liepoisson.errors import TimeLimitError
 from liepoisson.exact.linear.coefficients import Element
 from liepoisson.exact.linear.linear_algebra import nullspace_mod
 from liepoisson.exact.linear.residues import PRIME
+from liepoisson.exact.polynomials.limits import NotDecidedError
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level
@@ -109,7 +111,6 @@ class CofactorCases(CaseSplitting):
         level: The level set, or all of phase space.
         monomials: Those of the cofactor.
         field: Which numbers the coefficients of the cofactor may be.
-        keep_going: Asked before each step of an elimination.
     """
 
     def __init__(
@@ -118,20 +119,23 @@ class CofactorCases(CaseSplitting):
         level: Level,
         monomials: Sequence[Exponents],
         field: Field,
-        keep_going: Callable[[], bool],
     ) -> None:
         from flint import fmpq_mpoly_ctx
 
         self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
-        self.number_field, self.keep_going = field, keep_going
+        self.number_field: Field = field
         names = [f"k_{'_'.join(_name(derivation, m)) or '0'}" for m in monomials]
         super().__init__(fmpq_mpoly_ctx.get(names, "degrevlex"), frozenset(), [])
 
     def candidates(self, block: Sequence[Exponents]) -> Candidates:
-        """The cofactors of polynomials with the monomials of a block."""
+        """The cofactors of polynomials with the monomials of a block; what is not decided by the deadline is left."""
         if not self.monomials:
             return Candidates(((),), (), 1)
-        stack = [State(Case(nonzero=self.assumed), self._rows(block), 0)]
+        every = Case(nonzero=self.assumed)
+        try:
+            stack = [State(every, self._rows(block), 0)]
+        except TimeLimitError:
+            return Candidates((), (self._text(every),), 0)
         values: list[Values] = []
         left: list[Case] = []
         n_cases = 0
@@ -143,23 +147,25 @@ class CofactorCases(CaseSplitting):
                 if further is not None:
                     stack += further
                     continue
-                if not self._eliminate(state, len(block), self.keep_going):
-                    raise _OutOfTimeError
-            except _OutOfTimeError:
-                left += [s.case for s in (state, *stack)]
-                break
-            if state.rank >= len(block):
-                continue
-            if not state.rows or self._is_finite(state.case):
+                self._eliminate(state, len(block))
+                if state.rank >= len(block):
+                    continue
+                if state.rows and not self._is_finite(state.case):
+                    stack += self._split(state)
+                    continue
                 points = self._points(state.case)
                 if points is None and self._has_none(state.case, block):
                     continue
-                if points is None:
-                    left.append(state.case)
-                else:
-                    values += points
+            except NotDecidedError:
+                left.append(state.case)
+                continue
+            except TimeLimitError:
+                left += [s.case for s in (state, *stack)]
+                break
+            if points is None:
+                left.append(state.case)
             else:
-                stack += self._split(state)
+                values += points
         return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, left)), n_cases)
 
     def _rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
@@ -190,16 +196,6 @@ class CofactorCases(CaseSplitting):
         return super()._has_real_zero(q)
 
     # the splitting
-
-    def _pivot(self, state: State) -> tuple[int, int] | None:
-        if not self.keep_going():
-            raise _OutOfTimeError
-        return super()._pivot(state)
-
-    def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
-        if not self.keep_going():
-            raise _OutOfTimeError
-        return super()._subtracted(row, pivot_row, column, p, case)
 
     def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
         # an equation that was irreducible may split, be of degree one or contradict the others after the insertion
@@ -336,10 +332,6 @@ def _primes() -> Iterator[int]:
     from flint import fmpz
 
     return (p for p in range(PRIME, 2, -2) if fmpz(p).is_probable_prime())
-
-
-class _OutOfTimeError(Exception):
-    """The time is over."""
 
 
 def _sum(first: Exponents, second: Exponents) -> Exponents:

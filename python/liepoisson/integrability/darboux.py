@@ -208,7 +208,8 @@ def darboux_polynomials(
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         field: Which numbers the coefficients of cofactors may be: "complex", "real" or "rational". Those that are
             found have rational numbers and square roots; others are named in `left`.
-        time_limit: Seconds after which the cases that are left are named.
+        time_limit: Seconds after which the cases that are left are named; polynomials with the cofactors that were
+            found are computed to the end.
         progress: As for `integrate`.
 
     Raises:
@@ -235,8 +236,9 @@ def darboux_polynomials(
     blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
     ordered = sorted(blocks.items(), key=lambda item: len(item[1]))
     listen = progress or (lambda _: None)
-    cases = CofactorCases(derivation, level, monomials, field, deadline.lasts)
-    values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
+    cases = CofactorCases(derivation, level, monomials, field)
+    with deadline.running():
+        values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
     numbers = field_of(v for of_block in values for one in of_block for v in one)
     equations = tuple(zero for zero in zero_polynomials if zero)
     search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)

@@ -219,7 +219,7 @@ def integrable_families(
         positive: Names of parameters that are positive.
         nonzero: Names of parameters that are not zero.
         time_limit: Seconds after which the cases that are left are named; integrals for all parameters are searched to
-            the end.
+            the end, and so are those in the cases that were found.
         progress: As for `integrate`.
 
     Raises:
@@ -270,7 +270,7 @@ def integrable_families(
         casimirs,
         [matrix.without_denominators(g.polynomial) for g in search.generators if g.is_new],
         lambda case: [matrix.read(c, system.variables) for c in _casimirs_of(system, case, matrix)],
-        deadline.lasts,
+        deadline,
     )
     cases.search({count.label: count.n_known for count in search.counts}, progress=progress)
     cases.settle()

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Any
 
+from liepoisson.deadline import Deadline
 from liepoisson.exact.polynomials.limits import NotDecidedError
 from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.further_integrals import Comparison, IntegralsAtPoints, ParameterPolynomial
@@ -55,7 +56,7 @@ class FamilyCases:
         casimirs: The Casimirs for generic parameters.
         general: Other integrals that there are for all parameters.
         casimirs_of: The Casimirs of the bracket of a case.
-        keep_going: Asked before each step.
+        deadline: After it nothing more is split; what was found is compared to the end.
         found: The cases with a further integral.
         with_casimirs: Cases whose bracket has more Casimirs, up to the degree.
         left: Cases that were not decided.
@@ -68,7 +69,7 @@ class FamilyCases:
     casimirs: list[ParameterPolynomial]
     general: list[ParameterPolynomial]
     casimirs_of: Callable[[Case], list[ParameterPolynomial]]
-    keep_going: Callable[[], bool] = lambda: True
+    deadline: Deadline
     found: list[FurtherCase] = field(default_factory=list["FurtherCase"])
     with_casimirs: list[Case] = field(default_factory=list[Case])
     left: list[Case] = field(default_factory=list[Case])
@@ -92,7 +93,8 @@ class FamilyCases:
         blocks = self.integrals.blocks
         for k, block in enumerate(blocks):
             n = len(block.monomials)
-            self.splitting.run(block.rows, n, n_known[block.label], cases, self.keep_going, equations=equations)
+            with self.deadline.running():
+                self.splitting.run(block.rows, n, n_known[block.label], cases, equations=equations)
             if progress:
                 progress((k + 1) / len(blocks))
         self.splitting.settle(cases)

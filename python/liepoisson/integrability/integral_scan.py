@@ -183,7 +183,7 @@ def scan_integrals(
         KeyboardInterrupt: Ctrl-C; what is stored stays.
     """
     d, deadline, n_at_once = as_count(degree, "degree", least=1), as_deadline(time_limit), as_threads(threads)
-    chosen = equations_of(on)
+    chosen = equations_of(system, on)
     search, names = _search(system, d, chosen)
     grid = _axes(axes, names)
     points = [tuple(map(Fraction, point)) for point in product(*grid.values())]

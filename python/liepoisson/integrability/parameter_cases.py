@@ -17,12 +17,14 @@ written down.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
+from liepoisson.deadline import checkpoint, has_passed
+from liepoisson.errors import TimeLimitError
 from liepoisson.exact.polynomials.buchberger import remainder
 from liepoisson.exact.polynomials.certified_roots import real_roots
 from liepoisson.exact.polynomials.components import Assumptions, components
@@ -115,18 +117,16 @@ class CaseSplitting:
         n_columns: int,
         n_known: int,
         into: Cases,
-        keep_going: Callable[[], bool] = lambda: True,
         *,
         equations: Sequence[Poly] = (),
     ) -> None:
-        """Find all cases in which the null space is larger than `n_known`.
+        """Find all cases in which the null space is larger than `n_known`; what is not decided by the deadline is left.
 
         Args:
             rows: The matrix.
             n_columns: Number of unknowns.
             n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
             into: Cases found before, of other systems; those inside of them are not looked at again.
-            keep_going: Asked before each step of an elimination; what is not decided when it says no is left.
             equations: Polynomials that vanish on all parameters that are looked at.
         """
         stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
@@ -134,7 +134,7 @@ class CaseSplitting:
         while stack:
             state = stack.pop()
             n_cases += 1
-            if n_cases > MOST_CASES or not keep_going():
+            if n_cases > MOST_CASES or has_passed():
                 into.left += [self._left(s) for s in (state, *stack)]
                 return
             try:
@@ -151,7 +151,9 @@ class CaseSplitting:
                 continue
             if any(self.lies_in(state.case, case) for case in into.found):
                 continue
-            if not self._eliminate(state, n_columns - n_known, keep_going):
+            try:
+                self._eliminate(state, n_columns - n_known)
+            except TimeLimitError:
                 into.left += [self._left(s) for s in (state, *stack)]
                 return
             if state.rank >= n_columns - n_known:
@@ -414,12 +416,15 @@ class CaseSplitting:
 
     # elimination
 
-    def _eliminate(self, state: _State, enough: int, keep_going: Callable[[], bool]) -> bool:
-        """Eliminate by entries that do not vanish, as long as there are any; False if it was ended before."""
+    def _eliminate(self, state: _State, enough: int) -> None:
+        """Eliminate by entries that do not vanish, as long as there are any.
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
         state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
         while state.rows and state.rank < enough:
-            if not keep_going():
-                return False
+            checkpoint("an elimination")
             pivot = self._pivot(state)
             if pivot is None:
                 break
@@ -431,9 +436,9 @@ class CaseSplitting:
                 self._subtracted(row, pivot_row, column, p, state.case) if column in row else row for row in state.rows
             )
             state.rows = [row for row in rows if row]
-        return True
 
     def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
+        checkpoint("an elimination")
         e = row[column]
         common = e.gcd(p)
         a, b = p // common, e // common

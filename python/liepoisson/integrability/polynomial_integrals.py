@@ -13,7 +13,7 @@ from liepoisson.exact.exact_numbers import is_sympy, to_sympy
 from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import read_parameter
 from liepoisson.exact.printing import Formula
-from liepoisson.given import by_name, named, sequence
+from liepoisson.given import by_name, listed, named
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
@@ -21,7 +21,7 @@ from liepoisson.integrability.level import level_of, real_points, squarefree
 from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
 from liepoisson.scalars import as_count
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -307,7 +307,7 @@ def _size_asked(degree: int | None, weight: int | None) -> tuple[Any, str]:
     return (weight, "weight") if weight is not None else (2 if degree is None else degree, "degree")
 
 
-def equations_of(on: Equations) -> tuple[str | Expr, ...]:
+def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
     """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made.
 
     Raises:
@@ -316,7 +316,10 @@ def equations_of(on: Equations) -> tuple[str | Expr, ...]:
     if isinstance(on, str) or is_sympy(on):
         return (cast("str | Expr", on),)
     if (values := named(on, "on")) is None:
-        return sequence(on, "on", "equations", 'on="C1 = 0" or on={"C1": 0}')
+        if (items := listed(on, "on")) is None:
+            name = "C1" if system.bracket.casimirs() else "H"
+            raise not_a("a sequence of equations", on, "on", f'write on="{name} = 0" or on={{"{name}": 0}}')
+        return tuple(items)
     exact = {name: read_parameter(value, f"on: {name}") for name, value in values.items()}
     return tuple(
         f"{name} = {value}" if isinstance(name, str) else name - to_sympy(value) for name, value in exact.items()
@@ -331,7 +334,7 @@ def zeros_on_level(system: System, on: Equations) -> list[Expr]:
         ExpressionError: a text cannot be read.
     """
     zeros: list[Expr] = []
-    for equation in equations_of(on):
+    for equation in equations_of(system, on):
         if isinstance(equation, str):
             left, sign, right = equation.partition("=")
             zero: Any = system.function_of_invariants(left)

@@ -16,7 +16,7 @@ from liepoisson.errors import OutputError, ParameterError, TimeLimitError
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.system_text import system_text
 from liepoisson.files import write_atomically
-from liepoisson.integrability.certificates import certificate
+from liepoisson.integrability.certificates import certificate, unknown_casimirs
 from liepoisson.integrability.commuting_combinations import commuting_combinations
 from liepoisson.integrability.completeness import (
     ClosedIntegrals,
@@ -136,9 +136,7 @@ class IntegrabilityReport:
         n, m, d = self.rank // 2, len(self.integrals), self.searched_degree
         leaves = f"on leaves of dimension {self.rank}"
         proved = "proved" if self.searched_here else "as the file says, not proved again"
-        unknown = self.system.bracket.n_unknown_casimirs if self.commuting or self.closed is not None else 0
-        if unknown:
-            casimirs = f"{unknown} of {self.system.bracket.corank()} Casimirs {'is' if unknown == 1 else 'are'} unknown"
+        if (casimirs := unknown_casimirs(self.system)) and (self.commuting or self.closed is not None):
             enough = f"{n} commuting" if self.commuting else f"{m} that are closed under the bracket"
             return f"open, {casimirs}; with them the integrals would be enough, {enough}, {leaves}"
         if self.closed is not None:
@@ -295,23 +293,13 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
             commuting, closed = _enough(system, integrals, dependent, rank, notes)
         listen(0.7 * d / most)
     proof, obstruction, singularities = None, None, None
-    unknown = system.bracket.n_unknown_casimirs
-    if commuting and not unknown:
+    if commuting and not unknown_casimirs(system):
         proof = _certificate(system, {name: (integrals | dependent)[name] for name in commuting}, notes)
     elif not commuting and not closed:
         obstruction, singularities = _reasons(system, deadline.left, notes)
     return IntegrabilityReport(
         system,
-        verdict_of(
-            rank,
-            integrals,
-            commuting,
-            closed,
-            searches,
-            degree=most,
-            n_unknown_casimirs=unknown,
-            obstruction=obstruction,
-        ),
+        verdict_of(system, integrals, commuting, closed, searches, degree=most, obstruction=obstruction),
         rank,
         integrals,
         dependent,
@@ -368,23 +356,22 @@ def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisOb
 
 
 def verdict_of(
-    rank: int,
+    system: System,
     integrals: Mapping[str, Expr],
     commuting: Sequence[str],
     closed: ClosedIntegrals | None,
     searches: Sequence[FirstIntegrals],
     *,
     degree: int,
-    n_unknown_casimirs: int,
     obstruction: GaloisObstruction | None = None,
 ) -> str:
     """What these facts prove.  Where Casimirs are unknown, the rank of the bracket is no more than a lower bound."""
-    if n_unknown_casimirs and (commuting or closed is not None):
+    if unknown_casimirs(system) and (commuting or closed is not None):
         return "open"
     if closed is not None:
         return "superintegrable"
     if commuting:
-        return "superintegrable" if len(integrals) > rank // 2 else "integrable"
+        return "superintegrable" if len(integrals) > system.bracket.rank() // 2 else "integrable"
     if obstruction is not None and obstruction.verdict == "not integrable":
         return "not integrable"
     searched = all(s.complete for s in searches) and any(s.degree == degree for s in searches)

@@ -145,16 +145,7 @@ class _Reader:
         obstruction, singularities = self._reasons()
         report = IntegrabilityReport(
             system,
-            verdict_of(
-                rank,
-                integrals,
-                commuting,
-                closed,
-                searches,
-                degree=degree,
-                n_unknown_casimirs=system.bracket.n_unknown_casimirs,
-                obstruction=obstruction,
-            ),
+            verdict_of(system, integrals, commuting, closed, searches, degree=degree, obstruction=obstruction),
             rank,
             integrals,
             dependent,

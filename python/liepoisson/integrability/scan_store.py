@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from fractions import Fraction
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from zlib import crc32
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.files import write_atomically, writing
 from liepoisson.formats import another_format
+from liepoisson.integrability.checker import number
 from liepoisson.integrability.scan_points import OUTCOMES, PointResult
 
 FORMAT = "liepoisson integral scan 2"
@@ -116,5 +116,5 @@ def _result(record: list[Any]) -> PointResult:
     outcome, n_further, found = record
     if outcome not in OUTCOMES:
         raise ValueError("another outcome")
-    polynomials = tuple({tuple(map(int, m)): Fraction(c) for c, m in polynomial} for polynomial in found)
+    polynomials = tuple({tuple(map(int, m)): number(c) for c, m in polynomial} for polynomial in found)
     return PointResult(outcome, int(n_further), polynomials)

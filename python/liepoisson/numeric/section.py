@@ -284,8 +284,7 @@ class Section(IntegratedRun):
         """What a figure has along its axes where none are named, across and up (`liepoisson.plot.section`).
 
         Of a section of dimension 2 they are coordinates on it, if components or angles of two of them are: different
-        states lie at different points.  Only where whole states were kept; of kept functions a figure shows the first
-        and the last.
+        states lie at different points.  Of kept functions they are the first and the last.
         """
         from liepoisson.phase_space.section_coordinates import figure_axes
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import is_named, labelled, listed
+from liepoisson.given import is_named, is_several, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
@@ -75,8 +75,8 @@ def states_by_name(
     for name, numbers in given.items():
         if name not in places:
             raise ParameterError(
-                f"{what} must name a field or a component; got {str(name)!r:.60}. {did_you_mean(name, places)}Known: "
-                f"{', '.join(places)}."
+                f"{what} must name a field or a component; got {str(name)!r:.60}. {_meant(name, numbers, places)}"
+                f"Known: {', '.join(places)}."
             )
         place, values = places[name], as_array(numbers, f"{what} {name}")
         if len(place) == 1 and (not one or values.ndim == 0):
@@ -105,6 +105,18 @@ def states_by_name(
     for name, values in read.items():
         states[..., list(places[name])] = values
     return states
+
+
+def _meant(name: object, numbers: Any, places: Mapping[str, range]) -> str:
+    """The question that begins a hint, about a name that takes such numbers: one number is that of a component."""
+    hint = did_you_mean(name, places)
+    if is_several(numbers):
+        return hint
+    for field, place in places.items():
+        if len(place) > 1 and hint == did_you_mean(field, [field]):
+            components = [known for known, of in places.items() if len(of) == 1 and of[0] in place]
+            return f"Did you mean one of {', '.join(components)}? "
+    return hint
 
 
 def _places(system: Any) -> dict[str, range]:

@@ -17,18 +17,17 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
-from liepoisson.errors import OrbitError, ParameterError
-from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Taylor
+from liepoisson.deadline import has_passed
+from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import transversal_basis
-from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis
-from liepoisson.orbits.symmetric_orbits import group_of_level, reversers_of
+from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis, n_times_of
+from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
 from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
 from liepoisson.portable import elementary, linear
-from liepoisson.scalars import as_count, as_threads, as_time
+from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
@@ -72,6 +71,7 @@ def symmetric_homoclinic_orbits(
     t_end: float | None = None,
     seed: int = 0,
     threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> HomoclinicOrbits:
     r"""Homoclinic orbits that are their own mirror images, to a hyperbolic periodic orbit or equilibrium.
@@ -100,6 +100,8 @@ def symmetric_homoclinic_orbits(
             slowest unstable rate.
         seed: Draws the starts.
         threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.
+        time_limit: Seconds after which nothing more is looked for; what was found by then is described to the end, and
+            `is_cut_short` is true.
         progress: Called with the fraction that is done.
 
     Returns:
@@ -108,8 +110,10 @@ def symmetric_homoclinic_orbits(
     Raises:
         ParameterError: `origin` is not hyperbolic, or no reverser suits it.
         LeafError: the leaf of an equilibrium is not regular.
+        MemoryLimitError: the states up to `t_end` do not fit into memory.
     """
     n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
+    deadline = as_deadline(time_limit)
     space = unstable_space(origin)
     level = space.level
     chosen = reversers_of(level, reversers)
@@ -121,19 +125,22 @@ def symmetric_homoclinic_orbits(
     longest = usual if t_end is None else as_time(t_end, "t_end", example=usual)
     search = _Search(space, Flow(level.system, threads), float(longest))
     amplitudes = search.drawn(n_starts, seed)
-    guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts)
     solved: list[Solution] = []
-    for k, one in enumerate(chosen):
-        if progress is not None:
-            progress(0.2 + 0.7 * k / len(chosen))
-        solved += [(one, *found) for found in search.solved(one, *guesses[k])]
+    with deadline.running():
+        left = max(deadline.left, LEAST_LEFT)
+        guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts, left)
+        for k, one in enumerate(chosen):
+            if progress is not None:
+                progress(0.2 + 0.7 * k / len(chosen))
+            solved += [(one, *found) for found in search.solved(one, *guesses[k])]
+        is_cut_short = has_passed()
     path = _points_of(origin, space)
     found = [
         _described(origin, space, search.flow, one)
         for one in _distinct(level, solved, np.array(group_of_level(level)), path)
     ]
     found.sort(key=lambda one: one.time)
-    return HomoclinicOrbits(origin, tuple(found), tuple(chosen), float(longest), n_starts)
+    return HomoclinicOrbits(origin, tuple(found), tuple(chosen), float(longest), n_starts, is_cut_short)
 
 
 class _Search:
@@ -154,16 +161,14 @@ class _Search:
         return self.size * direction * elementary.power(self.factor, draw.random((n, 1)))
 
     def near(
-        self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int
+        self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int, time_limit: float
     ) -> list[tuple[Array, Array]]:
         """Amplitudes and times at which flights come near the fixed set of each reverser."""
         space, units = self.space, self.units
-        grid = np.linspace(0.0, self.longest, 1 + int(np.ceil(_TIMES_PER_RATE * self.longest * self.fastest)))
         starts, _ = space.states(amplitudes)
-        orbit = integrate(
-            self.flow.system, starts, times=grid, method=Taylor(), kernel="lanes", threads=self.flow.threads
-        )
-        state = orbit.state / units
+        n_times = n_times_of(_TIMES_PER_RATE * self.longest * self.fastest, 1.0)
+        grid, states = self.flow.survey(starts, self.longest, n_times, time_limit)
+        state = states / units
         speed = linear.norm(np.gradient(state, grid, axis=1), axis=-1)
         early = grid[1:-1] < 0.5 * elementary.log(1 / self.size) / self.fastest
         found: list[tuple[Array, Array]] = []
@@ -187,7 +192,7 @@ class _Search:
     def solved(
         self, reverser: DiscreteSymmetry, amplitudes: Array, times: Array
     ) -> list[tuple[Array, float, Array, float]]:
-        """Amplitudes, times, midpoints and residuals where Newton's method converges."""
+        """Amplitudes, times, midpoints and residuals where Newton's method converges before the deadline."""
         a, T = amplitudes.copy(), times.copy()
         mirror = mirror_basis(reverser)
         rows = mirror.T / self.units
@@ -198,7 +203,10 @@ class _Search:
             if not active.size:
                 break
             starts, slopes = self.space.states(a[active])
-            ends, tangents = self.flow.ends(starts, T[active], slopes * self.size)
+            try:
+                ends, tangents = self.flow.ends(starts, T[active], slopes * self.size)
+            except TimeLimitError:
+                break
             with np.errstate(all="ignore"):
                 good = are_finite(ends)
                 rate = np.where(good[:, None], self.flow.system.vector_field(ends), 0.0)

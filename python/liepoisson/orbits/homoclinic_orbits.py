@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_methods
 from liepoisson.display import as_line, as_table
+from liepoisson.orbits.periodic_orbits import CUT_SHORT
 from liepoisson.orbits.unstable import UnstableSpace
 from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count
@@ -124,6 +125,7 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
         reversers: The reversers in whose fixed sets midpoints were looked for.
         t_end: The longest half flight that was looked for.
         n_starts: How many starts there were.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     origin: SymmetricOrbit | Equilibrium
@@ -131,6 +133,7 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
     reversers: tuple[DiscreteSymmetry, ...]
     t_end: float
     n_starts: int
+    is_cut_short: bool = False
 
     @overload
     def __getitem__(self, index: int) -> HomoclinicOrbit: ...
@@ -148,7 +151,9 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
         """The columns of the table: of each orbit its half flight, midpoint and angles in rad."""
         names = self.origin.system.component_names
         states = np.array([one.midpoint for one in self.found], dtype=float).reshape(len(self.found), len(names))
-        angles = np.array([one.angles for one in self.found], dtype=float).reshape(len(self.found), -1)
+        angles = np.array([one.angles for one in self.found], dtype=float).reshape(
+            len(self.found), -1 if self.found else 0
+        )
         return {
             **{name: np.array([getattr(one, name) for one in self.found]) for name in ("time", "residual", "distance")},
             "reverser": np.array([one.reverser.text for one in self.found]),
@@ -172,7 +177,7 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
         return (
             f"{n or 'No'} symmetric homoclinic orbit{'' if n == 1 else 's'} to {what} of "
             f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from {self.n_starts} "
-            "starts; that there are no others is not proved."
+            f"starts{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 
     def _rows(self) -> list[tuple[str, ...]]:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from liepoisson.orbits.polish import PreciseSegment
 
 _CLOSED = 1e-9
+CUT_SHORT = "; the time limit ended the search"
 _LONGEST = 60
 """Rows of a table."""
 
@@ -153,6 +154,7 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
         n_starts: How many starts there were for each pair of reversers.
         n_families: How many segments were left out since they have a further multiplier 1, and so are most likely not
             isolated on the level.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     level: Level
@@ -161,6 +163,7 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
     t_end: float
     n_starts: int
     n_families: int
+    is_cut_short: bool = False
 
     @overload
     def __getitem__(self, index: int) -> SymmetricOrbit: ...
@@ -179,7 +182,9 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
         names = self.level.system.component_names
         states = np.array([one.start for one in self.found], dtype=float).reshape(len(self.found), len(names))
         listed = ("period", "return_time", "rate", "stability", "residual", "pair_defect", "trivial_defect")
-        sizes = np.array([np.abs(one.multipliers) for one in self.found]).reshape(len(self.found), -1)
+        sizes = np.array([np.abs(one.multipliers) for one in self.found]).reshape(
+            len(self.found), -1 if self.found else 0
+        )
         return {
             **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
             **{f"start_{name}": column for name, column in zip(names, states.T, strict=True)},
@@ -202,8 +207,8 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
         return (
             f"{n or 'No'} symmetric periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on "
             f"{self.level.text}, with segments up to {self.t_end:g}, found from {self.n_starts} starts for each pair "
-            f"of {len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}; that there are no "
-            "others is not proved."
+            f"of {len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}"
+            f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 
     def _rows(self) -> list[tuple[str, ...]]:

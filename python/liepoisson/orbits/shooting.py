@@ -19,10 +19,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, check_memory
+from liepoisson.deadline import checkpoint
+from liepoisson.errors import TimeLimitError
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
 from liepoisson.portable import linear
+from liepoisson.scalars import MOST, TIME_LIMIT
 
 if TYPE_CHECKING:
     from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
@@ -31,6 +34,9 @@ if TYPE_CHECKING:
 
 TOGETHER = 16
 """Trajectories of about the same length that are integrated in one call: two registers of eight."""
+
+_ARRAYS_OF_STATES = 3
+"""Arrays of all states that a survey makes: the states, those in units of the level, and their derivatives."""
 
 _MOST_STEPS = 20
 _LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
@@ -60,6 +66,11 @@ def are_finite(states: Array) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(states).all(axis=-1))
 
 
+def n_times_of(t_end: float, unit: float) -> int:
+    """Number of times that are surveyed up to one, so many in each unit of time; too many are refused by `survey`."""
+    return int(min(np.ceil(t_end / unit), MOST))
+
+
 @dataclass(frozen=True)
 class Flow:
     """Ends of trajectories that have each a time of its own.
@@ -84,6 +95,9 @@ class Flow:
 
         Returns:
             States, shape (n, N), and tangent vectors as columns, shape (n, N, k).
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
         """
         n, N = starts.shape
         vectors = np.zeros((n, N, 0)) if tangents is None else np.broadcast_to(tangents, (n, N, tangents.shape[-1]))
@@ -91,6 +105,7 @@ class Flow:
         backwards = bool(n) and times[0] < 0
         order = np.argsort(np.abs(times), kind="stable")
         for first in range(0, n, TOGETHER):
+            checkpoint("following orbits to a fixed set")
             some = order[first : first + TOGETHER]
             grid = np.unique(np.append(0.0, np.abs(times[some])))
             orbit = integrate(
@@ -108,6 +123,34 @@ class Flow:
             if vectors.shape[2]:
                 moved[some] = np.swapaxes(orbit.tangent[rows, places], 1, 2)
         return states, moved
+
+    def survey(self, starts: Array, t_end: float, n_times: int, time_limit: float) -> tuple[Array, Array]:
+        """Evenly spaced times up to one, and the states of all trajectories there.
+
+        Args:
+            starts: Shape (n, N).
+            t_end: The last time.
+            n_times: Number of times after 0.
+            time_limit: Seconds; states that are not computed by then are NaN.
+
+        Returns:
+            Times, shape (n_times + 1,), and states, shape (n, n_times + 1, N).
+
+        Raises:
+            MemoryLimitError: the states, scaled and with their derivatives, do not fit into memory.
+        """
+        check_memory(_ARRAYS_OF_STATES * 8 * starts.size * (n_times + 1), "t_end")
+        grid = np.linspace(0.0, t_end, n_times + 1)
+        orbit = integrate(
+            self.system,
+            starts,
+            times=grid,
+            method=Taylor(),
+            kernel="lanes",
+            threads=self.threads,
+            time_limit=time_limit,
+        )
+        return grid, orbit.state
 
     def matrix(self, start: Array, time: float) -> tuple[Array, Array]:
         """The end of one trajectory and the derivative of the flow along it, shapes (N,) and (N, N)."""
@@ -156,18 +199,17 @@ class Shooting:
     last: DiscreteSymmetry
     flow: Flow
 
-    def near(self, starts: Array, t_end: float, n_times: int, n_wanted: int) -> Segments:
+    def near(
+        self, starts: Array, t_end: float, n_times: int, n_wanted: int, time_limit: float = TIME_LIMIT
+    ) -> Segments:
         """Starts and times at which trajectories come near the last fixed set, the nearest first.
 
         They are local minima in time of the distance; each start gives several.
         """
-        grid = np.linspace(0.0, t_end, n_times + 1)
-        orbit = integrate(
-            self.flow.system, starts, times=grid, method=Taylor(), kernel="lanes", threads=self.flow.threads
-        )
+        grid, states = self.flow.survey(starts, t_end, n_times, time_limit)
         mirror = mirror_basis(self.last)
-        distance = linear.norm(linear.matmul((orbit.state / self.level.units), mirror), axis=-1)
-        speed = linear.norm(np.gradient(orbit.state / self.level.units, grid, axis=1), axis=-1)
+        distance = linear.norm(linear.matmul((states / self.level.units), mirror), axis=-1)
+        speed = linear.norm(np.gradient(states / self.level.units, grid, axis=1), axis=-1)
         inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:])
         rows, places = np.nonzero(inner)
         places = places + 1
@@ -179,6 +221,8 @@ class Shooting:
 
     def solved(self, guesses: Segments, *, tolerance: float, least: float, most: float) -> Segments:
         """What Newton's method makes of guesses; those that leave the range of times or do not converge are dropped.
+
+        Where the deadline of the call passes, those that have converged are kept.
 
         Args:
             guesses: Starts and times.
@@ -195,7 +239,10 @@ class Shooting:
         for k in range(_MOST_STEPS):
             if not active.size:
                 break
-            ends, tangents = self.flow.ends(x[active], T[active], basis)
+            try:
+                ends, tangents = self.flow.ends(x[active], T[active], basis)
+            except TimeLimitError:
+                break
             values, slopes = self._equations(x[active], ends, tangents, basis, mirror)
             size = np.abs(values).max(axis=-1)
             size[~np.isfinite(size)] = np.inf

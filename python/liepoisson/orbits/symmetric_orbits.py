@@ -16,6 +16,7 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
+from liepoisson.deadline import checkpoint, has_passed
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
 from liepoisson.given import sequence
@@ -25,10 +26,10 @@ from liepoisson.numeric.time_scale import natural_duration
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import loop_spectrum
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits
-from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis
+from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis, n_times_of
 from liepoisson.phase_space._checks import are_equal
 from liepoisson.portable import linear
-from liepoisson.scalars import as_count, as_threads, as_time
+from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
 from liepoisson.streams import Purpose, stream
 from liepoisson.wrong_values import shown
 
@@ -44,6 +45,9 @@ _SHORTEST = 0.1
 """A segment is at least so many natural times long: near an equilibrium none is shorter than a quarter of a turn."""
 
 _GUESSES_PER_START = 2
+LEAST_LEFT = 1e-9
+"""Seconds of a run whose time is over; a run must have some."""
+
 _UNITS, _N_UNITS, _ROUNDS = 2**20, 32, 4
 """The stream of the states that give the unit of time, their number, and how often it is made shorter."""
 
@@ -69,6 +73,7 @@ def symmetric_periodic_orbits(
     t_end: float | None = None,
     seed: int = 0,
     threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> SymmetricOrbits:
     r"""Periodic orbits that meet the fixed sets of reversers twice, on one level of H and the Casimirs.
@@ -96,6 +101,8 @@ def symmetric_periodic_orbits(
         seed: Draws the starts.
         threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.  Results
             do not depend on it, bit for bit.
+        time_limit: Seconds after which nothing more is looked for; what was found by then is described to the end, and
+            `is_cut_short` is true.
         progress: Called with the fraction that is done.
 
     Returns:
@@ -105,10 +112,12 @@ def symmetric_periodic_orbits(
         LeafError: the leaf is not regular, no state of it has this energy, or H and the Casimirs depend on each other
             at all states that were found.
         ParameterError: the system has no reverser that maps the level to itself, or a value is not as it must be.
+        MemoryLimitError: the states up to `t_end` do not fit into memory.
 
     References: [devogelaere1958], for the method; [lamb1998].
     """
     n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
+    deadline = as_deadline(time_limit)
     level = level_of(system, leaf, energy)
     chosen = reversers_of(level, reversers)
     flow = Flow(level.system, threads)
@@ -127,25 +136,31 @@ def symmetric_periodic_orbits(
     found: list[Segment] = []
     n_families = 0
     pairs = list(combinations_with_replacement(range(len(chosen)), 2))
-    for k, (i, j) in enumerate(pairs):
-        if progress is not None:
-            progress(0.9 * k / len(pairs))
-        if len(starts[i]):
-            shooting = Shooting(level, chosen[i], chosen[j], flow)
-            n_times = max(16, int(np.ceil(_TIMES_PER_UNIT * longest / unit)))
-            guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n_starts)
-            solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
-            isolated = solved.of(solved.regularity > _SINGULAR)
-            n_families += len(solved) - len(isolated)
-            found += [(chosen[i], chosen[j], x, float(T)) for x, T in zip(isolated.start, isolated.time, strict=True)]
+    n_times = max(16, n_times_of(_TIMES_PER_UNIT * longest, unit))
+    with deadline.running():
+        for k, (i, j) in enumerate(pairs):
+            if has_passed():
+                break
+            if progress is not None:
+                progress(0.9 * k / len(pairs))
+            if len(starts[i]):
+                shooting = Shooting(level, chosen[i], chosen[j], flow)
+                left = max(deadline.left, LEAST_LEFT)
+                guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n_starts, left)
+                solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
+                isolated = solved.of(solved.regularity > _SINGULAR)
+                n_families += len(solved) - len(isolated)
+                segments = zip(isolated.start, isolated.time, strict=True)
+                found += [(chosen[i], chosen[j], x, float(T)) for x, T in segments]
+        is_cut_short = has_passed()
     group = group_of_level(level)
     shortest = _shortest(level, flow, chosen, _distinct(level, found, group))
-    segments = [_named_image(level, flow, one, chosen, group) for one in _distinct(level, shortest, group)]
-    orbits = [one for one in (symmetric_orbit(level, flow, segment) for segment in segments) if one.residual <= CLOSES]
+    named = [_named_image(level, flow, one, chosen, group) for one in _distinct(level, shortest, group)]
+    orbits = [one for one in (symmetric_orbit(level, flow, segment) for segment in named) if one.residual <= CLOSES]
     alone = [one for one in orbits if not _is_of_family(one)]
     alone.sort(key=lambda one: (-round(one.rate, 9), one.period))
     n_families += len(orbits) - len(alone)
-    return SymmetricOrbits(level, tuple(alone), tuple(chosen), float(longest), n_starts, n_families)
+    return SymmetricOrbits(level, tuple(alone), tuple(chosen), float(longest), n_starts, n_families, is_cut_short)
 
 
 def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) -> list[DiscreteSymmetry]:
@@ -246,7 +261,10 @@ def _improved(level: Level, flow: Flow, segment: Segment) -> Segment | None:
     first, last, start, time = segment
     guess = Segments(start[None], np.array([time]), np.zeros(1), np.ones(1))
     solved = Shooting(level, first, last, flow).solved(guess, tolerance=CLOSES, least=0.5 * time, most=2 * time)
-    return (first, last, solved.start[0], float(solved.time[0])) if len(solved) else None
+    if not len(solved):
+        checkpoint("the description of an orbit")
+        return None
+    return first, last, solved.start[0], float(solved.time[0])
 
 
 def _distinct(

@@ -123,13 +123,16 @@ def _of_equilibrium(origin: Equilibrium) -> UnstableSpace:
     along = linear.svd((gradients * units).T, full_matrices=True)[0][:, len(gradients) :]
     small = linear.matmul(linear.matmul(along.T, matrix), along)
     basis, rates = _invariant(small, len(small) // 2, of_rates=True)
+    slowest = float(linear.eigvals(rates).real.min())
+    if not slowest > 0:
+        raise ParameterError(f"origin: wanted a hyperbolic equilibrium; the unstable space of {origin!r} is not known")
     return UnstableSpace(
         level,
         origin.state,
         linear.matmul(along, basis) * units[:, None],
         rates,
         0.0,
-        float(linear.eigvals(rates).real.min()),
+        slowest,
         gradients.T * (units**2)[:, None],
         tuple(range(1, len(gradients) + 1)),
     )

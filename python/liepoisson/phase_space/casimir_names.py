@@ -30,7 +30,7 @@ def by_name(system: System, given: Mapping[str, T], what: str = "casimirs") -> d
             hint = did_you_mean(key, known)
             raise ParameterError(
                 f"{what} must name Casimirs of {system.name}; got {str(key)!r:.60}. Known: "
-                f"{', '.join(formulas(system)) or 'none'}. {hint}{_example(what, known)}".strip()
+                f"{', '.join(formulas(system)) or 'none'}. {hint}{example_of_values(what, known)}"
             )
         if name in values:
             raise ParameterError(f"{what} must give each Casimir once; {name} comes twice. Remove one.")
@@ -59,9 +59,10 @@ def _name_of(system: System, formula: str) -> str | None:
     return next(equal, None)
 
 
-def _example(what: str, known: tuple[str, ...]) -> str:
+def example_of_values(what: str, known: tuple[str, ...]) -> str:
+    """What to write for values of these Casimirs; where there are none, nothing has to be given."""
     if not known:
-        return ""
+        return f"Leave {what} out." if what.startswith("--") else "Write {}, which gives values to none."
     if what.startswith("--"):
         return f"Write {what} {known[0]}=1."
     values = ", ".join(f'"{name}": ...' for name in known)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, norm
+from liepoisson.deadline import has_passed
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.linearisation import leaf_tangent
@@ -195,7 +196,7 @@ def critical_points(
         fields: Those of H and of the integrals K_j.
         starts: States near or on the leaf, shape (start, N).
         values: The values kappa_j.
-        most_steps: Where the iteration ends in any case.
+        most_steps: Where the iteration ends in any case; it also ends at the deadline of the call.
 
     Returns:
         States (start, N), and the relative residuals (start,) that are left; those far from round-off did not
@@ -213,7 +214,7 @@ def critical_points(
     for _ in range(most_steps):
         left = norm(residual, axis=1)
         rows = np.flatnonzero((left > _ROUND_OFF) & (damping < 1e12) & ((left > _NEAR_ROUND_OFF) | (failed < 2)))
-        if not rows.size:
+        if not rows.size or has_passed():
             break
         trial, trial_omega, possible = _step(search, x[rows], omega[rows], residual[rows], damping[rows])
         # where the second derivatives overflow, the residual relative to them would count as zero

@@ -44,6 +44,7 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None
             where a degenerate equilibrium has no known share.
         n_starts: How many starts the search took; 0 if the algebra gave the list.
+        is_cut_short: Whether the time limit ended the search.
         n_undecided: At how many places H is flat to round-off and may have more equilibria than those that are listed.
         n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
@@ -56,6 +57,7 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
     n_starts: int
     n_complex: int | None = None
     n_undecided: int = 0
+    is_cut_short: bool = False
 
     @property
     def completeness(self) -> str:
@@ -68,6 +70,8 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
         if self.n_undecided:
             places = "one place" if self.n_undecided == 1 else f"{self.n_undecided} places"
             searched += f"; others may be hidden at {places} where H is flat to round-off"
+        if self.is_cut_short:
+            return f"{searched}; the time limit ended the search"
         if self.euler_characteristic is None:
             return f"{searched}, and no check is known"
         if self.euler_found is None:

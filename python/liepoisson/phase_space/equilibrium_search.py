@@ -12,14 +12,18 @@ on by stretched Newton steps, until the soft directions are flat to round-off.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, norm
+from liepoisson.deadline import checkpoint, has_passed
+from liepoisson.errors import TimeLimitError
 from liepoisson.phase_space.critical_points import (
     MOST_STEPS,
     SOFT,
@@ -111,6 +115,8 @@ class _Family:
 class EquilibriumSearch:
     """The search on one leaf; each call of `extend` takes more starts.
 
+    Where the deadline of the call passes, what was found stays, and `is_cut_short` is true.
+
     Args:
         leaf: The leaf.
         integrals: Integrals with their names.
@@ -131,6 +137,7 @@ class EquilibriumSearch:
         self._flat_parts: list[FlatPart] = []
         self._hidden: list[HiddenPlace] = []
         self.n_starts = 0
+        self.is_cut_short = False
 
     @property
     def found(self) -> list[Equilibrium]:
@@ -163,11 +170,13 @@ class EquilibriumSearch:
     def _add_from(self, starts: Array) -> None:
         states, residual = self._reached(self._origin, starts, is_sure=False)
         for state in states[np.argsort(residual, kind="stable")]:
-            self._add(state)
+            with suppress(TimeLimitError):  # whether it belongs to a family was not seen
+                self._add(state)
+        self.is_cut_short |= has_passed()
 
     def until_the_sum_is(self, expected: int | None, most_starts: int) -> None:
         """Twice as many starts each time, while the sum of the signs is known and not this number."""
-        while expected is not None and self.signed_sum() not in {None, expected} and self.n_starts < most_starts:
+        while expected is not None and self.signed_sum() not in {None, expected} and self._goes_on(most_starts):
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
     def until_all_were_met_again(self, most_starts: int) -> None:
@@ -176,8 +185,12 @@ class EquilibriumSearch:
         The share of starts that lead to equilibria not met yet is about the number of those met once, divided by that
         of the starts (Good 1953).
         """
-        while any(family.n_found == 1 for family in self.found) and self.n_starts < most_starts:
+        while any(family.n_found == 1 for family in self.found) and self._goes_on(most_starts):
             self.extend(min(self.n_starts, most_starts - self.n_starts))
+
+    def _goes_on(self, most_starts: int) -> bool:
+        """Whether there are starts and time left."""
+        return self.n_starts < most_starts and not self.is_cut_short
 
     def _reached(
         self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS, *, is_sure: bool = True
@@ -192,7 +205,9 @@ class EquilibriumSearch:
             slow = is_critical(self._fields, self._leaf, states, residual, within=_SLOW) & ~near
             near[np.flatnonzero(slow)[:_FEW_SLOW]] = True
         states = states[near]
-        ends = [[self._polished(x)] if is_sure else self._led_on(x) for x in states]
+        ends = [
+            [self._polished(x)] if is_sure else self._led_on(x) for x in takewhile(lambda _: not has_passed(), states)
+        ]
         states = np.array([x for found in ends for x in found]).reshape(-1, starts.shape[1])
         if not len(states):
             return states, np.zeros(0)
@@ -491,6 +506,7 @@ class EquilibriumSearch:
             states, _ = self._reached(self._leaf, guess[None], most_steps, is_sure=is_sure)
             if len(states):
                 return states[int(np.argmin(norm(states - guess, axis=1)))]
+        checkpoint("following a family of equilibria")
         return None
 
 

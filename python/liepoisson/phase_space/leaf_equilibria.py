@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
 from liepoisson.given import named
 from liepoisson.numeric.sampling import as_seed
@@ -33,7 +34,7 @@ from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, ze
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.portable import linear
-from liepoisson.scalars import as_count, as_number
+from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -56,6 +57,7 @@ def equilibria(
     n_starts: int = 200,
     most_starts: int | None = None,
     seed: int = 0,
+    time_limit: float = TIME_LIMIT,
 ) -> Equilibria:
     r"""The equilibria on a leaf: all of them for a top, elsewhere those that a search finds, with a check.
 
@@ -94,6 +96,7 @@ def equilibria(
         n_starts: Number of starts of a search, random states projected to the leaf.
         most_starts: What it may be doubled to; 16 times `n_starts` by default.
         seed: Draws them.
+        time_limit: Seconds after which the search ends with what it has found, and `is_cut_short` is true.
 
     Returns:
         The equilibria by increasing energy, a sequence that knows what is proved about it.
@@ -103,6 +106,7 @@ def equilibria(
         ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs; `values` does not name the
             integrals of `along`; one of these is not constant, or has no motion of its own; or `n_starts`,
             `most_starts` or `seed` is no whole number.
+        TimeLimitError: the time limit passes before the search begins.
 
     References: [holm1985], for the equations; [milnor1963], for the sum.
     """
@@ -112,6 +116,14 @@ def equilibria(
     most = _MOST * n_starts if most_starts is None else as_count(most_starts, "most_starts", least=1)
     integrals = integrals_of(system, along)
     wanted = _level(integrals, values, None)
+    with as_deadline(time_limit).running():
+        return _equilibria(leaf, integrals, wanted, n_starts=n_starts, most=most, seed=seed)
+
+
+def _equilibria(
+    leaf: Leaf, integrals: Mapping[str, PhaseFunction], wanted: Array, *, n_starts: int, most: int, seed: int
+) -> Equilibria:
+    """As `equilibria`, before the deadline of the call."""
     seeds: Array = np.zeros((0, len(leaf.state)))
     if not integrals:
         found, seeds = _by_algebra(leaf)
@@ -126,7 +138,14 @@ def equilibria(
     search.until_the_sum_is(expected, most)
     total = None if integrals else search.signed_sum()  # with integrals it would belong to another space
     return Equilibria(
-        leaf, tuple(search.found), False, expected, total, search.n_starts, n_undecided=search.n_undecided
+        leaf,
+        tuple(search.found),
+        False,
+        expected,
+        total,
+        search.n_starts,
+        n_undecided=search.n_undecided,
+        is_cut_short=search.is_cut_short,
     )
 
 
@@ -236,6 +255,7 @@ def equilibrium_near(
         states = zero.state[None]
         residual = residuals(view, fields, states, level)
     if zero is None or not is_critical(fields, view, states, residual)[0]:
+        checkpoint("Newton's method for an equilibrium")
         raise ParameterError(
             f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with "
             f"{reached}. Search with equilibria(system, leaf, along=..., values=...)."

@@ -45,7 +45,12 @@ def dimension_of_section(run: Section) -> int | None:
 
 
 def figure_axes(run: Section) -> SectionAxes:
-    """What a figure of a section has along its axes; the default where it has not dimension 2."""
+    """What a figure of a section has along its axes; the default where it has not dimension 2.
+
+    Of kept functions they are the first and the last.
+    """
+    if run.coordinates != run.components:
+        return SectionAxes(run.coordinates[0], run.coordinates[-1])
     x, y = default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]))
     if dimension_of_section(run) != 2:
         return SectionAxes(x, y)

@@ -16,7 +16,7 @@ from liepoisson.exact.formula.numbers import as_array
 from liepoisson.given import is_named, named
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system
-from liepoisson.phase_space.casimir_names import by_name
+from liepoisson.phase_space.casimir_names import by_name, example_of_values
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.leaf_projection import Equations
 from liepoisson.phase_space.lengths import unit_groups
@@ -143,7 +143,8 @@ def find(
 
 def _read_values(system: System, leaf: Mapping[str, float | str], prefix: str) -> dict[str, float]:
     if (given := named(leaf, f"{prefix}leaf")) is None:
-        raise ParameterError(f'{prefix}leaf must be a Leaf or values of Casimirs; got {leaf!r:.60}. Write {{"C1": 1}}.')
+        example = example_of_values(f"{prefix}leaf", tuple(system.functions.casimirs))
+        raise ParameterError(f"{prefix}leaf must be a Leaf or values of Casimirs; got {leaf!r:.60}. {example}")
     casimirs = by_name(system, given, f"{prefix}leaf")
     values = {name: as_number(value, f"{prefix}leaf {name}", "a finite number") for name, value in casimirs.items()}
     if not np.isfinite(list(values.values())).all():

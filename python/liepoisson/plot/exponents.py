@@ -15,6 +15,7 @@ from liepoisson.given import listed, sequence
 from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
 from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style
 from liepoisson.scalars import as_count, as_number
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -230,6 +231,9 @@ def window_scan(
         ax: Axes to draw into, by default those of a new figure.
     """
     fits = sequence(fits, "fits", "fits", "window_scan(time, exponent)")
+    for fit in fits:
+        if not isinstance(fit, FiniteTimeFit):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("fits of finite-time exponents", fit, "fits", "write fits.window_scan(time, exponent)")
     level = None if reference is None else as_number(reference, "reference", "a number")
     ends = sorted({fit.window[1] for fit in fits})
     with house_style():

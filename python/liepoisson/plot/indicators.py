@@ -11,7 +11,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.given import sequence, texts
 from liepoisson.plot.exponents import time_axis
-from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style
+from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
 from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
@@ -159,4 +159,4 @@ def _panels(axes: Sequence[Axes] | None) -> tuple[Axes, Axes, Axes]:
     axes = sequence(axes, "axes", "axes", "figure.subplots(3)")
     if len(axes) != 3:
         raise ShapeError(f"axes must be three, for growth, MEGNO and SALI; got {len(axes)}.")
-    return axes[0], axes[1], axes[2]
+    return axes_or_new(axes[0]), axes_or_new(axes[1]), axes_or_new(axes[2])

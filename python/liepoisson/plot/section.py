@@ -125,6 +125,8 @@ def section(
     if trajectories is not None:
         shown &= np.isin(member, _as_trajectories(trajectories, points, member))
     colours, diameter = as_colours(colour), _as_size(size)
+    if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a("a text", title, "title", 'write title="...", or leave it out')
     heading = _heading(points) if title is None and ax is None else title
     panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
     with house_style():

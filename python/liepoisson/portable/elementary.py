@@ -18,23 +18,37 @@ _BY_PRODUCTS = 8
 
 
 def _one(name: str, x: ArrayLike) -> Any:
-    array = np.asarray(x, dtype=np.float64)
+    array = _real(x)
     values = _core.elementary_of_one(name, np.ascontiguousarray(array).reshape(-1))
     return values.reshape(array.shape)[()]
 
 
 def _two(name: str, x: ArrayLike, y: ArrayLike) -> Any:
-    one, other = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64))
+    one, other = np.broadcast_arrays(_real(x), _real(y))
     flat = (np.ascontiguousarray(each).reshape(-1) for each in (one, other))
     return _core.elementary_of_two(name, *flat).reshape(one.shape)[()]
+
+
+def _real(x: ArrayLike) -> Any:
+    if np.iscomplexobj(x):
+        raise TypeError("the core has this function for real numbers")
+    return np.asarray(x, dtype=np.float64)
 
 
 def exp(x: ArrayLike) -> Any:
     """The exponential function; of complex numbers, too."""
     array: Any = np.asarray(x)
     if np.iscomplexobj(array):
-        size = exp(array.real)
-        return size * cos(array.imag) + 1j * (size * sin(array.imag))
+        half = exp(0.5 * array.real)  # its square may overflow where the products do not
+        size, (cosine, sine) = exp(array.real), (cos(array.imag), sin(array.imag))
+        with np.errstate(invalid="ignore", over="ignore"):
+            real, imaginary = (
+                np.where(np.isfinite(size), size * part, np.where(part == 0, part, half * (half * part)))
+                for part in (cosine, sine)
+            )
+        result = np.empty(array.shape, dtype=np.complex128)
+        result.real, result.imag = real, imaginary
+        return result[()]
     return _one("exp", array)
 
 
@@ -152,6 +166,7 @@ def power(x: ArrayLike, exponent: ArrayLike) -> Any:
 
 def whole_power(x: Any, exponent: int) -> Any:
     """A power by squares and products."""
+    x = np.asarray(x) if isinstance(x, (list, tuple)) else x
     square, result = (x if exponent >= 0 else 1.0 / np.asarray(x)), None
     left = abs(exponent)
     while left:
@@ -163,7 +178,9 @@ def whole_power(x: Any, exponent: int) -> Any:
 
 
 def geomspace(start: float, stop: float, num: int = 50) -> Any:
-    """Numbers from `start` to `stop` at equal ratios; both ends are exact."""
+    """Positive numbers from `start` to `stop` at equal ratios; both ends are exact."""
+    if not (start > 0 and stop > 0):
+        raise ValueError(f"wanted positive ends; got {start} and {stop}")
     if num < 2:
         return np.full(num, float(start))
     first, last = log10(start), log10(stop)

@@ -84,7 +84,7 @@ def matmul(a: Any, b: Any) -> Any:
     a, b = _arrays(a, b)
     if np.iscomplexobj(a) or np.iscomplexobj(b):
         real = np.asarray(matmul(a.real, b.real)) - matmul(a.imag, b.imag)
-        return real + 1j * (np.asarray(matmul(a.real, b.imag)) + matmul(a.imag, b.real))
+        return of_parts(real, np.asarray(matmul(a.real, b.imag)) + matmul(a.imag, b.real))
     row, column = a.ndim == 1, b.ndim == 1
     if row:
         a = a[None, :]
@@ -106,7 +106,7 @@ def matmul(a: Any, b: Any) -> Any:
 def times(a: Any, b: Any) -> Any:
     """Products of complex numbers, one by one: NumPy fuses their sums on some processors."""
     a, b = _arrays(a, b)
-    return (a.real * b.real - a.imag * b.imag) + 1j * (a.real * b.imag + a.imag * b.real)
+    return of_parts(a.real * b.real - a.imag * b.imag, a.real * b.imag + a.imag * b.real)
 
 
 def tensordot(a: Any, b: Any, axes: int = 1) -> Any:
@@ -120,6 +120,9 @@ def tensordot(a: Any, b: Any, axes: int = 1) -> Any:
 def einsum(subscripts: str, *operands: Any) -> Any:
     """Sums of products by Einstein's convention, as NumPy has it; the result's indices are given after the arrow."""
     inputs, output = subscripts.replace(" ", "").split("->")
+    many = any(term.count(letter) > 2 for term in inputs.split(",") for letter in term if letter != ".")
+    if many or output.rfind("...") > 0:
+        raise ValueError(f"{subscripts}: wanted an ellipsis that comes first, and a letter twice in a term at most")
     pairs = [_ellipsis_first(*pair) for pair in zip(inputs.split(","), map(np.asarray, operands), strict=True)]
     terms, arrays = [term for term, _ in pairs], [array for _, array in pairs]
     term, value = terms[0], arrays[0]
@@ -199,12 +202,16 @@ def _pair(one: str, a: NDArray[Any], other: str, b: NDArray[Any], wanted: set[st
 
 def norm(x: Any, ord: int | None = None, axis: int | tuple[int, ...] | None = None, keepdims: bool = False) -> Any:
     """Lengths of vectors, or of all numbers; with `ord=2` and two axes, or a matrix, the largest singular value."""
-    x = _arrays(x)[0]
+    x = np.asarray(x)
+    x = x if np.iscomplexobj(x) else x.astype(np.float64, copy=False)
+    if ord not in (None, 2):
+        raise ValueError(f"ord: wanted None or 2; got {ord}")
     if ord == 2 and (isinstance(axis, tuple) or (axis is None and x.ndim == 2)):
         matrices = x if axis is None else np.moveaxis(x, axis, (-2, -1))
-        return svd(matrices, compute_uv=False)[..., 0]
+        found = svd(matrices, compute_uv=False).max(axis=-1, initial=0.0)
+        return found[..., None, None] if keepdims else found
     squares = x.real * x.real + x.imag * x.imag if np.iscomplexobj(x) else x * x
-    if axis is None:
+    if axis is None and not keepdims:
         squares, axis = squares.ravel(), 0
     return np.sqrt(np.add.reduce(squares, axis=axis, keepdims=keepdims))
 
@@ -309,13 +316,13 @@ def inv(a: Any) -> Any:
 
 def det(a: Any) -> Any:
     """Determinants."""
-    a = _real(a)
+    a = _square(a)
     return _core.determinants(_flat(a), math.prod(a.shape[:-2]), a.shape[-1])[0].reshape(a.shape[:-2])[()]
 
 
 def slogdet(a: Any) -> SignAndLogarithm:
     """Signs and logarithms of determinants."""
-    a = _real(a)
+    a = _square(a)
     _, sign, logarithm = _core.determinants(_flat(a), math.prod(a.shape[:-2]), a.shape[-1])
     return SignAndLogarithm(sign.reshape(a.shape[:-2])[()], logarithm.reshape(a.shape[:-2])[()])
 
@@ -326,7 +333,7 @@ def cholesky(a: Any) -> Array:
     Raises:
         LinAlgError: a matrix is not positive definite.
     """
-    a = _real(a)
+    a = _square(a)
     found = _core.cholesky(_flat(a), math.prod(a.shape[:-2]), a.shape[-1])
     if found is None:
         raise LinAlgError("Matrix is not positive definite")
@@ -335,7 +342,7 @@ def cholesky(a: Any) -> Array:
 
 def eigh(a: Any) -> Eigen:
     """Eigenvalues of symmetric matrices, rising, and orthonormal eigenvectors; the lower triangle is read."""
-    a = _real(a)
+    a = _square(a)
     values, rows = _core.symmetric(_flat(a), math.prod(a.shape[:-2]), a.shape[-1])
     return Eigen(values.reshape(a.shape[:-1]), np.swapaxes(rows.reshape(a.shape), -1, -2))
 
@@ -349,12 +356,13 @@ def eig(a: Any) -> Eigen:
     """Eigenvalues and eigenvectors of real matrices: real arrays where all of them are real.
 
     Raises:
-        LinAlgError: an entry is not finite.
+        LinAlgError: an entry is not finite, or Francis's steps do not converge.
     """
-    a = _real(a)
+    a = _square(a)
     found = _core.eigen(_flat(a), math.prod(a.shape[:-2]), a.shape[-1])
     if found is None:
-        raise LinAlgError("Array must not contain infs or NaNs")
+        is_finite = bool(np.isfinite(a).all())
+        raise LinAlgError("Eigenvalues did not converge" if is_finite else "Array must not contain infs or NaNs")
     values, rows = (numbers.view(np.complex128) for numbers in found)
     values, vectors = values.reshape(a.shape[:-1]), np.swapaxes(rows.reshape(a.shape), -1, -2)
     return Eigen(values, vectors) if values.imag.any() else Eigen(values.real, vectors.real)
@@ -396,7 +404,7 @@ def cond(a: Any) -> Any:
     """The largest singular value over the smallest."""
     values = svd(a, compute_uv=False)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return values[..., 0] / values[..., -1]
+        return np.where(values[..., -1] == 0, np.inf, values[..., 0] / values[..., -1])[()]
 
 
 def cov(samples: Any) -> Array:
@@ -459,6 +467,20 @@ def _real(a: Any) -> Any:
     if array.ndim < 2:
         raise LinAlgError(f"{array.ndim}-dimensional array given. Array must be at least two-dimensional")
     return array
+
+
+def _square(a: Any) -> Any:
+    array = _real(a)
+    if array.shape[-1] != array.shape[-2]:
+        raise LinAlgError(f"Last 2 dimensions of the array must be square; got {array.shape}")
+    return array
+
+
+def of_parts(real: Any, imaginary: Any) -> Any:
+    """A complex number or array; 1j times an infinite number, or a zero with a sign, would be something else."""
+    result = np.empty(np.broadcast_shapes(np.shape(real), np.shape(imaginary)), dtype=np.complex128)
+    result.real, result.imag = real, imaginary
+    return result[()]
 
 
 def _flat(a: NDArray[Any]) -> Array:

@@ -32,6 +32,7 @@ FORMAT = "liepoisson certificate of covering relations/1"
 
 LEVEL_RADIUS = Fraction(3, 10**8)
 """Radius of the ball of levels of a certificate that does not name one."""
+_KEYS = ("format", "system", "level", "level_radius", "symmetry", "sets", "edges")
 _MOST_BYTES = 20_000_000
 _MOST_SETS = 2_000
 _MOST_DIGITS, _MOST_DIGITS_OF_EXPONENT = 200, 4
@@ -116,9 +117,11 @@ def read_certificate(data: object) -> CoveringCertificate:
         ValueError: the data have another form.
     """
     record = _mapping(data, "the file")
+    _check_keys(record, _KEYS, "the file")
     if (named := record.get("format", FORMAT)) != FORMAT:  # the first files name none
         raise _FormatError(another_format(named, FORMAT))
     system = _mapping(_entry(record, "system", "the file"), "system")
+    _check_keys(system, ("name", "equations"), "system")
     level = _mapping(_entry(record, "level", "the file"), "level")
     signs = _sequence(_entry(record, "symmetry", "the file"), "symmetry")
     if any(type(s) is not int or s not in (1, -1) for s in signs):
@@ -153,6 +156,7 @@ def _radius(value: object) -> Fraction:
 
 def _set(data: object, n: int, where: str) -> CoveringSet:
     record = _mapping(data, where)
+    _check_keys(record, ("name", "center", "frame"), where)
     center = _numbers(_entry(record, "center", where), n, f"{where}, center")
     rows = _sequence(_entry(record, "frame", where), f"{where}, frame")
     if len(rows) != n:
@@ -163,6 +167,7 @@ def _set(data: object, n: int, where: str) -> CoveringSet:
 
 def _edge(data: object, numbers: Mapping[str, int], where: str) -> Edge:
     record = _mapping(data, where)
+    _check_keys(record, ("from", "to", "time", "symmetry"), where)
     ends = [_text(_entry(record, end, where), f"{where}, {end}") for end in ("from", "to")]
     for end in ends:
         if end not in numbers:
@@ -247,6 +252,14 @@ def _sequence(value: object, where: str) -> Sequence[Any]:
     if not isinstance(value, list):
         raise _FormatError(f"{where}: wanted a list; got {shown(value)}")
     return cast("Sequence[Any]", value)
+
+
+def _check_keys(record: Mapping[Any, Any], known: Sequence[str], where: str) -> None:
+    """Refuse entries that mean nothing: one that is misspelt would be left out of what is proved."""
+    if unknown := [key for key in record if key not in known]:
+        raise _FormatError(
+            f"{where}: wanted the entries {', '.join(known)}; got {', '.join(map(shown, unknown))} among them"
+        )
 
 
 def _entry(record: Mapping[Any, Any], key: str, where: str) -> Any:

@@ -5,6 +5,7 @@ Nothing here is rigorous and nothing need be: what is found is checked by a prog
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -152,6 +153,7 @@ def find_certificate(
                 t_end=t_end,
                 seed=seed,
                 threads=threads,
+                time_limit=math.inf,  # what is found must not depend on how quick the machine is
                 progress=part_of(progress, 0.4 * k / len(families), 0.4 / len(families)),
             )
         except LeafError as error:  # the fixed sets of these do not meet the level
@@ -171,6 +173,7 @@ def find_certificate(
             n_starts=2 * n_starts,
             seed=seed,
             threads=threads,
+            time_limit=math.inf,
             progress=part_of(progress, 0.4 + 0.6 * k / _MOST_ORBITS, 0.6 / _MOST_ORBITS),
         )
         tried.append(f"{len(found)} homoclinic orbits to that of period {orbit.period:.6g}")
@@ -257,7 +260,7 @@ def _made_smaller(
 
 def _check_that_it_has_no_equilibrium(level: Level) -> None:
     """Refuse a level on which H is critical: it is not regular there."""
-    every = equilibria(level.system, level.leaf, n_starts=50)
+    every = equilibria(level.system, level.leaf, n_starts=50, time_limit=math.inf)
     energies = np.array([one.energy for one in every])
     wanted = float(level.values["H"])  # pyright: ignore[reportArgumentType]  # a number
     if not len(energies):

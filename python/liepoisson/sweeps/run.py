@@ -18,6 +18,7 @@ from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
+from liepoisson.given import labelled
 from liepoisson.numeric.verdict import as_rule
 from liepoisson.scalars import MOST_THREADS, as_count, as_number
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
@@ -173,11 +174,18 @@ def _check_options(store: Any, scheduler: Any, patience: Any) -> None:
         raise ParameterError(f"patience: wanted a number of seconds, not negative; got {shown(patience)}; try 60")
 
 
+def _columns(axes: object) -> dict[Any, Any] | None:
+    """Values by the labels of a table or a Series; None for what has no labels."""
+    found = labelled(axes)
+    return None if found is None else found.by_label("axes")
+
+
 def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of `SweepSpec`, made of the plain mappings that `sweep` takes for them."""
     made = dict(settings)
-    if isinstance(axes := made.get("axes"), Mapping):
-        made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", axes).items())
+    axes = made.get("axes")
+    if (columns := axes if isinstance(axes, Mapping) else _columns(axes)) is not None:
+        made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", columns).items())
     if isinstance(starts := made.get("starts"), Mapping):
         given = dict(cast("Mapping[str, Any]", starts))
         known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}

@@ -79,7 +79,8 @@ class Axis:
         if self.label is not None:
             check_title(self.label, f"axis {self.name}: label")
         try:
-            values = as_array(self.values, f"axis {self.name}")
+            given = listed(self.values, f"axis {self.name}")
+            values = as_array(self.values if given is None else given, f"axis {self.name}")
         except ShapeError as error:
             raise ParameterError(f"{error}.") from error
         steps = np.diff(values) if values.ndim == 1 else np.zeros(1)
@@ -458,8 +459,8 @@ def _owned(value: Any) -> Any:
     value = as_scalar(value)
     if isinstance(value, (np.ndarray, np.generic)):
         return _owned(cast("Any", value).tolist())
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return tuple(_owned(item) for item in cast("Sequence[Any]", value))
+    if (items := listed(value)) is not None:
+        return tuple(map(_owned, items))
     return value
 
 

@@ -1,9 +1,10 @@
-//! Eigenvalues and eigenvectors of real matrices: balancing (Osborne 1960), Hessenberg's form, Francis's double steps, and
-//! substitution in the real Schur form (Golub and Van Loan, Matrix Computations, chapter 7).
+//! Eigenvalues and eigenvectors of real matrices: balancing (Osborne 1960; James, Langou and Lowery 2014), Hessenberg's form,
+//! Francis's double steps with the shifts of LAPACK's `dlahqr`, and substitution in the real Schur form (Golub and Van Loan,
+//! Matrix Computations, chapter 7).
 
 use super::singular::power_of_two_above;
 
-/// Double steps for one eigenvalue or pair; with an exceptional shift at each tenth, some three are usual.
+/// Double steps for one eigenvalue or pair; with exceptional shifts at each tenth, some three are usual.
 const MOST_STEPS: usize = 300;
 
 /// Eigenvalues and eigenvectors; pairs stand together, the positive imaginary part first.
@@ -34,6 +35,12 @@ pub fn eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     Some(Eigen { values: values.iter().map(|&[re, im]| [re * scale, im * scale]).collect(), vectors })
 }
 
+/// Two shifts, centre +- sqrt(s), with s as a product of two numbers: s itself may be too small for a double.
+struct Shifts {
+    centre: f64,
+    squares: [f64; 2],
+}
+
 /// A = Z T Z^T, T on its way to triangular form with blocks of two for pairs of complex eigenvalues.
 struct Schur {
     n: usize,
@@ -42,16 +49,17 @@ struct Schur {
 }
 
 impl Schur {
-    /// Divides rows and multiplies columns by powers of two until both have like sizes; the powers.
+    /// Divides rows and multiplies columns by powers of two until both have like lengths; the powers.
+    ///
+    /// The diagonal counts: a row of round-off beside a diagonal entry would otherwise be taken for a small one.
     fn balance(&mut self) -> Vec<f64> {
         let n = self.n;
         let mut units = vec![1.0; n];
         for _ in 0..100 {
             let mut changed = false;
             for k in 0..n {
-                let others = (0..n).filter(|&j| j != k);
-                let (row, column) = others.fold((0.0, 0.0), |(row, column): (f64, f64), j| {
-                    (row + self.t[k * n + j].abs(), column + self.t[j * n + k].abs())
+                let (row, column) = (0..n).fold((0.0, 0.0), |(row, column), j| {
+                    (libm::hypot(row, self.t[k * n + j]), libm::hypot(column, self.t[j * n + k]))
                 });
                 if row == 0.0 || column == 0.0 {
                     continue;
@@ -106,15 +114,12 @@ impl Schur {
     /// Francis's steps until every block has one or two rows.
     fn iterate(&mut self) -> Option<()> {
         let n = self.n;
-        let norm = self.t.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
         let (mut end, mut steps) = (n, 0);
         while end > 0 {
             let last = end - 1;
             let mut start = last;
             while start > 0 {
-                let near = self.t[start * n + start].abs() + self.t[(start - 1) * n + start - 1].abs();
-                let near = if near == 0.0 { norm } else { near };
-                if self.t[start * n + start - 1].abs() <= f64::EPSILON * near {
+                if self.t[start * n + start - 1].abs() <= f64::EPSILON * self.size_around(start) {
                     self.t[start * n + start - 1] = 0.0;
                     break;
                 }
@@ -130,25 +135,68 @@ impl Schur {
                 if steps > MOST_STEPS {
                     return None;
                 }
-                self.step(start, last, steps % 10 == 0);
+                let shifts = match steps % 20 {
+                    10 => self.exceptional_shifts(start, start),
+                    0 => self.exceptional_shifts(last, last - 2),
+                    _ => self.shifts(last - 1),
+                };
+                self.step(start, last, shifts);
             }
         }
         Some(())
     }
 
+    /// The sizes of the entries beside a subdiagonal one: on the diagonal, or if these vanish, below it.
+    fn size_around(&self, row: usize) -> f64 {
+        let t = |i: usize, j: usize| self.t[i * self.n + j].abs();
+        let near = t(row, row) + t(row - 1, row - 1);
+        if near > 0.0 {
+            return near;
+        }
+        let before = if row > 1 { t(row - 1, row - 2) } else { 0.0 };
+        let after = if row + 1 < self.n { t(row + 1, row) } else { 0.0 };
+        if before + after > 0.0 { before + after } else { f64::MIN_POSITIVE / f64::EPSILON }
+    }
+
+    /// The eigenvalues of the block of two rows at `k`; of two real ones the one nearer to the last entry, twice (Day 1996).
+    fn shifts(&self, k: usize) -> Shifts {
+        let (a, b, c, d) = self.block(k);
+        let size = a.abs() + b.abs() + c.abs() + d.abs();
+        if size == 0.0 {
+            return Shifts { centre: 0.0, squares: [0.0, 1.0] };
+        }
+        let (p, mean) = (0.5 * (a / size - d / size), 0.5 * (a / size + d / size));
+        let q = p * p + (b / size) * (c / size);
+        if q >= 0.0 {
+            let nearer = if p < 0.0 { mean + q.sqrt() } else { mean - q.sqrt() };
+            Shifts { centre: nearer * size, squares: [0.0, 1.0] }
+        } else {
+            Shifts { centre: mean * size, squares: [q * size, size] }
+        }
+    }
+
+    /// A pair beside a diagonal entry, at a distance of the subdiagonal entries at `below` and after it.
+    fn exceptional_shifts(&self, row: usize, below: usize) -> Shifts {
+        let t = |i: usize, j: usize| self.t[i * self.n + j];
+        let size = t(below + 1, below).abs() + t(below + 2, below + 1).abs();
+        Shifts { centre: t(row, row) + 0.75 * size, squares: [-0.4375 * size, size] }
+    }
+
     /// One double step on rows `start..=last`.
-    fn step(&mut self, start: usize, last: usize, exceptional: bool) {
+    fn step(&mut self, start: usize, last: usize, shifts: Shifts) {
         let n = self.n;
         let t = |i: usize, j: usize| self.t[i * n + j];
-        let (sum, product) = if exceptional {
-            let w = t(last, last - 1).abs() + t(last - 1, last - 2).abs();
-            (1.5 * w, w * w)
-        } else {
-            let (a, d) = (t(last - 1, last - 1), t(last, last));
-            (a + d, a * d - t(last - 1, last) * t(last, last - 1))
-        };
         let (a, b, c, d) = (t(start, start), t(start, start + 1), t(start + 1, start), t(start + 1, start + 1));
-        let mut bulge = vec![a * a + b * c - sum * a + product, c * (a + d - sum), c * t(start + 2, start + 1)];
+        // the first column of (T - centre)^2 - squares, over its own size: products of small entries would vanish
+        let (Shifts { centre, squares: [one, other] }, below) = (shifts, t(start + 2, start + 1));
+        let size = (a - centre).abs() + c.abs() + one.abs().sqrt() * other.sqrt();
+        let size = if size == 0.0 { 1.0 } else { size };
+        let (across, down) = ((a - centre) / size, c / size);
+        let mut bulge = vec![
+            (a - centre) * across + b * down - one * (other / size),
+            down * ((a - centre) + (d - centre)),
+            down * below,
+        ];
         for k in start..last {
             self.reflect(k, &normal(&bulge), k.saturating_sub(1).max(start), (k + 4).min(last + 1));
             if k > start {
@@ -389,6 +437,19 @@ mod tests {
         }
     }
 
+    /// The matrix in other orthogonal coordinates: reflected along (1, 2, ..., n).
+    fn turned(matrix: &[f64], n: usize) -> Vec<f64> {
+        let v: Vec<f64> = (1..=n).map(|k| k as f64).collect();
+        let weight = 2.0 / v.iter().map(|x| x * x).sum::<f64>();
+        let mut turned = matrix.to_vec();
+        for j in 0..n {
+            let share = (0..n).map(|i| v[i] * turned[i * n + j]).sum::<f64>() * weight;
+            (0..n).for_each(|i| turned[i * n + j] -= share * v[i]);
+        }
+        reflect_columns(&mut turned, n, 0, &v, weight);
+        turned
+    }
+
     #[test]
     fn known_values() {
         let rotation = eigen(&[0.0, -2.0, 2.0, 0.0], 2).unwrap();
@@ -406,6 +467,20 @@ mod tests {
         assert!(eigen(&[f64::NAN], 1).is_none());
         assert!(eigen(&[], 0).unwrap().values.is_empty());
         check(&[1.0, 1e12, 1e-12, 1.0], 2, 1e-15).unwrap(); // balanced
+        // zeros that are round-off, which balancing must not take for sizes (an eigenvector was wrong by its own length)
+        check(&[-2.0, 2.0, 1e-16, 1e-16, 2.0, 0.0, -2.0, -2.0, -2.0], 3, 1e-14).unwrap();
+        // a pair beside a real value, and two pairs that nearly coincide: the shifts of one block wander (Day 1996)
+        check(&[1.0, 1.0, 0.0, -2.0, 2.0, -1.0, 0.0, 2.0, 1.0], 3, 1e-14).unwrap();
+        for exponent in 1..17 {
+            let h = libm::exp10(-f64::from(exponent));
+            let saddle = [1.0, h, 0.0, 0.0, -h, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, h, 0.0, 0.0, -h, -1.0];
+            check(&turned(&saddle, 4), 4, 1e-14).unwrap();
+        }
+        // three blocks, one of them far below the others
+        let mut blocks = vec![0.0; 16];
+        blocks[0] = 1.0;
+        (0..3).for_each(|i| blocks[(i + 1) * 4 + (i + 1) % 3 + 1] = 1e-160);
+        check(&blocks, 4, 1e-14).unwrap();
         // a permutation of n letters needs an exceptional shift
         let mut cycle = vec![0.0; 16];
         (0..4).for_each(|i| cycle[i * 4 + (i + 1) % 4] = 1.0);

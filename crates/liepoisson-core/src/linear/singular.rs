@@ -16,8 +16,8 @@ pub struct Singular {
 
 /// The factors of a matrix of shape (n, m) with n >= m.
 ///
-/// Pairs of columns are rotated until all are orthogonal to round-off. The columns of U that belong to values of zero, or of
-/// round-off beside the largest one, are completed by Householder's reflections.
+/// Pairs of columns are rotated until all are orthogonal to round-off. The columns of U that belong to values of round-off
+/// beside the largest one are made orthogonal by Householder's reflections, which complete those of zero.
 ///
 /// # Panics
 /// If n < m, or the slice has another length.
@@ -39,7 +39,7 @@ pub fn singular(matrix: &[f64], n: usize, m: usize) -> Singular {
             break;
         }
     }
-    let sizes: Vec<f64> = columns.chunks_exact(n.max(1)).map(|column| dot(column, column).sqrt()).collect();
+    let sizes: Vec<f64> = columns.chunks_exact(n.max(1)).map(length).collect();
     let mut order: Vec<usize> = (0..m).collect();
     order.sort_by(|&p, &q| sizes[q].total_cmp(&sizes[p]));
     let values: Vec<f64> = order.iter().map(|&k| sizes[k] * scale).collect();
@@ -56,6 +56,12 @@ pub(super) fn power_of_two_above(size: f64) -> f64 {
     } else {
         1.0
     }
+}
+
+/// The length of a vector, also of one whose squares are too small for doubles.
+fn length(x: &[f64]) -> f64 {
+    let unit = power_of_two_above(x.iter().fold(0.0, |size: f64, x| size.max(x.abs())));
+    x.iter().fold(0.0, |sum, x| sum + (x / unit) * (x / unit)).sqrt() * unit
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -85,13 +91,14 @@ pub(super) fn turn(rows: &mut [f64], n: usize, (p, q): (usize, usize), (c, s): (
     }
 }
 
-/// The columns over their lengths, in the order of the values; where nothing but round-off is left, what completes the frame.
+/// The columns over their lengths, in the order of the values; small ones are orthogonal to others to absolute round-off
+/// only, and are made so, those of zero completed.
 fn left_vectors(columns: &[f64], sizes: &[f64], order: &[usize], n: usize) -> Vec<f64> {
     let m = order.len();
     let least = f64::EPSILON * n as f64 * sizes.iter().fold(0.0, |size: f64, x| size.max(*x));
     let mut left = vec![0.0; n * m];
     let known = order.iter().take_while(|&&k| sizes[k] > least).count();
-    for (j, &k) in order[..known].iter().enumerate() {
+    for (j, &k) in order.iter().enumerate().filter(|&(_, &k)| sizes[k] > 0.0) {
         for i in 0..n {
             left[i * m + j] = columns[k * n + i] / sizes[k];
         }
@@ -167,6 +174,15 @@ mod tests {
             check(&matrix, n, m).unwrap();
         }
         assert!(singular(&[f64::NAN, 1.0, 2.0, 3.0], 2, 2).values[0].is_nan());
+    }
+
+    #[test]
+    fn vectors_of_small_values_are_those_of_their_columns() {
+        // the directions of both columns are known, however small the second is
+        for small in [1e-15, -1e-17, 1e-30, -1e-163, 1e-320] {
+            let Singular { left, values, .. } = singular(&[1.0, 0.0, 0.0, small, 0.0, 0.0], 3, 2);
+            assert_eq!((left[3], values[1]), (small.signum(), small.abs()));
+        }
     }
 
     #[test]

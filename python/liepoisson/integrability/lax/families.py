@@ -25,6 +25,7 @@ from liepoisson.scalars import as_count, as_deadline
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.deadline import Deadline
     from liepoisson.exact.system import System
 
 
@@ -170,7 +171,7 @@ def lax_families(
     families: list[LaxFamily] = []
     n_undecided, n = 0, len(ansatz.partners)
     for first in range(n):
-        cases = splitting.cases(first, deadline.lasts)
+        cases = splitting.cases(first, deadline)
         n_undecided += len(cases.left)
         families += [splitting.family(case, first) for case in cases.found]
         if progress:
@@ -200,7 +201,7 @@ class _Splitting:
         self.assumed = list({str(q): q for q in (*given, *divisors)}.values())
         self.trivial = trivial_vectors(ansatz)
 
-    def cases(self, first: int, keep_going: Callable[[], bool]) -> Cases:
+    def cases(self, first: int, deadline: Deadline) -> Cases:
         """The cases in which the first component of B that is not zero, and is 1, has this number."""
         n, k = len(self.partners), len(self.names)
         components = [self.context.gen(k + j) for j in range(n)]
@@ -210,7 +211,8 @@ class _Splitting:
         inserted = [zero] * first + [one] + components[first + 1 :]
         rows = linear_system(self.ansatz, self.degree, inserted, self.context)
         n_columns = (self.degree + 1) * self.ansatz.n_per_power
-        splitting.run(rows, n_columns, (self.degree + 1) * len(self.trivial), cases, keep_going)
+        with deadline.running():
+            splitting.run(rows, n_columns, (self.degree + 1) * len(self.trivial), cases)
         splitting.settle(cases)
         return cases
 

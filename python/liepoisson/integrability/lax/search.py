@@ -35,6 +35,7 @@ from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 from liepoisson.scalars import as_count, as_deadline
 
 if TYPE_CHECKING:
+    from liepoisson.deadline import Deadline
     from liepoisson.exact.system import System
 
 MOST_DEGREE = 8
@@ -135,7 +136,7 @@ def search_lax_pairs(
         if d > 1 and not deadline.lasts():
             n_undecided += 1
             break
-        found = list(_partners(ansatz, d, len(trivial), deadline.lasts))
+        found = list(_partners(ansatz, d, len(trivial), deadline))
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)
         for b in dict.fromkeys(one.components for one in found if one is not None):
@@ -157,7 +158,7 @@ class _Partner:
     is_free: bool
 
 
-def _partners(ansatz: Ansatz, degree: int, n_trivial: int, keep_going: Callable[[], bool]) -> Iterator[_Partner | None]:
+def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -> Iterator[_Partner | None]:
     """The B for which there are solutions of this degree; None for each case that is not decided."""
     n = len(ansatz.partners)
     for first in range(n):  # the first component that is not zero
@@ -167,7 +168,8 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, keep_going: Callable[
         rows = linear_system(ansatz, degree, components, context)
         n_columns = (degree + 1) * ansatz.n_per_power
         cases, splitting = Cases(), CaseSplitting(context, frozenset(), [])
-        splitting.run(rows, n_columns, (degree + 1) * n_trivial, cases, keep_going)
+        with deadline.running():
+            splitting.run(rows, n_columns, (degree + 1) * n_trivial, cases)
         splitting.settle(cases)
         for case in cases.found:
             b = member(case, free)
