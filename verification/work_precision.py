@@ -115,7 +115,7 @@ def table(result: dict[str, Any]) -> str:
             points = [p for p in result["points"] if p["top"] == top and p["method"] == contender.name]
             cells = [_cheapest(points, level) for level in result["levels"]]
             lines.append(f"| {top} | {contender.name} | " + " | ".join(cells) + " |")
-    return "CPU nanoseconds for a unit of time, and the setting:\n\n" + "\n".join(lines)
+    return "CPU nanoseconds for a unit of time, and the step or tolerance:\n\n" + "\n".join(lines)
 
 
 def _cheapest(points: list[dict[str, Any]], level: float) -> str:
@@ -123,7 +123,7 @@ def _cheapest(points: list[dict[str, Any]], level: float) -> str:
     if not good:
         return "–"
     best = min(good, key=lambda point: point["seconds"])
-    return f"{1e9 * best['seconds']:.0f} ({figures.setting(best['knob'], best['value'])})"
+    return f"{1e9 * best['seconds']:.0f} ({figures.setting(best['knob'], best['value']).split()[-1]})"
 
 
 def draw(result: dict[str, Any]) -> Figure:
