@@ -1,4 +1,4 @@
-"""Makes docs/names.md: every public name by chapter, and the words of the arguments. Run it when a name is new.
+"""Makes docs/names.md: every public name by chapter, and the words of arguments. Run it when a name is new.
 
 python docs/public_names.py
 """
@@ -6,7 +6,6 @@ python docs/public_names.py
 from __future__ import annotations
 
 import inspect
-from collections import defaultdict
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -93,29 +92,23 @@ def page() -> str:
     lines = [
         "# Public names",
         "",
-        "Made by `python docs/public_names.py`. The most used names are at the top, as `lp.integrate`; each is in a",
-        "chapter, too, as `lp.orbits.integrate`, where the others are. `dir(lp)` lists names and chapters.",
+        "Made by `python docs/public_names.py`. `help(lp.integrate)` has arguments, results and errors;",
+        "`dir(lp)` lists names and chapters.",
         "",
-        "At the top: " + ", ".join(f"`{name}`" for name in short) + ".",
+        "At the top, and in a chapter, too: " + ", ".join(f"`{name}`" for name in short) + ".",
         "",
     ]
     for chapter, module in chapters().items():
-        lines += [f"## {chapter}", "", _first_sentence(module.__doc__), "", "| name | what it is |", "|---|---|"]
+        lines += [f"## {chapter}", "", _first_sentence(module.__doc__), ""]
+        results = [name for name in module.__all__ if is_result(chapter, getattr(module, name))]
         for name in module.__all__:
-            value = getattr(module, name)
-            words = [] if is_result(chapter, value) else arguments(value)
-            call = f"{name}({', '.join(words)})" if words else name
-            lines.append(f"| `{call}` | {_first_sentence(value.__doc__)} |")
+            if name not in results:
+                lines.append(f"- `{name}`: {_first_sentence(getattr(module, name).__doc__)}")
+        if results:
+            lines += ["", "What functions return: " + ", ".join(f"`{name}`" for name in results) + "."]
         lines.append("")
-    users: dict[str, list[str]] = defaultdict(list)
-    for dotted, words in callables().items():
-        for word in words:
-            users[word].append(dotted.split(".", 1)[1])
-    lines += ["## Words of arguments", "", "| word | meaning | arguments of |", "|---|---|---|"]
-    for word, meaning in WORDS.items():
-        shown = ", ".join(f"`{user}`" for user in users[word][:6])
-        more = f" and {len(users[word]) - 6} more" if len(users[word]) > 6 else ""
-        lines.append(f"| `{word}` | {meaning} | {shown}{more} |")
+    lines += ["## Words of arguments", "", "| word | meaning |", "|---|---|"]
+    lines += [f"| `{word}` | {meaning} |" for word, meaning in WORDS.items()]
     return "\n".join(lines) + "\n"
 
 
