@@ -242,7 +242,6 @@ def row_of_catalog(name: str) -> str:
     cells = (
         link,
         entry.description,
-        f"{entry.bracket!r}",
         integrals,
         short_source(" ".join((entry.source or "").split())),
     )
