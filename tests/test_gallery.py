@@ -57,10 +57,8 @@ def test_every_script_has_its_place_in_the_index():
 @pytest.mark.parametrize("name", NAMES)
 def test_pages_are_in_step_with_their_scripts(name):
     script = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
-    page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
     assert script.count("\n") < 40
-    assert page == GALLERY["page"](name)
-    assert script.endswith("\n" + re.search(r"```python\n(.*?)```\n", page, re.DOTALL)[1])
+    assert (FOLDER / f"{name}.md").read_text(encoding="utf-8") == GALLERY["page"](name)
 
 
 @pytest.mark.parametrize("name", [*NAMES, "index"])

@@ -84,6 +84,7 @@ def test_links_lead_to_pages_and_code_is_left_as_it_is(tmp_path):
         tmp_path / "source" / "source" / "python" / "liepoisson" / "catalog" / "kepler-on-the-sphere.toml.md"
     ).read_text()
     assert "nosearch: true" in entry
+    assert 'savefig("fluid.png")' in (tmp_path / "source" / "gallery" / "fluid.md").read_text(encoding="utf-8")
     assert staging.outside_code("`[a](b)` [a](b)", lambda part: part.replace("b", "c")) == "`[a](b)` [a](c)"
 
 

@@ -60,16 +60,13 @@ class Card(NamedTuple):
     title: str
     seen: str
     read: str
-    code: str
 
 
 def card(name: str) -> Card:
-    """Title, what is seen, what to read, and the code without its docstring."""
+    """Title, what is seen, and what to read."""
     text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    title, *seen, read = (ast.get_docstring(tree) or "").split("\n\n")
-    code = "".join(text.splitlines(keepends=True)[tree.body[0].end_lineno :]).lstrip("\n")
-    return Card(title.rstrip("."), "\n\n".join(seen), read, code)
+    title, *seen, read = (ast.get_docstring(ast.parse(text)) or "").split("\n\n")
+    return Card(title.rstrip("."), "\n\n".join(seen), read)
 
 
 def figure_of(name: str):
@@ -127,10 +124,10 @@ def write_picture(name: str) -> Path:
 
 
 def page(name: str) -> str:
-    """The page of a card: the picture, what is seen, the code, what to read."""
-    title, seen, read, code = card(name)
+    """The page of a card: the picture, what is seen, the script, what to read; the site shows the code, too."""
+    title, seen, read = card(name)
     return (
-        f"# {title}\n\n![{plain(title)}]({name}.png)\n\n{seen}\n\n```python\n{code}```\n\n{read}\n\n"
+        f"# {title}\n\n![{plain(title)}]({name}.png)\n\n{seen}\n\n{read}\n\n"
         f"[All cards](index.md) · script [`{name}.py`]({name}.py)\n"
     )
 
@@ -145,10 +142,8 @@ def index() -> str:
     lines = [
         "# Gallery",
         "",
-        "Pictures, each with a script of less than 40 lines that makes it in some seconds: a start for pictures of",
-        "your own. A script writes its picture into the current folder. `python docs/gallery/make.py NAME` draws the",
-        "picture of a card again and writes its page and this one; the tests compare the pictures with",
-        "what the scripts draw.",
+        "Pictures, each with a script of less than 40 lines that makes it in some seconds.",
+        "`python docs/gallery/make.py NAME` draws a card again.",
     ]
     for group, names in GROUPS.items():
         lines += ["", f"## {group}", "", "| " * ACROSS + "|", "|---" * ACROSS + "|"]

@@ -6,6 +6,7 @@ The headings and tables of docs/index.md are the table of contents.  Notebooks b
 
 from __future__ import annotations
 
+import ast
 import functools
 import os
 import re
@@ -51,6 +52,9 @@ class Stage:
         """Write all pages that come from documents."""
         for document, page in documents().items():
             text = self.with_links(document, page)
+            script = document.with_suffix(".py")
+            if document.parent.name == "gallery" and script.exists():
+                text += f"\n```python\n{code_of(script)}```\n"
             if page == "index.md":
                 text = with_contents(text, self.exists)
             if page == "gallery/index.md" and "{toctree}" not in text:
@@ -121,6 +125,13 @@ def documents() -> dict[Path, str]:
 def text_of(document: Path) -> str:
     """The Markdown of a document."""
     return story_text(document) if document.suffix == ".ipynb" else document.read_text(encoding="utf-8")
+
+
+def code_of(script: Path) -> str:
+    """A script without the docstring at its top."""
+    text = script.read_text(encoding="utf-8")
+    end = ast.parse(text).body[0].end_lineno or 0
+    return "".join(text.splitlines(keepends=True)[end:]).lstrip("\n")
 
 
 def relative(page: str, to: str) -> str:
