@@ -92,21 +92,15 @@ def page() -> str:
     lines = [
         "# Public names",
         "",
-        "Made by `python docs/public_names.py`. `help(lp.integrate)` has arguments, results and errors;",
-        "`dir(lp)` lists names and chapters.",
+        "Made by `python docs/public_names.py`. `help(lp.integrate)` has arguments, results and errors,",
+        "and so has the site of `make docs`. Names at the top are in a chapter, too.",
         "",
-        "At the top, and in a chapter, too: " + ", ".join(f"`{name}`" for name in short) + ".",
+        "At the top: " + ", ".join(f"`{name}`" for name in short) + ".",
         "",
     ]
     for chapter, module in chapters().items():
-        lines += [f"## {chapter}", "", _first_sentence(module.__doc__), ""]
-        results = [name for name in module.__all__ if is_result(chapter, getattr(module, name))]
-        for name in module.__all__:
-            if name not in results:
-                lines.append(f"- `{name}`: {_first_sentence(getattr(module, name).__doc__)}")
-        if results:
-            lines += ["", "What functions return: " + ", ".join(f"`{name}`" for name in results) + "."]
-        lines.append("")
+        names = ", ".join(f"`{name}`" for name in module.__all__)
+        lines += [f"## {chapter}", "", f"{_first_sentence(module.__doc__)} {names}.", ""]
     lines += ["## Words of arguments", "", "| word | meaning |", "|---|---|"]
     lines += [f"| `{word}` | {meaning} |" for word, meaning in WORDS.items()]
     return "\n".join(lines) + "\n"
