@@ -301,7 +301,7 @@ def head(processors: list[Record]) -> str:
         named.setdefault(processor_name(one["processor"]), []).append(SETS[simd])
     last = processor_name(at_head(processors)["processor"])
     listed = "; ".join(f"{name} ({', '.join(sets)})" for name, sets in named.items())
-    return f"Processors measured: {listed}. The summary is of {last}.\n"
+    return f"Processors measured: {listed}. The detailed tables are of {last}.\n"
 
 
 def environment(processors: list[Record]) -> str:

@@ -112,7 +112,7 @@ def test_a_new_run_renews_its_own_rows_and_takes_the_head(tmp_path):
     for document in documents:
         report.write_document(document, report.blocks(tables, files))
     shown = page(*documents)
-    assert "The summary is of GenuineIntel family 6 model 999" in shown["head"]
+    assert "The detailed tables are of GenuineIntel family 6 model 999" in shown["head"]
     assert shown["summary"].startswith("\nMeasured on GenuineIntel family 6 model 999, 2099-01-02.")
     assert "model 999" in shown["environment"]
     assert "model 999" in shown["1e-13"]

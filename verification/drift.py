@@ -200,7 +200,7 @@ def table(result: dict[str, Any]) -> str:
     asked = (("H", ("H",)), ("Casimir", ("C1", "C2", "C3")), ("l3, P", ("l3", "P")))
     tops = list(dict.fromkeys(curve["top"] for curve in result["curves"]))
     columns = {
-        (top, title): {curve["run"]: _worst(curve, names) for curve in result["curves"] if curve["top"] == top}
+        (top, title): {curve["run"]: worst(curve, names) for curve in result["curves"] if curve["top"] == top}
         for top in tops
         for title, names in asked
     }
@@ -212,7 +212,8 @@ def table(result: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n\n" + _bias_text(result)
 
 
-def _worst(curve: dict[str, Any], names: tuple[str, ...]) -> str:
+def worst(curve: dict[str, Any], names: tuple[str, ...]) -> str:
+    """The largest of some quantities at the end, with its power of time."""
     known = [curve["quantities"][name] for name in names if name in curve["quantities"]]
     worst = max(known, key=lambda one: one["rms"][-1], default=None)
     if worst is None:

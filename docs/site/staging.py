@@ -119,6 +119,7 @@ def documents() -> dict[Path, str]:
     pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md"))}
     stories = sorted((DOCS / "stories").glob("*.ipynb"))
     pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in stories}
+    pages |= {ROOT / folder / "tables.md": f"{folder}-tables.md" for folder in ("benchmarks", "verification")}
     return pages | {ROOT / f"{name}.md": f"{name.lower()}.md" for name in PROJECT_PAGES}
 
 
