@@ -99,6 +99,17 @@ def last_place(number: str) -> float:
     return 10.0 ** (int(power or 0) - decimals) if decimals or power else 0.0
 
 
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_every_fence_names_its_language_and_is_closed(document):
+    """A fence that opens without a word would swallow the block after it, which then never runs."""
+    inside = False
+    for number, line in enumerate(document.read_text(encoding="utf-8").splitlines(), 1):
+        if line.startswith("```"):
+            assert inside is (line == "```"), f"{document.name}:{number}: {line}"
+            inside = not inside
+    assert not inside, document.name
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("document", named(GUIDE))
 def test_blocks_run_and_print_what_is_shown(document, tmp_path, monkeypatch):
