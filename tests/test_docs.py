@@ -245,17 +245,9 @@ def test_catalog_page_lists_nothing_else():
 
 
 def row_of_catalog(name: str) -> str:
-    from liepoisson.cli.catalog import short_source
-
     entry = lp.catalog.entry(name)
     integrals = ", ".join(f"`{key}`" for key in entry.integrals) or "none"
-    link = f"[`{name}`](../python/liepoisson/catalog/{name}.toml)"
-    cells = (
-        link,
-        entry.description,
-        integrals,
-        short_source(" ".join((entry.source or "").split())),
-    )
+    cells = (f"[`{name}`](../python/liepoisson/catalog/{name}.toml)", entry.description, integrals)
     return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
 
 
