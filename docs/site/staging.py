@@ -19,6 +19,7 @@ from stories import story_pictures, story_text
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PROJECT_PAGES = ("README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG", "SECURITY", "SUPPORT")
+DETAILS = ("benchmarks/tables.md", "verification/tables.md", "verification/error-rates.md")
 GENERATED = {
     "Commands": ("commands/index.md", "Every command", "What are the arguments and options of each command?"),
     "Reference": ("reference/index.md", "Every public name", "What does this function take, return and refuse?"),
@@ -119,7 +120,7 @@ def documents() -> dict[Path, str]:
     pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md"))}
     stories = sorted((DOCS / "stories").glob("*.ipynb"))
     pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in stories}
-    pages |= {ROOT / folder / "tables.md": f"{folder}-tables.md" for folder in ("benchmarks", "verification")}
+    pages |= {path: f"{path.parent.name}-{path.name}" for path in map(ROOT.joinpath, DETAILS)}
     return pages | {ROOT / f"{name}.md": f"{name.lower()}.md" for name in PROJECT_PAGES}
 
 
