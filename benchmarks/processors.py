@@ -221,12 +221,10 @@ def table(processors: list[Record]) -> list[list[str]]:
     across = columns(processors)
     lines = [["row", "precision", *(_heading(*one) for one in across)]]
     for name in order_of({name for one in processors for name in one["rows"]}):
-        having = [one["rows"][name] for one in processors if name in one["rows"]]
-        title = max(having, key=lambda row: row["date"])["title"]
         for kind in KINDS:
             cells = [_cell(one["rows"].get(name), kind, simd) for one, simd in across]
             if any(cells):
-                lines.append([title, kind, *cells])
+                lines.append([f"`{name}`", kind, *cells])
     return lines
 
 
