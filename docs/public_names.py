@@ -37,7 +37,7 @@ WORDS = {
     "step": "size of the steps",
     "order": "order of the method",
     "seed": "draws what is random; always with a default",
-    "first": "number of the first member, whose random numbers depend on it",
+    "first": "number of the first trajectory, whose random numbers depend on it",
     "threads": "how many; all cores by default, and the numbers do not depend on it",
     "time_limit": "seconds that the run may take",
     "progress": "called with the fraction that is done; by default a bar in a notebook or on a terminal",
