@@ -247,8 +247,15 @@ def test_catalog_page_lists_nothing_else():
 def row_of_catalog(name: str) -> str:
     entry = lp.catalog.entry(name)
     integrals = ", ".join(f"`{key}`" for key in entry.integrals) or "none"
-    cells = (f"[`{name}`](../python/liepoisson/catalog/{name}.toml)", entry.description, integrals)
+    cells = (f"[`{name}`](../python/liepoisson/catalog/{name}.toml)", in_short(entry.description or ""), integrals)
     return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
+
+
+def in_short(description: str) -> str:
+    """What stands before details: up to a semicolon, or to a colon after six words or more."""
+    first = description.partition(";")[0]
+    before = first.partition(": ")[0]
+    return before if len(before.split()) >= 6 else first
 
 
 def test_the_page_of_methods_names_every_method():
