@@ -6,7 +6,6 @@ The headings and tables of docs/index.md are the table of contents.  Notebooks b
 
 from __future__ import annotations
 
-import ast
 import functools
 import os
 import re
@@ -14,6 +13,7 @@ import shutil
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from cards import card_page
 from stories import story_pictures, story_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -53,14 +53,10 @@ class Stage:
         """Write all pages that come from documents."""
         for document, page in documents().items():
             text = self.with_links(document, page)
-            script = document.with_suffix(".py")
-            if document.parent.name == "gallery" and script.exists():
-                text += f"\n```python\n{code_of(script)}```\n"
             if page == "index.md":
                 text = with_contents(text, self.exists)
             if page == "gallery/index.md" and "{toctree}" not in text:
-                cards = sorted(("", path.name) for path in document.parent.glob("*.md") if path != document)
-                text += hidden_toctree(cards, caption=None)
+                text += hidden_toctree([("", f"{script.stem}.md") for script in scripts()], caption=None)
             if page == "references.md":
                 text = KEY.sub(r"- []{#\1}**[\1]**", text)
             else:
@@ -82,7 +78,7 @@ class Stage:
 
     def exists(self, page: str) -> bool:
         """Whether a page of the site is made, here or by a generator; the gallery may be missing."""
-        return not page.startswith("gallery/") or (DOCS / page).exists()
+        return not page.startswith("gallery/") or page in documents().values()
 
     def with_links(self, document: Path, page: str) -> str:
         """The text of a document whose links lead to pages of the site; words that link to a folder stay words."""
@@ -115,25 +111,25 @@ class Stage:
         return outside_code(text, lambda part: LINK.sub(link, part))
 
 
+def scripts() -> list[Path]:
+    """The scripts of the gallery, each of which becomes a page."""
+    return sorted(path for path in (DOCS / "gallery").glob("*.py") if path.name != "make.py")
+
+
 def documents() -> dict[Path, str]:
     """Every document that becomes a page, and the page."""
     pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md"))}
     stories = sorted((DOCS / "stories").glob("*.ipynb"))
     pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in stories}
+    pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in scripts()}
     pages |= {path: f"{path.parent.name}-{path.name}" for path in map(ROOT.joinpath, DETAILS)}
     return pages | {ROOT / f"{name}.md": f"{name.lower()}.md" for name in PROJECT_PAGES}
 
 
 def text_of(document: Path) -> str:
     """The Markdown of a document."""
-    return story_text(document) if document.suffix == ".ipynb" else document.read_text(encoding="utf-8")
-
-
-def code_of(script: Path) -> str:
-    """A script without the docstring at its top."""
-    text = script.read_text(encoding="utf-8")
-    end = ast.parse(text).body[0].end_lineno or 0
-    return "".join(text.splitlines(keepends=True)[end:]).lstrip("\n")
+    made = {".ipynb": story_text, ".py": card_page}.get(document.suffix)
+    return made(document) if made else document.read_text(encoding="utf-8")
 
 
 def relative(page: str, to: str) -> str:
