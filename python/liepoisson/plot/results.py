@@ -40,7 +40,8 @@ def draw(result: Any, **options: Any) -> Figure:
         >>> run = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", direction=1, t_end=200)
         >>> figure = lp.plot.draw(run)
         >>> print(figure.axes[0].get_title(loc="left"))
-        henon-heiles: $x$ = 0
+        henon-heiles: $x$ = 0, increasing
+        $H$ = $0.04967$
         >>> plt.close(figure)
 
     Args:
