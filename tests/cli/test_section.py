@@ -25,7 +25,7 @@ def test_crossings_of_the_kovalevskaya_top(command, tmp_path):
     ):
         assert line in out.splitlines()
     assert "found    15 crossings, 5 of each orbit" in out
-    assert path.read_text().splitlines()[0] == "trajectory,t,sign,l1,l2,l3,alpha1,alpha2,alpha3"
+    assert path.read_text().splitlines()[0] == "trajectory,time,sign,l1,l2,l3,alpha1,alpha2,alpha3"
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     l, alpha = table[:, 3:6], table[:, 6:]
     np.testing.assert_allclose(np.einsum("ij,ij->i", l, alpha), 0.5, atol=1e-12)
@@ -60,7 +60,7 @@ def test_kept_functions_take_the_place_of_the_state(command, tmp_path):
     keep = ("--keep", "l3", "--keep", "dot(l, alpha)")
     code, _, _ = command("section", "kovalevskaya", *FEW, "--leaf", "C1=0.25", *keep, "--out", path)
     assert code == 0
-    assert path.read_text().splitlines()[0] == 'trajectory,t,sign,l3,"dot(l, alpha)"'
+    assert path.read_text().splitlines()[0] == 'trajectory,time,sign,l3,"dot(l, alpha)"'
     np.testing.assert_allclose(np.loadtxt(path, delimiter=",", skiprows=1)[:, 4], 0.25, atol=1e-12)
 
 

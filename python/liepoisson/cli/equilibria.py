@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from liepoisson.cli.limits import check_limits
-from liepoisson.cli.output import FORMAT_HELP, Format
+from liepoisson.cli.output import (
+    FORMAT_HELP,
+    TABLE_ENDINGS,
+    TABLE_HELP,
+    Format,
+    data_file,
+    file_stem,
+    write_result,
+)
 from liepoisson.cli.starts import (
     LEAF_HELP,
     SEED_HELP,
@@ -16,7 +24,7 @@ from liepoisson.cli.starts import (
     find_start,
     read_numeric_system,
 )
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.equilibrium_list import Equilibria
@@ -36,6 +44,7 @@ def equilibria(
     along: Annotated[list[str] | None, typer.Option(metavar="INTEGRAL=VALUE", help=ALONG_HELP)] = None,
     starts: Annotated[int | None, typer.Option(help=STARTS_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    out: Annotated[str | None, typer.Option(metavar="FILE.csv", help=TABLE_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
@@ -47,6 +56,8 @@ def equilibria(
 
     check_limits(seed=seed, time_limit=1.0)
     chosen = read_numeric_system(system, settings or ())
+    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
+    data = data_file(out, f"{slug}-equilibria.csv", endings=TABLE_ENDINGS)
     found = find_equilibria(
         chosen,
         find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf,
@@ -55,10 +66,11 @@ def equilibria(
         seed=seed,
         **({} if starts is None else {"n_starts": starts}),
     )
+    written = None if data is None else write_result(found, data)  # first, as nobody may read what is printed
     if format_ is Format.JSON:
         print(json.dumps(record(found), indent=2))
     else:
-        print("\n".join(equilibrium_lines(found)))
+        print("\n".join([*equilibrium_lines(found), *([f"wrote    {written}"] if written else [])]))
 
 
 def equilibrium_lines(found: Equilibria) -> list[str]:

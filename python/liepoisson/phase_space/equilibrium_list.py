@@ -103,7 +103,10 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             "energy": np.array([one.energy for one in self.found], dtype=float),
             **dict(zip(names, states.T, strict=True)),
             **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
-            "signature": np.array([" ".join(map(str, one.signature)) for one in self.found]),
+            **{
+                f"signature_{sign}": np.array([one.signature[k] for one in self.found], dtype=np.int64)
+                for k, sign in enumerate(("positive", "negative", "zero"))
+            },
         }
 
     def __repr__(self) -> str:
