@@ -155,6 +155,17 @@ def test_a_figure_by_default_has_axes_that_vary_on_the_surface(command, tmp_path
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("surface", ["l3-0.1", "l3^2 + dot(l, alpha)", "dot(l, l)/2 + l3^2/2 + alpha3 - 1"])
+def test_a_constant_of_motion_is_no_surface(command, surface):
+    words = "a constant of motion: its bracket with H is zero"
+    code, _, err = command("section", "lagrange", "--surface", surface)
+    assert code == 2
+    assert words in err
+    assert surface in err
+    with pytest.raises(lp.errors.ParameterError, match=words):
+        lp.section(lp.catalog.system("lagrange"), [1, 0, 1, 0, 0.6, 0.8], surface=surface, t_end=10)
+
+
 def test_netcdf_can_be_rerun(command, tmp_path):
     path = tmp_path / "section.nc"
     code, _, _ = command("section", "twisted-kovalevskaya", *FEW, "--out", path)

@@ -415,7 +415,8 @@ def section(
         UnsupportedFieldError: The surface is not smooth.
         ShapeError: `starts` has another shape than stated.
         ParameterError: Another method, a direction that is none, numbers that are not finite, a surface that is no
-            function or is constant along every orbit of the bracket (a number, a Casimir).
+            function, is constant along every orbit of the bracket (a number, a Casimir) or of the system (a constant of
+            motion, which is in involution with H).
         KeyboardInterrupt: Ctrl-C.
     """
     method = as_method(method, Taylor())
