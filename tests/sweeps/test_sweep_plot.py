@@ -48,7 +48,7 @@ def test_a_curve_and_its_band():
     band = ax.collections[0].get_paths()[0].vertices[:, 1]
     assert band.min() == pytest.approx(low.min())
     assert band.max() == pytest.approx(high.max())
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value\n(band: 95% interval)")
 
 
 @pytest.mark.parametrize("axes", [{"x": [0.0, 1.0, 2.0, 3.0]}, {"x": [0.0, 1.0, 2.0, 3.0], "y": [0.0, 1.0]}])

@@ -50,8 +50,9 @@ def sweep(
         >>> found = lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
         ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50)
         >>> axes = lp.plot.sweep(found)
-        >>> print(f"{axes.get_ylabel()}, against {axes.get_xlabel()}")
-        mean $\lambda(50)$, in inverse time, against $\epsilon$
+        >>> print(f"{axes.get_ylabel()} against {axes.get_xlabel()}")
+        mean $\lambda(50)$, in inverse time
+        (band: 95% interval) against $\epsilon$
         >>> plt.close(axes.figure)
 
     Args:
@@ -130,7 +131,8 @@ def _curve(
         ax.plot(x, most, color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=2)
         ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel(axis_label(result.spec.axes[0]))
-    ax.set_ylabel(statistic_label(result) + ("\n(dotted: with the undecided)" if result.spec.is_verdict else ""))
+    dotted = "; dotted: with the undecided" if result.spec.is_verdict else ""
+    ax.set_ylabel(f"{statistic_label(result)}\n(band: {100 * confidence:g}% interval{dotted})")
 
 
 def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, show_levels: bool) -> None:
