@@ -17,6 +17,7 @@ from liepoisson.cli.output import (
     file_stem,
     write_result,
 )
+from liepoisson.cli.progress import QuietOption, progress_bar
 from liepoisson.cli.starts import (
     LEAF_HELP,
     SEED_HELP,
@@ -46,6 +47,7 @@ def equilibria(
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     out: Annotated[str | None, typer.Option(metavar="FILE.csv", help=TABLE_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
+    quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
     """Print the equilibria on a leaf, with their stability, and whether they are all.
@@ -58,14 +60,18 @@ def equilibria(
     chosen = read_numeric_system(system, settings or ())
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-equilibria.csv", endings=TABLE_ENDINGS)
-    found = find_equilibria(
-        chosen,
-        find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf,
-        along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
-        values=cast("Any", values or None),
-        seed=seed,
-        **({} if starts is None else {"n_starts": starts}),
-    )
+    place = find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf
+    with progress_bar(quiet=quiet) as bar:
+        if bar is not None:  # of a search nobody knows how much is left
+            bar("looking for equilibria", 0.0, 1.0)
+        found = find_equilibria(
+            chosen,
+            place,
+            along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
+            values=cast("Any", values or None),
+            seed=seed,
+            **({} if starts is None else {"n_starts": starts}),
+        )
     written = None if data is None else write_result(found, data)  # first, as nobody may read what is printed
     if format_ is Format.JSON:
         print(json.dumps(record(found), indent=2))
@@ -81,7 +87,7 @@ def equilibrium_lines(found: Equilibria) -> list[str]:
     if len(found):
         lines.append(f"states ({', '.join(names)})")
         lines += [f"{k:3}  {', '.join(f'{value:.9g}' for value in e.state)}" for k, e in enumerate(found)]
-    return lines
+    return [*lines, *(f"hint     {hint}" for hint in found.hints)]
 
 
 def record(found: Equilibria) -> dict[str, Any]:

@@ -109,6 +109,21 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             },
         }
 
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """Where a known integral decides what the energy alone does not: one sentence for each such equilibrium.
+
+        Such are upright tops that spin fast: their second variation is definite when l3 is added to H.
+        """
+        from liepoisson.phase_space.stability import integrals_that_decide
+
+        found = ((k, integrals_that_decide(one)) for k, one in enumerate(self.found))
+        return tuple(
+            f"equilibrium {k} is stable, with an integral added to H: equilibrium(system, state, along={names!r})"
+            for k, names in found
+            if names
+        )
+
     def __repr__(self) -> str:
         rows = self._rows()
         widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
