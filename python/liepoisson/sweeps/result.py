@@ -22,7 +22,8 @@ from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Place
 from liepoisson.sweeps.spec import SweepSpec
-from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, OUTCOMES
+from liepoisson.sweeps.targets import evaluate_targets
+from liepoisson.sweeps.tasks import FAILED, NO_SYSTEM, NOT_COMPUTED, OUTCOMES
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -269,10 +270,22 @@ class Sweep(Result):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each point the axes, the level, the statistics, and why it has none."""
-        from liepoisson.sweeps.points import reasons
-
         axes = {name: self.points[:, k] for k, name in enumerate(self._axis_names())}
-        return {**axes, "level": self.level, **self._per_point(), "reason": reasons(self)}
+        reasons = np.array([self._reason(point) for point in range(len(self.points))], dtype=np.str_)
+        return {**axes, "level": self.level, **self._per_point(), "reason": reasons}
+
+    def _reason(self, point: int) -> str:
+        """Why a point has no orbit with a value: how all ended, or why there is no system; else ""."""
+        ended = sorted(set(self.outcome[point].tolist()) - {"finished"})
+        if np.isfinite(self.value[point]).any() or not ended:
+            return ""
+        if (self.outcome_code[point] == NO_SYSTEM).all():
+            family = self.system
+            try:
+                family.system(evaluate_targets(self.spec, family, self.points[[point]]).values(0))
+            except Exception as error:  # that of the user's function may be of any kind
+                return f"no system: {error}"
+        return ", ".join(ended)
 
     def _axis_names(self) -> tuple[str, ...]:
         return tuple(f"axis_{axis.name}" if axis.name in OWN_NAMES else axis.name for axis in self.spec.axes)
