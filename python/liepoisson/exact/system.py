@@ -136,10 +136,12 @@ class System:
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
-        self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
+        of_bracket = {name: value for name, value in self.parameters.items() if name in bracket.symbols}
+        self.bracket: Bracket = bracket.substitute(of_bracket)
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
+        self.bracket = self.bracket.with_coefficients(self._parameter_names)
         self._check_hamiltonian()
 
     def _check_hamiltonian(self) -> None:
