@@ -488,3 +488,36 @@ def test_invariants_are_drawn_at_the_times_that_they_say():
         for given in (curve.to_numpy(), curve.isel(time=slice(None, None, -1)))
     ]
     assert drawn[0] == drawn[1]
+
+
+def test_missing_values_of_pandas_are_refused_like_masked_ones():
+    table = pd.DataFrame(SQUARE, columns=NAMES).astype("Float64")
+    np.testing.assert_array_equal(lp.integrate(SMALL, table, t_end=0.1).start, SQUARE)
+    table.loc[2, "l2"] = pd.NA
+    for given in (table, table.iloc[2], table.to_numpy(dtype=object)):
+        with pytest.raises(LiePoissonError, match=r"wanted (real|an array of) numbers"):
+            lp.integrate(SMALL, given, t_end=0.1)
+
+
+def test_equations_and_invariants_cannot_be_changed():
+    for system in (SMALL, lp.catalog.system("henon-heiles")):
+        for values in (system.equations, system.invariants):
+            with pytest.raises(TypeError, match="cannot be changed"):
+                values["H"] = 0
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            lambda: lp.integrability.general_system(lp.so(3) @ lp.trivial(), degree=1, letter=b"h"),
+            "letter must consist",
+        ),
+        (lambda: lp.laboratory.serve(lp.laboratory.page_of_tops(), port="80"), "port: wanted"),
+        (lambda: lp.integrate(SMALL, SQUARE[1], t_end=0.1).with_time_limit("x"), "time_limit: wanted"),
+        (lambda: lp.LieAlgebra.from_matrices({"a": [[0]]}), "matrices must be a sequence of square matrices; got dict"),
+    ],
+)
+def test_values_of_a_wrong_kind_are_refused_by_name(call, words):
+    with pytest.raises(LiePoissonError, match=words):
+        call()

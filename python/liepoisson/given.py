@@ -289,7 +289,11 @@ def _arranged(
 
 
 def _arranged_table(values: Any, what: str, names: Sequence[Any]) -> tuple[Any, tuple[Any, ...]]:
-    """A table whose rows have the names is transposed."""
+    """A table whose rows have the names is transposed; one with missing values, which are no NaN, is refused."""
+    kinds = values.dtypes if hasattr(type(values), "columns") else [values.dtype]
+    can_miss = any(type(getattr(kind, "na_value", None)).__name__ == "NAType" for kind in kinds)
+    if can_miss and values.isna().to_numpy().any():
+        raise ParameterError(f"{what}: wanted real numbers; got missing values (pandas.NA) among them; drop these rows")
     index = tuple(values.index) if not callable(getattr(type(values), "index", len)) else ()
     if not hasattr(type(values), "columns"):
         return values.__array__(), index

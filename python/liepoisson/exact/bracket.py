@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, NoReturn, cast
@@ -90,7 +91,8 @@ class Bracket:
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
 
-    _coefficients: frozenset[str] = frozenset()
+    coefficients: frozenset[str] = frozenset()
+    """Names that are like coordinates and stand for coefficients in the functions of a system."""
 
     def __init__(
         self,
@@ -444,7 +446,7 @@ class Bracket:
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
-        own = {"_coefficients": self._coefficients} if self._coefficients else {}
+        own = {"coefficients": self.coefficients} if self.coefficients else {}
         return {**definition, "constant": self.constant, "_name": self._name, **own}
 
     def _repr_latex_(self) -> str | None:
@@ -489,7 +491,7 @@ class Bracket:
     def _gradient(self, f: Expr) -> list[Expr]:
         from sympy import S
 
-        expression, casimirs = self._modulo_casimirs(self.read_function(f, "a function on phase space"))
+        expression, casimirs = self._modulo_casimirs(read_function(self, f, "a function on phase space"))
         occurring = expression.free_symbols
         slopes: list[Any] = [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
         return [slope.xreplace(casimirs) for slope in slopes] if casimirs else slopes
@@ -499,43 +501,6 @@ class Bracket:
         from liepoisson.exact.trace_casimirs import modulo_casimirs
 
         return modulo_casimirs(expression, self)
-
-    def read_function(self, given: object, what: str) -> Expr:
-        """A function of the coordinates that a caller gives, in `variables`.
-
-        Other symbols are coefficients, except what is like a coordinate and none: it would be a constant.
-
-        Raises:
-            ParameterError: it is no expression, or has a part that is like a coordinate and none.
-        """
-        from sympy import Indexed, Symbol
-        from sympy.core.function import AppliedUndef
-
-        expression = self.in_own_variables(as_expression(given, what))
-        for part in expression.atoms(Symbol, Indexed, AppliedUndef).difference(self.variables):
-            name = _name_of(part)
-            own = next((known for known in self.coordinate_names_in_order if _plain(known) == _plain(name)), None)
-            if own is None and name in self.field_names:
-                own = f"the field {name}"
-            if own is None or (str(part) in self.symbols | self._coefficients):
-                continue
-            raise ParameterError(
-                f"{what}: wanted the coordinates {', '.join(self.field_names)} as in bracket.variables, and "
-                f"coefficients; got {part} ({type(part).__name__}), which is like {own} and none of them. Correct it, "
-                "or rename it if it is a coefficient."
-            )
-        return expression
-
-    def with_coefficients(self, names: Iterable[str]) -> Bracket:
-        """The same bracket, of whose functions these names are coefficients, however like coordinates they are."""
-        like = frozenset(names) - self._coefficients
-        if not {*map(_plain, like)} & {*map(_plain, self.coordinate_names_in_order), *map(_plain, self.field_names)}:
-            return self
-        bracket = Bracket(
-            self.algebra, self.extension, constant=cast("Any", self.constant), name=self._name, check=False
-        )
-        bracket._coefficients = self._coefficients | like
-        return bracket
 
     def in_own_variables(self, expression: Expr) -> Expr:
         """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""
@@ -557,6 +522,43 @@ class Bracket:
         if free := {name for value in values for name in symbols_of(value)}:
             raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
         return values
+
+
+def read_function(bracket: Bracket, given: object, what: str) -> Expr:
+    """A function of the coordinates that a caller gives, in `variables`.
+
+    Other symbols are coefficients, except what is like a coordinate and none: it would be a constant.
+
+    Raises:
+        ParameterError: it is no expression, or has a part that is like a coordinate and none.
+    """
+    from sympy import Indexed, Symbol
+    from sympy.core.function import AppliedUndef
+
+    expression = bracket.in_own_variables(as_expression(given, what))
+    for part in expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables):
+        name = _name_of(part)
+        own = next((known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)), None)
+        if own is None and name in bracket.field_names:
+            own = f"the field {name}"
+        if own is None or (str(part) in bracket.symbols | bracket.coefficients):
+            continue
+        raise ParameterError(
+            f"{what}: wanted the coordinates {', '.join(bracket.field_names)} as in bracket.variables, and "
+            f"coefficients; got {part} ({type(part).__name__}), which is like {own} and none of them. Correct it, "
+            "or rename it if it is a coefficient."
+        )
+    return expression
+
+
+def with_coefficients(bracket: Bracket, names: Iterable[str]) -> Bracket:
+    """The same bracket, of whose functions these names are coefficients, however like coordinates they are."""
+    like = frozenset(names) - bracket.coefficients
+    if not {*map(_plain, like)} & {*map(_plain, bracket.coordinate_names_in_order), *map(_plain, bracket.field_names)}:
+        return bracket
+    made = copy(bracket)
+    made.coefficients = bracket.coefficients | like
+    return made
 
 
 def _name_of(part: Any) -> str:

@@ -134,7 +134,11 @@ class LieAlgebra:
         """
         from liepoisson.exact.lie.sparse_matrices import brackets_of_matrices
 
-        given: Sequence[object] = listed(matrices, "matrices") or ()
+        if (given := listed(matrices, "matrices")) is None:
+            raise ShapeError(
+                f"matrices must be a sequence of square matrices; got {type(matrices).__name__}. Write a list of them, "
+                "and their names as basis_names."
+            )
         brackets = brackets_of_matrices(given)
         # Commutators of matrices obey the Jacobi identity.
         return cls.from_brackets(len(given), brackets, name, basis_names, check=False)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
-from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.bracket import Bracket, with_coefficients
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.hamiltonian import (
     RESERVED_NAME,
@@ -141,7 +141,7 @@ class System:
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
-        self.bracket = self.bracket.with_coefficients(self._parameter_names)
+        self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
 
     def _check_hamiltonian(self) -> None:
@@ -269,7 +269,7 @@ class System:
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
         """The right-hand sides of the equations of motion, derived from the bracket, in the order of `variables`."""
-        return dict(zip(self.variables, self.bracket.vector_field(self.hamiltonian), strict=True))
+        return ReadOnlyDict(zip(self.variables, self.bracket.vector_field(self.hamiltonian), strict=True))
 
     @property
     def jacobian(self) -> Matrix:
@@ -313,7 +313,7 @@ class System:
                     f"its derivative is {self.derivative(integral)}. Correct it, or give it as a partial integral."
                 )
             found.setdefault(name, integral)
-        return found
+        return ReadOnlyDict(found)
 
     def derivative(self, function: str | Expr) -> Expr:
         r"""The time derivative $\{f, H\}$ of a function on phase space, simplified when it is not a polynomial.

@@ -441,7 +441,7 @@ def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
     n = values.shape[0]
     random = generator(np.random.SeedSequence(resampling.seed))
     blocks: list[FloatArray] = []
-    check_memory(8 * resampling.n_bootstrap * values.shape[1], "n_bootstrap")
+    check_memory(16 * resampling.n_bootstrap * values.shape[1], "n_bootstrap")  # the blocks, and all of them in one
     for start in range(0, resampling.n_bootstrap, _REPLICATES_AT_A_TIME):
         checkpoint("the bootstrap")
         size = min(_REPLICATES_AT_A_TIME, resampling.n_bootstrap - start)

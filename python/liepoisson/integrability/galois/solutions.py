@@ -70,6 +70,16 @@ class ParticularSolution:
     root: tuple[Symbol, Expr] | None
     origin: str
 
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same curve, found in the same way, of the same equations."""
+        if not isinstance(other, ParticularSolution):
+            return NotImplemented
+        mine, its = ((s.variable, s.rate, s.state, s.root, s.origin) for s in (self, other))
+        return mine == its and self.system.equations == other.system.equations
+
+    def __hash__(self) -> int:
+        return hash((self.variable, self.rate, *self.state.values()))
+
     @property
     def vector(self) -> tuple[Expr, ...]:
         """The state in the order of the coordinates."""
