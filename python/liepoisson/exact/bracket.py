@@ -536,7 +536,8 @@ def read_function(bracket: Bracket, given: object, what: str) -> Expr:
     from sympy.core.function import AppliedUndef
 
     expression = bracket.in_own_variables(as_expression(given, what))
-    for part in expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables):
+    others = expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables)
+    for part in sorted(others, key=lambda part: (-len(str(part)), str(part))):  # l[1] before its parts
         name = _name_of(part)
         own = next((known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)), None)
         if own is None and name in bracket.field_names:
