@@ -85,6 +85,7 @@ def sweep(
                 points_per_piece=points_per_piece,
                 patience=patience,
                 fresh=fresh,
+                allow_code=allow_code,
                 progress=None if bar is None else (lambda done: bar(spec.name or "sweep", done * work, work)),
             )
     except (KeyboardInterrupt, TerminatedError) as error:

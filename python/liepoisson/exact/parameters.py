@@ -15,9 +15,9 @@ from math import lcm, prod
 from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError, did_you_mean
 from liepoisson.exact.names import CONSTANTS, NOT_FINITE, check_name, check_not_reserved
-from liepoisson.given import as_scalar, listed
+from liepoisson.given import as_scalar, by_name, listed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -153,6 +153,25 @@ def substituted(value: Exact, values: Mapping[str, Exact]) -> Exact:
         return value
     known: dict[Any, Any] = {s: to_sympy(values[str(s)]) for s in value.free_symbols if str(s) in values}
     return cast("Expr", value.xreplace(known)) if known else value
+
+
+def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Exact]:
+    """Values for some of these symbols, by their names, also where a caller gives the symbols themselves.
+
+    Raises:
+        ParameterError: not a mapping, a name is none of them or comes twice, or a value is not exact.
+    """
+    known, values = {*symbols}, dict[str, Exact]()
+    for key, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
+        if (name := str(key)) not in known:
+            raise ParameterError(
+                f"values: wanted the names of symbols, {', '.join(sorted(known)) or 'of which there are none'}; got "
+                f"{name!r:.60}. {did_you_mean(name, known)}Correct the name or leave it out."
+            )
+        if name in values:
+            raise ParameterError(f"values: wanted each symbol once; {name} comes twice. Leave one out.")
+        values[name] = read_parameter(value, name)
+    return values
 
 
 def is_zero(value: Exact) -> bool:
