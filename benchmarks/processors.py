@@ -221,12 +221,10 @@ def table(processors: list[Record]) -> list[list[str]]:
     across = columns(processors)
     lines = [["row", "precision", *(_heading(*one) for one in across)]]
     for name in order_of({name for one in processors for name in one["rows"]}):
-        having = [one["rows"][name] for one in processors if name in one["rows"]]
-        title = max(having, key=lambda row: row["date"])["title"]
         for kind in KINDS:
             cells = [_cell(one["rows"].get(name), kind, simd) for one, simd in across]
             if any(cells):
-                lines.append([title, kind, *cells])
+                lines.append([f"`{name}`", kind, *cells])
     return lines
 
 
@@ -301,7 +299,7 @@ def head(processors: list[Record]) -> str:
         named.setdefault(processor_name(one["processor"]), []).append(SETS[simd])
     last = processor_name(at_head(processors)["processor"])
     listed = "; ".join(f"{name} ({', '.join(sets)})" for name, sets in named.items())
-    return f"Processors measured: {listed}. The summary is of {last}.\n"
+    return f"Processors measured: {listed}. The detailed tables are of {last}.\n"
 
 
 def environment(processors: list[Record]) -> str:

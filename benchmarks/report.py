@@ -1,8 +1,8 @@
 """What came out?  Tables in Markdown from what was measured; `python benchmarks/report.py` puts them into the docs.
 
 Each row of the benchmark is one file of plain data in results/tables/; what it says of its processor is kept in
-processors/.  In docs/benchmarks.md a table stands between `<!-- table NAME -->` and `<!-- end of table -->`; no number
-there is written by hand.
+processors/.  A table stands between `<!-- table NAME -->` and `<!-- end of table -->`: summaries in docs/benchmarks.md,
+every contender in benchmarks/tables.md.
 """
 
 from __future__ import annotations
@@ -43,6 +43,8 @@ from measure import Measured, Row, choice
 TABLES = measure.HERE / "results" / "tables"
 QUICK = measure.HERE / "results" / "quick"
 DOCUMENT = measure.ROOT / "docs" / "benchmarks.md"
+DETAILS = measure.HERE / "tables.md"
+PEERS = "peers-"
 MARKED = re.compile(r"(<!-- table ([\w.-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
 
 
@@ -163,8 +165,28 @@ def summary(tables: dict[str, Record], facts: Record) -> str:
     return processors.summary({"processor": facts["processor"], "rows": top}) if top else ""
 
 
+def peers(tables: dict[str, Record], first: Record | None) -> dict[str, str]:
+    """How many times faster liepoisson is than each tool: a line for each, a column for each level."""
+    found = {name.removeprefix(PEERS): data for name, data in tables.items() if name.startswith(PEERS)}
+    if not found:
+        return {}
+    levels = sorted(found, key=float)
+    cells: dict[str, dict[str, str]] = {}
+    for level, data in found.items():
+        measured = with_work(data)
+        ours = of_side(measured, "liepoisson")[0]
+        for one in (one for one in measured if one is not ours):
+            cells.setdefault(one["contender"]["name"], {})[level] = shown_ratios(ratios(one, ours)[-1:])
+        for name in data["absent"]:
+            cells.setdefault(name, {})[level] = "does not reach it"
+    lines = [["tool", *(f"at {level}" for level in levels)]]
+    lines += [[name, *(row.get(level, "") for level in levels)] for name, row in cells.items()]
+    title = "How many times faster than other tools: 512 exponents, t = 0..200, one thread"
+    return {"peers": f"### {title}\n\n{markdown(lines)}{_from_where(found[levels[0]]['facts'], first)}"}
+
+
 def blocks(tables: dict[str, Record], measured: list[Record]) -> dict[str, str]:
-    """All that the document may hold, by the names of its markers: one for each table, and what all processors say."""
+    """All that the documents may hold, by the names of its markers: one for each table, and what all processors say."""
     found: dict[str, str] = {}
     first = None
     if measured:
@@ -176,6 +198,7 @@ def blocks(tables: dict[str, Record], measured: list[Record]) -> dict[str, str]:
             "environment": processors.environment(measured),
             "processors": processors.render(measured),
         }
+    found |= peers(tables, first)
     return found | {name: render(data) + _from_where(data["facts"], first) for name, data in tables.items()}
 
 
@@ -203,8 +226,11 @@ def main() -> None:
     for file in processors.update(processors.FOLDER, tables):
         print(f"{processors.FOLDER / file}: written")
     found = blocks(tables, processors.load())
-    replaced = write_document(DOCUMENT, found)
-    print(f"{DOCUMENT}: wrote {', '.join(replaced) or 'nothing'}")
+    replaced: list[str] = []
+    for document in (DOCUMENT, DETAILS):
+        written = write_document(document, found)
+        print(f"{document}: wrote {', '.join(written) or 'nothing'}")
+        replaced += written
     missing = sorted(set(found) - set(replaced))
     if missing:
         print(f"no marker for: {', '.join(missing)}")

@@ -1,4 +1,4 @@
-"""Makes docs/names.md: every public name by chapter, and the words of the arguments. Run it when a name is new.
+"""Makes docs/names.md: every public name by chapter, and the words of arguments. Run it when a name is new.
 
 python docs/public_names.py
 """
@@ -6,7 +6,6 @@ python docs/public_names.py
 from __future__ import annotations
 
 import inspect
-from collections import defaultdict
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -38,7 +37,7 @@ WORDS = {
     "step": "size of the steps",
     "order": "order of the method",
     "seed": "draws what is random; always with a default",
-    "first": "number of the first member, whose random numbers depend on it",
+    "first": "number of the first trajectory, whose random numbers depend on it",
     "threads": "how many; all cores by default, and the numbers do not depend on it",
     "time_limit": "seconds that the run may take",
     "progress": "called with the fraction that is done; by default a bar in a notebook or on a terminal",
@@ -93,29 +92,17 @@ def page() -> str:
     lines = [
         "# Public names",
         "",
-        "Made by `python docs/public_names.py`. The most used names are at the top, as `lp.integrate`; each is in a",
-        "chapter, too, as `lp.orbits.integrate`, where the others are. `dir(lp)` lists names and chapters.",
+        "Made by `python docs/public_names.py`. `help(lp.integrate)` has arguments, results and errors,",
+        "and so has the site of `make docs`. Names at the top are in a chapter, too.",
         "",
         "At the top: " + ", ".join(f"`{name}`" for name in short) + ".",
         "",
     ]
     for chapter, module in chapters().items():
-        lines += [f"## {chapter}", "", _first_sentence(module.__doc__), "", "| name | what it is |", "|---|---|"]
-        for name in module.__all__:
-            value = getattr(module, name)
-            words = [] if is_result(chapter, value) else arguments(value)
-            call = f"{name}({', '.join(words)})" if words else name
-            lines.append(f"| `{call}` | {_first_sentence(value.__doc__)} |")
-        lines.append("")
-    users: dict[str, list[str]] = defaultdict(list)
-    for dotted, words in callables().items():
-        for word in words:
-            users[word].append(dotted.split(".", 1)[1])
-    lines += ["## Words of arguments", "", "| word | meaning | arguments of |", "|---|---|---|"]
-    for word, meaning in WORDS.items():
-        shown = ", ".join(f"`{user}`" for user in users[word][:6])
-        more = f" and {len(users[word]) - 6} more" if len(users[word]) > 6 else ""
-        lines.append(f"| `{word}` | {meaning} | {shown}{more} |")
+        names = ", ".join(f"`{name}`" for name in module.__all__)
+        lines += [f"## {chapter}", "", f"{_first_sentence(module.__doc__)} {names}.", ""]
+    lines += ["## Words of arguments", "", "| word | meaning |", "|---|---|"]
+    lines += [f"| `{word}` | {meaning} |" for word, meaning in WORDS.items()]
     return "\n".join(lines) + "\n"
 
 

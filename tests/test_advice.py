@@ -414,8 +414,23 @@ PHASE_SPACE = [
     ),
     Advice(
         lambda: lp.sections.good_surface(lp.Top(inertia=(1, 1, 2), b=(0, 0, 1))),
-        'such as "l3"',
-        lambda: lp.section(lp.Top(inertia=(1, 1, 2), b=(0, 0, 1)), X, surface="l3", t_end=5),
+        'such as "beta3"',
+        lambda: lp.section(lp.Top(inertia=(1, 1, 2), b=(0, 0, 1)), X, surface="beta3", t_end=5),
+    ),
+    Advice(
+        lambda: lp.sections.good_surface(HEAVY),
+        'or "alpha3", if orbits of your leaf and energy cross it',
+        lambda: lp.section(HEAVY, Y, surface="alpha3", t_end=5),
+    ),
+    Advice(
+        lambda: lp.section(LAGRANGE, X, surface="l3 - 0.1", t_end=5),
+        'try a component such as "l1"',
+        lambda: lp.section(LAGRANGE, X, surface="l1", t_end=5),
+    ),
+    Advice(
+        lambda: lp.phase_space.sleeping_top(lp.catalog.system("lagrange"), l3=1, alpha3=1),
+        "Take Top.lagrange(transverse=..., axial=..., a3=...)",
+        lambda: lp.phase_space.sleeping_top(lp.Top.lagrange(transverse=1, axial="1/2", a3=1), l3=1, alpha3=1),
     ),
     Advice(
         lambda: lp.phase_space.bounds(OSCILLATOR, Z),

@@ -19,8 +19,9 @@ KNOWN = next(one for one in FILES if one["processor"]["vendor_id"] == "GenuineIn
 BLOCK = re.compile(r"<!-- table ([\w.-]+) -->\n(.*?)<!-- end of table -->", re.DOTALL)
 
 
-def page(document=report.DOCUMENT):
-    return dict(BLOCK.findall(document.read_text(encoding="utf-8")))
+def page(*documents):
+    texts = [document.read_text(encoding="utf-8") for document in documents or (report.DOCUMENT, report.DETAILS)]
+    return dict(BLOCK.findall("".join(texts)))
 
 
 def test_the_page_shows_what_the_files_say():
@@ -94,9 +95,10 @@ SECONDS = {
 
 
 def test_a_new_run_renews_its_own_rows_and_takes_the_head(tmp_path):
-    folder, document = tmp_path / "processors", tmp_path / "benchmarks.md"
+    folder, documents = tmp_path / "processors", [tmp_path / "benchmarks.md", tmp_path / "tables.md"]
     shutil.copytree(processors.FOLDER, folder)
-    shutil.copy(report.DOCUMENT, document)
+    for document, known in zip(documents, (report.DOCUMENT, report.DETAILS), strict=True):
+        shutil.copy(known, document)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     tables = {"1e-13": row(SECONDS, model="999")}
     assert processors.update(folder, tables) == ["genuineintel-6-999.json"]
@@ -107,9 +109,10 @@ def test_a_new_run_renews_its_own_rows_and_takes_the_head(tmp_path):
     peer = "heyoka, fast_math"
     assert said == [("double", "avx512", 2.4, peer), ("mixed", "avx512", 6.0, peer), ("double", "avx2", 0.6, peer)]
 
-    report.write_document(document, report.blocks(tables, files))
-    shown = page(document)
-    assert "The summary is of GenuineIntel family 6 model 999" in shown["head"]
+    for document in documents:
+        report.write_document(document, report.blocks(tables, files))
+    shown = page(*documents)
+    assert "The detailed tables are of GenuineIntel family 6 model 999" in shown["head"]
     assert shown["summary"].startswith("\nMeasured on GenuineIntel family 6 model 999, 2099-01-02.")
     assert "model 999" in shown["environment"]
     assert "model 999" in shown["1e-13"]
@@ -122,6 +125,18 @@ def test_a_new_run_renews_its_own_rows_and_takes_the_head(tmp_path):
     for name, text in page().items():  # what was not measured again stays, with its processor
         if name not in ("head", "summary", "environment", "processors", "1e-13"):
             assert shown[name] == text, name
+
+
+def test_other_tools_have_a_column_for_each_level():
+    one = row(SECONDS, model="999")
+    tables = {
+        f"peers-{level}": one | {"absent": {"slow": "why"} if level == "1e-13" else {}} for level in ("1e-8", "1e-13")
+    }
+    lines = report.peers(tables, one["facts"])["peers"].splitlines()
+    assert lines[2] == "| tool | at 1e-13 | at 1e-8 |"
+    assert "| heyoka | 4.40 | 4.40 |" in lines
+    assert "| slow | does not reach it |  |" in lines
+    assert page()["peers"].splitlines()[1] == lines[0]
 
 
 def test_an_older_table_does_not_replace_a_newer_row(tmp_path):

@@ -99,6 +99,17 @@ def last_place(number: str) -> float:
     return 10.0 ** (int(power or 0) - decimals) if decimals or power else 0.0
 
 
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_every_fence_names_its_language_and_is_closed(document):
+    """A fence that opens without a word would swallow the block after it, which then never runs."""
+    inside = False
+    for number, line in enumerate(document.read_text(encoding="utf-8").splitlines(), 1):
+        if line.startswith("```"):
+            assert inside is (line == "```"), f"{document.name}:{number}: {line}"
+            inside = not inside
+    assert not inside, document.name
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("document", named(GUIDE))
 def test_blocks_run_and_print_what_is_shown(document, tmp_path, monkeypatch):
@@ -234,19 +245,17 @@ def test_catalog_page_lists_nothing_else():
 
 
 def row_of_catalog(name: str) -> str:
-    from liepoisson.cli.catalog import short_source
-
     entry = lp.catalog.entry(name)
     integrals = ", ".join(f"`{key}`" for key in entry.integrals) or "none"
-    link = f"[`{name}`](../python/liepoisson/catalog/{name}.toml)"
-    cells = (
-        link,
-        entry.description,
-        f"{entry.bracket!r}",
-        integrals,
-        short_source(" ".join((entry.source or "").split())),
-    )
+    cells = (f"[`{name}`](../python/liepoisson/catalog/{name}.toml)", in_short(entry.description or ""), integrals)
     return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
+
+
+def in_short(description: str) -> str:
+    """What stands before details: up to a semicolon, or to a colon after six words or more."""
+    first = description.partition(";")[0]
+    before = first.partition(": ")[0]
+    return before if len(before.split()) >= 6 else first
 
 
 def test_the_page_of_methods_names_every_method():
@@ -290,11 +299,6 @@ def test_a_guide_ends_with_what_it_cannot_do_and_who_can(guide):
     assert all(re.fullmatch(r"\| .+ \| .+ \|", row) for row in last[2:])
 
 
-def test_every_page_of_a_task_is_a_guide():
-    assert len(guides()) == len(set(guides())) > 20
-    assert {"systems", "sections", "equilibria", "sweeps", "proof", "command-line"} < {page.stem for page in guides()}
-
-
 def test_ways_that_work_stand_where_users_look():
     """Each in a block that runs."""
     wanted = {
@@ -306,31 +310,6 @@ def test_ways_that_work_stand_where_users_look():
     for page, pieces in wanted.items():
         code = "".join(b.content for b in blocks(ROOT / "docs" / f"{page}.md") if b.language == "python")
         assert [piece for piece in pieces if piece not in code] == [], page
-
-
-def test_the_first_screen_of_the_readme_is_for_a_stranger():
-    """What it is for and for whom; the heavy top in some ten lines; one picture; two commands with durations; doors."""
-    text = README.read_text(encoding="utf-8")
-    before = text[: text.index("## An example")]
-    assert "You have a Hamiltonian" in before
-    assert "It is for " in before
-    assert len(before.split()) < 130
-    (example,) = [block.content for block in blocks(README) if block.language == "python"]
-    assert "heavy-top" in example
-    assert len(example.splitlines()) <= 12
-    assert len(re.findall(r"!\[", text)) == 1
-    assert re.search(r"^\| `make reproduce` \|.*\b5 minutes; 2\b", text, re.MULTILINE)
-    assert re.search(r"^\| `make test` \|.*\bsome 15 minutes\b", text, re.MULTILINE)
-    doors = text[text.index("## Ten doors") :].split("## ")[1]
-    assert re.findall(r"^(\d+)\. .*\]\(", doors, re.MULTILINE) == [str(k) for k in range(1, 11)]
-
-
-def test_a_page_comes_to_its_point_before_its_exceptions():
-    started = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
-    assert 0 < started.index("## A first section") < started.index("## Exponents") < started.index("checksum")
-    assert "DamagedFileError" not in started
-    equilibria = (ROOT / "docs" / "equilibria.md").read_text(encoding="utf-8")
-    assert equilibria.index("## Two verdicts") < equilibria.index("## Are these all?") < equilibria.index("e^{-1/q^2}")
 
 
 def test_getting_started_names_every_outcome():
@@ -369,8 +348,3 @@ def test_a_page_gets_the_numbers_that_are_printed_now_and_keeps_its_words():
         == "a = 0.13 ± 0.03\n...\nl3/2\n"
     )
     assert with_numbers_of("a = 1\n", "b = 2\n") == "a = 1\n"
-
-
-def test_index_states_how_outputs_are_compared():
-    page = " ".join((ROOT / "docs" / "index.md").read_text(encoding="utf-8").split())
-    assert "one unit in the last digit" in page

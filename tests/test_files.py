@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
+import liepoisson as lp
 from liepoisson.errors import OutputError
-from liepoisson.files import exclusive, write_atomically
+from liepoisson.files import exclusive, read_text, write_atomically
 
 HOLD = (
     "import sys, pathlib; from liepoisson.files import exclusive\n"
@@ -205,3 +206,34 @@ def test_files_that_only_look_like_unfinished_ones_stay(tmp_path):
     before = {*tmp_path.iterdir()}
     write_atomically(path, b"new")
     assert {*tmp_path.iterdir()} == before | {path}
+
+
+def test_what_is_no_regular_file_is_not_waited_for(tmp_path):
+    pipe = tmp_path / "pipe"
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(pipe)
+    for read in (
+        lp.integrability.load_certificate,
+        lp.integrability.load_report,
+        lp.proofs.load_covering_certificate,
+    ):
+        for path in (Path("/dev/zero"), pipe):
+            if path.exists():
+                with pytest.raises(lp.errors.DamagedFileError):
+                    read(path)
+
+
+def test_a_text_has_at_most_so_many_bytes(tmp_path):
+    path = tmp_path / "text"
+    path.write_text("12345")
+    assert read_text(path, most=5) == "12345"
+    with pytest.raises(ValueError, match="more than 4 bytes"):
+        read_text(path, most=4)
+
+
+def test_the_signature_of_a_large_file_is_read_first(tmp_path):
+    path = tmp_path / "large.nc"
+    with path.open("wb") as file:
+        file.truncate(2**40)  # sparse: it takes no room, and no memory could hold it
+    with pytest.raises(lp.errors.DamagedFileError, match="another kind of file"):
+        lp.load(path)

@@ -7,8 +7,12 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from script_folders import modules_of
+
 FOLDER = Path(__file__).parent.parent / "docs" / "gallery"
 GALLERY = runpy.run_path(str(FOLDER / "make.py"))
+(cards,) = modules_of(FOLDER.parent / "site", "cards")
+card_page = cards.card_page
 NAMES = GALLERY["NAMES"]
 QUICK = ("rattleback", "attitude", "sphere", "structure")
 """A tenth of the cards, among the fastest, and always the same: a failure is repeated. The slow tests run all."""
@@ -50,22 +54,23 @@ def test_every_script_has_its_place_in_the_index():
     scripts = {path.stem for path in FOLDER.glob("*.py")} - {"make"}
     assert sorted(NAMES) == sorted(scripts)
     assert {path.stem for path in FOLDER.glob("*.png")} == scripts
-    assert {path.stem for path in FOLDER.glob("*.md")} == scripts | {"index"}
     assert (FOLDER / "index.md").read_text(encoding="utf-8") == GALLERY["index"]()
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_pages_are_in_step_with_their_scripts(name):
-    script = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
-    page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
-    assert script.count("\n") < 40
-    assert page == GALLERY["page"](name)
-    assert script.endswith("\n" + re.search(r"```python\n(.*?)```\n", page, re.DOTALL)[1])
+def test_a_script_is_short_and_its_page_has_its_picture_and_code(name):
+    script = FOLDER / f"{name}.py"
+    text = script.read_text(encoding="utf-8")
+    assert text.count("\n") < 40
+    page = card_page(script)
+    assert f"]({name}.png)" in page
+    assert text.endswith("\n" + re.search(r"```python\n(.*?)```\n", page, re.DOTALL)[1])
 
 
 @pytest.mark.parametrize("name", [*NAMES, "index"])
 def test_links_lead_to_pages_headings_and_references(name):
-    for words, target in re.findall(r"\[([^\]]*)\]\(([^)\s]+)\)", (FOLDER / f"{name}.md").read_text(encoding="utf-8")):
+    page = card_page(FOLDER / f"{name}.py") if name in NAMES else (FOLDER / "index.md").read_text(encoding="utf-8")
+    for words, target in re.findall(r"\[([^\]]*)\]\(([^)\s]+)\)", page):
         path, _, heading = target.partition("#")
         file = FOLDER / path
         assert file.exists(), target

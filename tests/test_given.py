@@ -15,9 +15,11 @@ from types import MappingProxyType
 import matplotlib as mpl
 import numpy as np
 import pytest
+import sympy as sp
 import xarray as xr
 
 import liepoisson as lp
+from liepoisson.numeric.frequencies import main_frequency
 from public_calls import ByName, rows, several
 
 pd = pytest.importorskip("pandas")  # which xarray needs
@@ -345,3 +347,198 @@ def test_columns_are_axes_of_a_sweep_as_lists_are(values):
 def test_an_axis_with_labels_is_refused():
     with pytest.raises(lp.errors.ParameterError, match="axis epsilon: wanted values in order"):
         lp.sweeps.Axis("epsilon", pd.Series([0.0, 0.5], index=["u", "v"]))
+
+
+SMALL = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3")
+NAMES = list(SMALL.component_names)
+SQUARE = np.arange(36.0).reshape(6, 6) / 40
+"""Six states of six components, which no shape tells apart from its transpose."""
+
+PLACED = {
+    "columns": (pd.DataFrame(SQUARE[:, ::-1], columns=NAMES[::-1]), SQUARE),
+    "columns, and names of the rows": (pd.DataFrame(SQUARE, columns=NAMES, index=list("abcdef")), SQUARE),
+    "rows": (pd.DataFrame(SQUARE, index=NAMES), SQUARE.T),
+    "rows in another order": (pd.DataFrame(SQUARE[::-1], index=NAMES[::-1]), SQUARE.T),
+    "a dimension with the names": (xr.DataArray(SQUARE, dims=("u", "trajectory"), coords={"u": NAMES}), SQUARE.T),
+    "the names beside a dimension": (
+        xr.DataArray(SQUARE, dims=("variable", "v"), coords={"variable": NAMES}),
+        SQUARE.T,
+    ),
+    "called component": (xr.DataArray(SQUARE, dims=("component", "trajectory")), SQUARE.T),
+    "a variable": (xr.Variable(("component", "trajectory"), SQUARE), SQUARE.T),
+    "a coordinate called component": (
+        xr.DataArray(SQUARE[0], dims="u", coords={"component": ("u", NAMES[::-1])}),
+        SQUARE[:1, ::-1],
+    ),
+    "a coordinate called component, not last": (
+        xr.DataArray(SQUARE, dims=("u", "trajectory"), coords={"component": ("u", NAMES[::-1])}),
+        SQUARE.T[:, ::-1],
+    ),
+    "a coordinate called index": (pd.DataFrame(SQUARE, columns=NAMES).to_xarray().to_array(), SQUARE),
+    "a data set": (pd.DataFrame(SQUARE, columns=NAMES).to_xarray(), SQUARE),
+}
+
+
+@pytest.mark.parametrize(("given", "states"), PLACED.values(), ids=PLACED)
+def test_axes_are_found_by_name_wherever_they_stand(given, states):
+    np.testing.assert_array_equal(lp.integrate(SMALL, given, t_end=0.1).start, states)
+    if not isinstance(given, xr.Dataset):
+        np.testing.assert_array_equal(SMALL.vector_field(given).reshape(-1, 6), SMALL.vector_field(states))
+
+
+NOT_PLACED = {
+    "both axes of a table": (pd.DataFrame(SQUARE, index=NAMES, columns=NAMES), "both its rows and its columns"),
+    "two dimensions": (
+        xr.DataArray(SQUARE, dims=("u", "v"), coords={"u": NAMES, "v": NAMES}),
+        "one axis with the labels .* got 'u' and 'v'",
+    ),
+    "rows of no names": (pd.DataFrame(SQUARE, index=list("abcdef")), "rows with the labels a, b, c, d, e, f"),
+    "a dimension of no names": (
+        xr.DataArray(SQUARE, dims=("u", "trajectory"), coords={"u": list("abcdef")}),
+        "dimension 'u' with the labels a, b, c, d, e, f",
+    ),
+    "names of nothing beside the components": (
+        xr.DataArray(SQUARE, dims=("u", "component"), coords={"u": list("abcdef")}),
+        "dimension 'u' with the labels",
+    ),
+    "a dimension too much": (lp.integrate(SMALL, SQUARE, t_end=0.1).dataset["state"], r"\.isel\(time=-1\)"),
+    "a data set without some": (xr.Dataset({"l1": 1.0}), "got no values for l2, l3, alpha1"),
+    "data sets without some": ([xr.Dataset({"l1": 1.0})], "got no values for l2, l3, alpha1"),
+}
+
+
+@pytest.mark.parametrize(("given", "message"), NOT_PLACED.values(), ids=NOT_PLACED)
+def test_axes_that_belong_to_nothing_are_refused_by_name(given, message):
+    with pytest.raises(LiePoissonError, match=message):
+        lp.integrate(SMALL, given, t_end=0.1)
+
+
+def test_tangents_have_their_axes_by_name():
+    vectors = np.arange(72.0).reshape(6, 2, 6) + 1
+    given = xr.DataArray(vectors, dims=("component", "tangent", "trajectory"), coords={"component": NAMES})
+    orbit = lp.integrate(SMALL, SQUARE, t_end=0.1, tangents=given)
+    np.testing.assert_array_equal(orbit.start_tangent, vectors.transpose(2, 1, 0))
+    with pytest.raises(LiePoissonError, match="dimension 'u' beside 'trajectory'"):
+        lp.integrate(SMALL, SQUARE, t_end=0.1, tangents=given.rename(tangent="u"))
+
+
+def test_a_state_by_a_data_set_is_whole():
+    for call in (
+        lambda x: lp.phase_space.find_start(SMALL, start=x),
+        lambda x: lp.integrability.particular_solution(SMALL, x, variable="t", rate=1),
+    ):
+        with pytest.raises(LiePoissonError, match="l2"):
+            call(xr.Dataset({"l1": 1.0}))
+
+
+def test_a_parameter_is_read_by_the_coordinate_called_component():
+    a = xr.DataArray([2, 0, 1], dims="u", coords={"component": ("u", ["a3", "a2", "a1"])})
+    system = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + dot(a, alpha)", {"a": a})
+    assert str(system.hamiltonian.coeff(system.variables[5])) == "2"
+
+
+MATRICES = {
+    "linear_system": lambda m: lp.integrability.linear_system(m, sp.Symbol("x"), names=["a", "b"]),
+    "lax_pair": lambda m: lp.integrability.lax_pair(ROTOR, L=m, M=[[0, 0], [0, 0]]),
+    "a parameter": lambda m: lp.System(lp.so(3) @ lp.trivial(), "l1^2 + M11", {"M": m}),
+    "a matrix of a Lie algebra": lambda m: lp.LieAlgebra.from_matrices([m]),
+}
+ROTOR = lp.System(lp.so(3) @ lp.trivial(), "l1^2 + 2*l2^2 + 3*l3^2")
+
+
+@pytest.mark.parametrize("call", MATRICES.values(), ids=MATRICES)
+def test_labels_of_a_matrix_are_not_dropped(call):
+    entries = [[0, 0], [0, 0]]
+    for given in (
+        pd.DataFrame(entries, index=["b", "a"]),
+        pd.DataFrame(entries, columns=["b", "a"]),
+        xr.DataArray(entries, dims=("u", "v"), coords={"u": ["b", "a"]}),
+    ):
+        with pytest.raises(LiePoissonError, match="b, a"):
+            call(given)
+
+
+TIMES = np.geomspace(1, 100, 40)
+CURVES = np.random.default_rng(1).normal(0.1, 0.01, (40, 40)) + 1 / TIMES
+MIXED = np.random.default_rng(2).permutation(40)
+ALONG = xr.DataArray(CURVES, dims=("trajectory", "time"), coords={"time": TIMES})
+TABLE = pd.DataFrame(CURVES, columns=TIMES)
+FITS = {
+    "finite_time_fit": lambda e: repr(lp.fits.finite_time_fit(TIMES, e)),
+    "window_scan": lambda e: repr(lp.fits.window_scan(TIMES, e)),
+    "log_fit": lambda e: repr(lp.fits.log_fit(TIMES, e)),
+    "mean_curve": lambda e: lp.fits.mean_curve(TIMES, e).mean.tolist(),
+    "fit_goodness": lambda e: repr(lp.fits.fit_goodness(TIMES, e, window=(1, 100), n_degrees=2)),
+}
+
+
+@pytest.mark.parametrize("fit", FITS.values(), ids=FITS)
+def test_curves_are_read_at_the_times_that_they_say(fit):
+    wanted = fit(CURVES)
+    for given in (
+        ALONG.isel(time=MIXED),
+        ALONG.isel(time=MIXED).T,
+        ALONG.rename(time="u", trajectory="v").isel(u=MIXED).T,
+        xr.DataArray(CURVES[:, MIXED], dims=("trajectory", "u"), coords={"time": ("u", TIMES[MIXED])}),
+        ALONG.drop_vars("time").T,
+        TABLE[TIMES[MIXED]],
+        TABLE.T,
+        pd.DataFrame(CURVES),
+    ):
+        assert fit(given) == wanted
+    for given in (ALONG.assign_coords(time=TIMES + 1), ALONG.isel(time=slice(30)), TABLE.set_axis(TIMES + 1, axis=1)):
+        with pytest.raises(LiePoissonError, match="exponent: wanted the labels"):
+            fit(given)
+
+
+def test_a_signal_has_the_interval_that_its_times_say():
+    time = np.arange(64) * 0.5
+    signal = xr.DataArray(np.cos(time), dims="time", coords={"time": time})
+    wanted = main_frequency(signal.to_numpy(), 0.5)
+    np.testing.assert_array_equal(main_frequency(signal, 0.5), wanted)
+    for given, interval in ((signal.isel(time=np.r_[32:64, 0:32]), 0.5), (signal, 0.25)):
+        with pytest.raises(lp.errors.ParameterError, match="signal: wanted samples at times"):
+            main_frequency(given, interval)
+
+
+def test_invariants_are_drawn_at_the_times_that_they_say():
+    orbit = lp.integrate(SMALL, SQUARE[1], t_end=1)
+    curve = xr.DataArray(orbit.time**2, dims="time", coords={"time": orbit.time})
+    drawn = [
+        seen(lp.plot.orbit(orbit, invariants={"K": given}))
+        for given in (curve.to_numpy(), curve.isel(time=slice(None, None, -1)))
+    ]
+    assert drawn[0] == drawn[1]
+
+
+def test_missing_values_of_pandas_are_refused_like_masked_ones():
+    table = pd.DataFrame(SQUARE, columns=NAMES).astype("Float64")
+    np.testing.assert_array_equal(lp.integrate(SMALL, table, t_end=0.1).start, SQUARE)
+    table.loc[2, "l2"] = pd.NA
+    for given in (table, table.iloc[2], table.to_numpy(dtype=object)):
+        with pytest.raises(LiePoissonError, match=r"wanted (real|an array of) numbers"):
+            lp.integrate(SMALL, given, t_end=0.1)
+
+
+def test_equations_and_invariants_cannot_be_changed():
+    for system in (SMALL, lp.catalog.system("henon-heiles")):
+        for values in (system.equations, system.invariants):
+            with pytest.raises(TypeError, match="cannot be changed"):
+                values["H"] = 0
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            lambda: lp.integrability.general_system(lp.so(3) @ lp.trivial(), degree=1, letter=b"h"),
+            "letter must consist",
+        ),
+        (lambda: lp.laboratory.serve(lp.laboratory.page_of_tops(), port="80"), "port: wanted"),
+        (lambda: lp.integrate(SMALL, SQUARE[1], t_end=0.1).with_time_limit("x"), "time_limit: wanted"),
+        (lambda: lp.LieAlgebra.from_matrices({"a": [[0]]}), "matrices must be a sequence of square matrices; got dict"),
+    ],
+)
+def test_values_of_a_wrong_kind_are_refused_by_name(call, words):
+    with pytest.raises(LiePoissonError, match=words):
+        call()

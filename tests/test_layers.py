@@ -84,7 +84,7 @@ FACADES = {
     "integrability.galois.linear_systems": {"integrability.galois.local_solutions"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text", "exact.top_recognition"},
     "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
-    "numeric.section": {"phase_space.section_coordinates"},
+    "numeric.section": {"phase_space.section_coordinates", "phase_space.section_levels"},
     "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},
     "orbits.periodic_orbits": {"orbits.polish"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},

@@ -123,3 +123,16 @@ def test_every_function_refuses_a_wrong_object_in_its_own_words():
                 plt.close("all")
     assert not wrong, "\n".join(wrong)
     assert drawn <= NUMBERS
+
+
+def test_error_bars_are_what_stands_behind_the_sign_plus_minus():
+    top = lp.Top.twisted_kovalevskaya()
+    found = lp.lyapunov_exponent(top, lp.sample_states(top, 3, seed=1), t_end=1000)
+    ax = lp.plot.draw(found).axes[0]
+    (bars,) = (container for container in ax.containers if container.has_yerr)
+    ends = np.array([path.vertices[:, 1] for path in bars.lines[2][0].get_paths()])
+    order = np.argsort(found.exponent)
+    np.testing.assert_allclose(np.ptp(ends, axis=1) / 2, found.error[order], rtol=1e-12)
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    assert words == ["± standard error, over the time of the orbit"]
+    assert f"± {found.error[0]:.2g}"[:6] in str(found).splitlines()[0]

@@ -7,8 +7,8 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.section_axes import default_axes
 from liepoisson.plot.labels import label
+from liepoisson.plot.section import _in_one_turn, titled_section
 from liepoisson.plot.section import section as draw
-from liepoisson.plot.section import titled_section
 from liepoisson.plot.style import SEQUENCE
 
 TOP = lp.Top.kovalevskaya()
@@ -54,10 +54,10 @@ def test_kept_functions_are_coordinates():
 
 
 def test_axes_have_defaults(points):
-    for source in (points, points.dataset):
+    for source, name, k in ((points, "alpha", 5), (points.dataset, "beta", 8)):  # a Dataset does not know what is idle
         ax = draw(source)
-        assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\beta_{3}$", r"$\ell_{2}$")
-        np.testing.assert_array_equal(ax.lines[3].get_xydata(), points.of(3)[:, [8, 1]])
+        assert (ax.get_xlabel(), ax.get_ylabel()) == (rf"$\{name}_{{3}}$", r"$\ell_{2}$")
+        np.testing.assert_array_equal(ax.lines[3].get_xydata(), points.of(3)[:, [k, 1]])
     assert draw(points, "l1").get_ylabel() == r"$\ell_{2}$"
     with pytest.raises(ParameterError, match="'l2' for both"):
         draw(points, "l2")
@@ -78,7 +78,7 @@ def test_axes_of_kept_functions_have_defaults():
 
 def test_a_new_figure_has_system_and_surface_for_its_title(points):
     for source in (points, points.dataset):
-        assert draw(source).get_title(loc="left") == r"Kovalevskaya top: $\ell_{3}$ = 0"
+        assert draw(source).get_title(loc="left").split("\n")[0] == r"Kovalevskaya top: $\ell_{3}$ = 0"
         assert draw(source, title="mine").get_title(loc="left") == "mine"
         assert draw(source, title="").get_title(loc="left") == ""
     ax = draw(points)
@@ -90,7 +90,7 @@ def test_a_long_surface_is_cut_short_on_a_line_of_its_own():
     surface = " + ".join(f"0.{k}*alpha{k}*l{k}" for k in (1, 2, 3, 1, 2, 3, 1))
     long = lp.section(TOP, lp.sample_states(TOP, 2, seed=1), surface=surface, t_end=20)
     for source in (long, long.dataset):
-        name, formula = draw(source).get_title(loc="left").split("\n")
+        name, formula = draw(source).get_title(loc="left").split("\n")[:2]
         assert name == "Kovalevskaya top"
         assert formula.startswith("0.1*alpha1*l1 + ")
         assert formula.endswith(" … = 0")
@@ -152,7 +152,7 @@ def test_both_directions_are_drawn_side_by_side():
     run = lp.section(system, {"x": 0.1, "y": 0.1, "p_y": 0.3}, surface="x", t_end=300)
     left, right = draw(run).figure.axes
     assert (left.get_title(loc="left"), right.get_title(loc="left")) == (
-        "henon-heiles: $x$ = 0\nincreasing",
+        "henon-heiles: $x$ = 0\n$H$ = $0.05567$\nincreasing",
         "decreasing",
     )
     assert [len(ax.lines[0].get_xdata()) for ax in (left, right)] == [(run.sign > 0).sum(), (run.sign < 0).sum()]
@@ -167,7 +167,50 @@ def test_formulas_and_angles_are_axes(points):
     assert ax.get_xlabel() == r"$\mathrm{atan2}(\ell_{2}, \ell_{1})$"
     l = points.state[:, :3]
     drawn = np.concatenate([line.get_xydata() for line in ax.lines])
-    np.testing.assert_allclose(drawn, np.stack([np.arctan2(l[:, 1], l[:, 0]), (l**2).sum(axis=1)], axis=1), rtol=1e-14)
+    drawn[:, 0] = np.angle(np.exp(1j * drawn[:, 0]))
+    np.testing.assert_allclose(drawn, np.stack([np.arctan2(l[:, 1], l[:, 0]), (l**2).sum(axis=1)], axis=1), rtol=1e-13)
+
+
+def test_orbits_of_several_levels_are_told_and_those_of_one_have_its_values():
+    system = lp.catalog.system("kovalevskaya")
+    mixed = lp.section(system, lp.sample_states(system, 6, seed=2), surface="alpha3", direction=1, t_end=60)
+    n = len(np.unique(mixed.trajectory))
+    assert f"the orbits lie on {n} levels of H, C1, C2: curves of different levels cross" in str(mixed).splitlines()
+    title = draw(mixed).get_title(loc="left").split("\n")
+    assert title == [
+        r"kovalevskaya: $\alpha_{3}$ = 0, increasing",
+        f"{n} levels of $H$, $C_{{1}}$, $C_{{2}}$: their curves cross",
+    ]
+    assert "levels" not in draw(mixed, trajectories=[mixed.trajectory[0]]).get_title(loc="left")
+    leaf = lp.Leaf(system, {"C1": 0, "C2": 1})  # a Casimir of round-off is one value
+    starts = lp.sections.section_starts(leaf, "alpha3", energy=1, n_starts=9, direction=1)
+    same = lp.section(system, np.round(starts, 11), surface="alpha3", direction=1, t_end=60)
+    assert "levels" not in str(same)
+    assert draw(same).get_title(loc="left").split("\n")[1].startswith("$H$ = $1$, $C_{1}$ = $")
+
+
+def test_an_angle_is_cut_where_the_points_leave_the_largest_gap():
+    system = lp.System(lp.canonical(2), "(p1^2 + q1^2)/2 + (p2^2 + q2^2)/3")
+    run = lp.section(system, [-1, 0.2, 0.1, 0.3], surface="q2", direction=1, t_end=60)
+    wound = np.sort(np.angle(run.state[:, 0] + 1j * run.state[:, 2]))
+    ax = draw(run, "atan2(p1, q1)", "p1")
+    drawn = np.sort(ax.lines[0].get_xdata())
+    assert np.ptp(drawn) == pytest.approx(2 * np.pi - np.diff(wound, append=wound[0] + 2 * np.pi).max(), abs=1e-9)
+    np.testing.assert_allclose(np.sort(np.angle(np.exp(1j * drawn))), wound, atol=1e-12)
+    ax.figure.canvas.draw()
+    ticks = {text.get_text(): x for text, x in zip(ax.get_xticklabels(), ax.get_xticks(), strict=True)}
+    assert ticks["$0$"] == 0
+    assert ticks[r"$\pi/2$"] == pytest.approx(np.pi / 2)
+    mine = draw(run, "atan2(p1, q1)", "p1", ax=ax)
+    assert np.abs(mine.lines[-1].get_xdata()).max() <= np.pi, "given axes keep their window"
+
+
+def test_a_cloud_around_pi_is_not_cut():
+    angles = np.concatenate([np.linspace(2.5, np.pi, 20), np.linspace(-np.pi, -2.6, 20)])
+    turned = _in_one_turn(angles, np.ones(len(angles), bool))
+    assert np.ptp(turned) == pytest.approx(2 * np.pi - 2.6 - 2.5)
+    alone = _in_one_turn(np.array([1.0, np.nan]), np.array([True, False]))
+    assert alone[0] == pytest.approx(1.0)
 
 
 def test_a_bump_on_a_line_is_no_angle():
@@ -190,9 +233,11 @@ def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
     energy = "p_theta^2/2 + p_x^2/2 - cos(theta)*(1 + sin(x)/5)"
     ax, drawn, run = shown(energy, ("theta", "p_theta"), [0.1, 0.0, 3.0, 1.0])
     assert np.abs(run.state[:, 0]).max() > 100
-    assert np.abs(drawn).max() <= np.pi
+    assert np.ptp(drawn) <= 2 * np.pi
     np.testing.assert_allclose(
-        np.sin(np.sort(drawn)), np.sin(np.sort(np.angle(np.exp(1j * run.state[:, 0])))), atol=1e-9
+        np.sin(np.sort(np.angle(np.exp(1j * drawn)))),
+        np.sin(np.sort(np.angle(np.exp(1j * run.state[:, 0])))),
+        atol=1e-9,
     )
     assert ax.get_xlabel() == r"$\theta$ (mod $2\pi$)"
     ax, drawn, run = shown("p_theta^2/2 + p_x^2/2 - cos(x)/5", ("theta", "p_theta"), [0.1, 0.0, 3.0, 1.0])

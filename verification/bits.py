@@ -78,15 +78,13 @@ def _in_a_process(simd: str) -> dict[str, dict[str, str]]:
 
 
 def table(result: dict[str, Any]) -> str:
-    """One hash where all runs agree, all hashes where they do not."""
-    lines = ["| method | runs | hashes |", "|---|---|---|"]
-    for name in next(iter(result["hashes"].values())):
-        values = [value for table in result["hashes"].values() for value in table[name].values()]
-        lines.append(f"| {name} | {len(values)} | {', '.join(f'`{value}`' for value in dict.fromkeys(values))} |")
+    """What was run, and the methods whose hashes differ."""
+    names = list(next(iter(result["hashes"].values())))
     verdict = f"Different: {', '.join(result['different'])}." if result["different"] else "No run differs from another."
     sets, threads = ", ".join(result["simd"]), ", ".join(map(str, result["threads"]))
-    runs = f"Instruction sets {sets}; {threads} threads; {result['members']} members."
-    return "\n".join([*lines, "", f"{runs} {verdict}"])
+    return (
+        f"{len(names)} methods, instruction sets {sets}; {threads} threads; {result['members']} trajectories: {verdict}"
+    )
 
 
 if __name__ == "__main__":

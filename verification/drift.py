@@ -196,20 +196,31 @@ def _summary(middle: Array, by_window: list[Array]) -> dict[str, Any]:
 
 
 def table(result: dict[str, Any]) -> str:
-    """End values and powers: energy, the worst of the Casimirs, the worst of the other integrals."""
-    lines = [
-        "| top | method | steps | RMS of H | power | worst Casimir | power | worst of l3, P | power |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for curve in result["curves"]:
-        cells: list[str] = []
-        for names in (("H",), ("C1", "C2", "C3"), ("l3", "P")):
-            known = [curve["quantities"][name] for name in names if name in curve["quantities"]]
-            worst = max(known, key=lambda one: one["rms"][-1], default=None)
-            cells += [figures.scientific(worst["rms"][-1]), figures.with_error(worst["power"])] if worst else ["", ""]
-        failed = f" ({curve['failed']} failed)" if curve["failed"] else ""
-        lines.append(f"| {curve['top']} | {curve['run']}{failed} | {curve['steps']:.1e} | " + " | ".join(cells) + " |")
+    """End values and powers: energy, the worst of the Casimirs, the worst of the other integrals, for each top."""
+    asked = (("H", ("H",)), ("Casimir", ("C1", "C2", "C3")), ("l3, P", ("l3", "P")))
+    tops = list(dict.fromkeys(curve["top"] for curve in result["curves"]))
+    columns = {
+        (top, title): {curve["run"]: worst(curve, names) for curve in result["curves"] if curve["top"] == top}
+        for top in tops
+        for title, names in asked
+    }
+    columns = {key: column for key, column in columns.items() if any(column.values())}
+    titles = [f"{top}: {title}" for top, title in columns]
+    lines = [f"| method | {' | '.join(titles)} |", "|---|" + "---|" * len(titles)]
+    for run in dict.fromkeys(curve["run"] for curve in result["curves"]):
+        lines.append(f"| {run} | " + " | ".join(column.get(run, "") for column in columns.values()) + " |")
     return "\n".join(lines) + "\n\n" + _bias_text(result)
+
+
+def worst(curve: dict[str, Any], names: tuple[str, ...]) -> str:
+    """The largest of some quantities at the end, with its power of time."""
+    known = [curve["quantities"][name] for name in names if name in curve["quantities"]]
+    worst = max(known, key=lambda one: one["rms"][-1], default=None)
+    if worst is None:
+        return ""
+    power = figures.with_error(worst["power"]).replace(" ± ", "±")
+    failed = f" ({curve['failed']} failed)" if curve["failed"] else ""
+    return f"{figures.scientific(worst['rms'][-1])}, {power}{failed}"
 
 
 def _bias_text(result: dict[str, Any]) -> str:

@@ -108,6 +108,11 @@ def _curve(contender: Contender, values: Array, data: dict[str, Array]) -> dict[
     return found
 
 
+def shown(curve: dict[str, Any]) -> int:
+    """The place of the step or tolerance that tables show."""
+    return curve["value"].index(2.0**-3 if curve["knob"] == "step" else 1e-12)
+
+
 def table(result: dict[str, Any]) -> str:
     """The defect at one step size or tolerance, and the power of the step, where there is one above round-off."""
     lines = [
@@ -116,13 +121,13 @@ def table(result: dict[str, Any]) -> str:
         "|---|---|---|---|---|---|---|---|",
     ]
     for curve in result["curves"]:
-        shown = curve["value"].index(2.0**-3 if curve["knob"] == "step" else 1e-12)
-        at = figures.setting(curve["knob"], curve["value"][shown])
+        place = shown(curve)
+        at = figures.setting(curve["knob"], curve["value"][place])
         cells: list[str] = []
         for name in ("one", "many"):
             part = curve.get(name)
             cells += (
-                [figures.scientific(part[key][shown]) for key in ("median", "largest")]
+                [figures.scientific(part[key][place]) for key in ("median", "largest")]
                 + [figures.with_error(part["power"])]
                 if part
                 else ["", "", ""]

@@ -1,5 +1,7 @@
 """The audit of the methods: measures, then writes figures, tables and docs/verification/results.json.
 
+The page docs/verification.md has the summary, verification/tables.md the tables of each question.
+
 `python verification/run.py` runs everything, an hour or two; `--quick` takes small sizes, minutes, and writes into
 results/audit/quick unless `--out` says otherwise.  `--only orders drift` runs some of the questions and leaves the
 results of the others.  What is measured is kept piece by piece in results/audit, and an audit that was interrupted
@@ -31,6 +33,7 @@ import pages
 import poisson_defect
 import reference_check
 import reversal
+import summary
 import tangents
 import work_precision
 from settings import Settings
@@ -51,6 +54,8 @@ QUESTIONS: dict[str, ModuleType] = {
     "drift": drift,
 }
 """In this order: the longest last."""
+ON_THE_PAGE = ("bits", "independent")
+"""Questions whose tables stand in docs/verification.md; the others are in tables.md."""
 
 
 def machine() -> dict[str, Any]:
@@ -104,7 +109,20 @@ def publish(name: str, record: dict[str, Any], out: Path) -> None:
         f"{size}liepoisson {facts['liepoisson']}, numpy {facts['numpy']}, Python {facts['python']}, {facts['system']}, "
         f"{facts['processor']}."
     )
-    pages.put(out / "verification.md", name, f"\n{question.table(record['result'])}\n\n{foot}\n")
+    page = out / "verification.md" if name in ON_THE_PAGE else tables_of(out)
+    pages.put(page, name, f"\n{question.table(record['result'])}\n\n{foot}\n")
+
+
+def summarise(out: Path) -> None:
+    """The table of the page, where its parts have been measured."""
+    results = json.loads((out / "verification" / "results.json").read_text(encoding="utf-8"))
+    if set(summary.NEEDED) <= set(results):
+        pages.put(out / "verification.md", "summary", f"\n{summary.table(results)}\n")
+
+
+def tables_of(out: Path) -> Path:
+    """The file of the detailed tables: beside this one for those of the documents."""
+    return (ROOT / "verification" if out.resolve() == DOCS else out) / "tables.md"
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -120,10 +138,12 @@ def main(arguments: list[str] | None = None) -> None:
     if out.resolve() != DOCS:
         out.mkdir(parents=True, exist_ok=True)
         shutil.copy(DOCS / "verification.md", out)
+        shutil.copy(tables_of(DOCS), out)
     if chosen.draw:
         kept = json.loads((out / "verification" / "results.json").read_text(encoding="utf-8"))
         for name in chosen.only or kept:
             publish(name, kept[name], out)
+        summarise(out)
         return
     settings, store = Settings(quick=chosen.quick), Store(STORED, fresh=chosen.fresh)
     for name in chosen.only or QUESTIONS:
@@ -132,6 +152,7 @@ def main(arguments: list[str] | None = None) -> None:
             answer(name, settings, store, out)
         else:
             print(f"{name}: passed over, {missing}", flush=True)
+    summarise(out)
 
 
 if __name__ == "__main__":

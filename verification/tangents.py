@@ -88,20 +88,21 @@ def _point(top: str, contender: Contender, value: float, exact: list[Piece]) -> 
 
 
 def table(result: dict[str, Any]) -> str:
-    """Errors at the finest setting of each method."""
-    lines = [
-        "| top | method | at | state: median | largest | tangent vector: median | largest |",
-        "|---|---|---|---|---|---|---|",
-    ]
-    best: dict[tuple[str, str], dict[str, Any]] = {}
-    for point in result["points"]:
-        best[point["top"], point["method"]] = point  # settings are in order, the finest last
-    for (top, method), point in best.items():
-        at = figures.setting(point["knob"], point["value"])
+    """Errors at the finest setting of each method: medians, and the largest."""
+    best: dict[str, dict[str, dict[str, Any]]] = {}
+    for point in result["points"]:  # settings are in order, the finest last
+        best.setdefault(point["method"], {})[point["top"]] = point
+    tops = list(dict.fromkeys(point["top"] for point in result["points"]))
+    titles = [f"{top} top: {part}" for top in tops for part in ("state", "tangent vector")]
+    lines = [f"| method | {' | '.join(titles)} |", "|---|" + "---|" * len(titles)]
+    for method, found in best.items():
+        point = found[tops[0]]
         errors = [
-            figures.scientific(point[part][size]) for part in ("state", "tangent") for size in ("median", "largest")
+            f"{figures.scientific(found[top][part]['median'])} ({figures.scientific(found[top][part]['largest'])})"
+            for top in tops
+            for part in ("state", "tangent")
         ]
-        lines.append(f"| {top} | {method} | {at} | " + " | ".join(errors) + " |")
+        lines.append(f"| {method}, {figures.setting(point['knob'], point['value'])} | " + " | ".join(errors) + " |")
     lines += [
         "",
         f"Differences and the tangent equation, both in extended precision, agree to {result['agreed digits']} digits.",

@@ -113,17 +113,18 @@ def table(result: dict[str, Any]) -> str:
     for top in NONLINEAR:
         for contender in METHODS:
             points = [p for p in result["points"] if p["top"] == top and p["method"] == contender.name]
-            cells = [_cheapest(points, level) for level in result["levels"]]
+            cells = [cheapest(points, level) for level in result["levels"]]
             lines.append(f"| {top} | {contender.name} | " + " | ".join(cells) + " |")
-    return "CPU nanoseconds for a unit of time, and the setting:\n\n" + "\n".join(lines)
+    return "CPU nanoseconds for a unit of time, and the step or tolerance:\n\n" + "\n".join(lines)
 
 
-def _cheapest(points: list[dict[str, Any]], level: float) -> str:
+def cheapest(points: list[dict[str, Any]], level: float) -> str:
+    """The least time at which both errors are at most a level, and the setting."""
     good = [p for p in points if all((p[name]["median"] or np.inf) <= level for name in ("state", "tangent"))]
     if not good:
         return "–"
     best = min(good, key=lambda point: point["seconds"])
-    return f"{1e9 * best['seconds']:.0f} ({figures.setting(best['knob'], best['value'])})"
+    return f"{1e9 * best['seconds']:.0f} ({figures.setting(best['knob'], best['value']).split()[-1]})"
 
 
 def draw(result: dict[str, Any]) -> Figure:

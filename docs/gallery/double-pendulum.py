@@ -4,7 +4,7 @@ The outer mass of three double pendulums that start at rest within about $10^{-6
 long, three paths after $t = 40$. Right the distance of the first two, and a line for the exponent 0.43 that longer
 runs give.
 
-Read on: [chaos in canonical systems](../canonical.md#chaos-in-canonical-systems); [landau1976](../references.md).
+Read on: [chaos in canonical systems](../canonical.md#canonical-coordinates); [landau1976](../references.md).
 """
 
 import matplotlib.pyplot as plt

@@ -3,7 +3,7 @@
 The section $x = 0$, $p_x > 0$ at three energies, the last one that of escape. The curves of the first panel give way
 to islands in a sea that one orbit fills. Two degrees of freedom: a true section.
 
-Read on: [canonical systems](../canonical.md#chaos-in-canonical-systems), [sections](../sections.md);
+Read on: [canonical systems](../canonical.md#canonical-coordinates), [sections](../sections.md);
 [henonheiles1964](../references.md).
 """
 

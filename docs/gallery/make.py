@@ -1,22 +1,20 @@
-"""The gallery: `python docs/gallery/make.py [NAME ...]` draws pictures and writes pages, by default all of them.
+"""The gallery: `python docs/gallery/make.py [NAME ...]` draws pictures, by default all of them, and writes the index.
 
-A card is a script `NAME.py`, which leaves its picture in `figure`; the picture `NAME.png`; and the page `NAME.md`. The
-docstring of a script has the title, what is seen, and what to read. What a picture shows (words, limits, where its
-points lie) stands in its file, too, so that a test finds a picture that the script would draw otherwise today.
+A card is a script `NAME.py`, which leaves its picture in `figure`, and the picture `NAME.png`. The docstring of a
+script has the title, what is seen, and what to read; the site makes a page of it (docs/site/cards.py). What a picture
+shows (words, limits, where its points lie) stands in its file, too, so that a test finds a picture that the script
+would draw otherwise today.
 """
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import io
-import re
 import runpy
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -30,6 +28,10 @@ from PIL.PngImagePlugin import PngInfo
 import liepoisson as lp
 
 FOLDER = Path(__file__).parent
+sys.path.insert(0, str(FOLDER.parent / "site"))
+
+from cards import card, plain  # noqa: E402
+
 DPI = 170
 COLOURS = 256
 """Of the palette of a picture, which makes its file three times smaller."""
@@ -52,24 +54,6 @@ GROUPS = {
 }
 """The cards in the order of the index."""
 NAMES = tuple(name for names in GROUPS.values() for name in names)
-
-
-class Card(NamedTuple):
-    """What a script says."""
-
-    title: str
-    seen: str
-    read: str
-    code: str
-
-
-def card(name: str) -> Card:
-    """Title, what is seen, what to read, and the code without its docstring."""
-    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    title, *seen, read = (ast.get_docstring(tree) or "").split("\n\n")
-    code = "".join(text.splitlines(keepends=True)[tree.body[0].end_lineno :]).lstrip("\n")
-    return Card(title.rstrip("."), "\n\n".join(seen), read, code)
 
 
 def figure_of(name: str):
@@ -126,47 +110,32 @@ def write_picture(name: str) -> Path:
     return path
 
 
-def page(name: str) -> str:
-    """The page of a card: the picture, what is seen, the code, what to read."""
-    title, seen, read, code = card(name)
-    return (
-        f"# {title}\n\n![{plain(title)}]({name}.png)\n\n{seen}\n\n```python\n{code}```\n\n{read}\n\n"
-        f"[All cards](index.md) · script [`{name}.py`]({name}.py)\n"
-    )
-
-
-def plain(title: str) -> str:
-    """A title without the signs of Markdown and mathematics, for those who do not see the picture."""
-    return re.sub(r"[$\\_{}^`]", "", title)
-
-
 def index() -> str:
     """The page with all cards, group by group."""
     lines = [
         "# Gallery",
         "",
-        "Pictures, each with a script of less than 40 lines that makes it in some seconds: a start for pictures of",
-        "your own. A script writes its picture into the current folder. `python docs/gallery/make.py NAME` draws the",
-        "picture of a card again and writes its page and this one; the tests compare the pictures with",
-        "what the scripts draw.",
+        "Pictures, each with a script of less than 40 lines that makes it in some seconds.",
+        "`python docs/gallery/make.py NAME` draws a card again.",
     ]
     for group, names in GROUPS.items():
         lines += ["", f"## {group}", "", "| " * ACROSS + "|", "|---" * ACROSS + "|"]
         for k in range(0, len(names), ACROSS):
-            row = [f"[![{plain(card(name).title)}]({name}.png)]({name}.md)" for name in names[k : k + ACROSS]]
-            titles = [f"[{card(name).title}]({name}.md)" for name in names[k : k + ACROSS]]
+            titles = [card(FOLDER / f"{name}.py").title for name in names[k : k + ACROSS]]
+            row = [
+                f"[![{plain(title)}]({name}.png)]({name}.py)" for name, title in zip(names[k:], titles, strict=False)
+            ]
             lines.append("| " + " | ".join(f"{a}<br>{b}" for a, b in zip(row, titles, strict=True)) + " |")
             lines[-1] += " |" * (ACROSS - len(row))
     return "\n".join(lines) + "\n"
 
 
 def main(names) -> None:
-    """Draws the pictures of some cards, and writes their pages and the index."""
+    """Draws the pictures of some cards, and writes the index."""
     for name in names:
         began = time.perf_counter()
         path = write_picture(name)
         seconds, size = time.perf_counter() - began, path.stat().st_size / 1000
-        (FOLDER / f"{name}.md").write_text(page(name), encoding="utf-8")
         print(f"{name}: {seconds:.1f} s, {size:.0f} kB")
     (FOLDER / "index.md").write_text(index(), encoding="utf-8")
 

@@ -4,7 +4,7 @@ Five particles on a line, which repel like $e^{-r}$. They collide and then move 
 matrix, $L_{kk} = p_k$ and $L_{k,k+1} = e^{(q_k - q_{k+1})/2}$, are constant all the time, and they are the momenta to
 which the particles tend.
 
-Read on: [Lax pairs](../lax.md), [canonical systems](../canonical.md#chaos-in-canonical-systems);
+Read on: [Lax pairs](../lax.md), [canonical systems](../canonical.md#canonical-coordinates);
 [toda1967](../references.md), [flaschka1974](../references.md).
 """
 

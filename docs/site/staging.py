@@ -13,11 +13,13 @@ import shutil
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from cards import card_page
 from stories import story_pictures, story_text
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PROJECT_PAGES = ("README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG", "SECURITY", "SUPPORT")
+DETAILS = ("benchmarks/tables.md", "verification/tables.md", "verification/error-rates.md")
 GENERATED = {
     "Commands": ("commands/index.md", "Every command", "What are the arguments and options of each command?"),
     "Reference": ("reference/index.md", "Every public name", "What does this function take, return and refuse?"),
@@ -54,8 +56,7 @@ class Stage:
             if page == "index.md":
                 text = with_contents(text, self.exists)
             if page == "gallery/index.md" and "{toctree}" not in text:
-                cards = sorted(("", path.name) for path in document.parent.glob("*.md") if path != document)
-                text += hidden_toctree(cards, caption=None)
+                text += hidden_toctree([("", f"{script.stem}.md") for script in scripts()], caption=None)
             if page == "references.md":
                 text = KEY.sub(r"- []{#\1}**[\1]**", text)
             else:
@@ -77,7 +78,7 @@ class Stage:
 
     def exists(self, page: str) -> bool:
         """Whether a page of the site is made, here or by a generator; the gallery may be missing."""
-        return not page.startswith("gallery/") or (DOCS / page).exists()
+        return not page.startswith("gallery/") or page in documents().values()
 
     def with_links(self, document: Path, page: str) -> str:
         """The text of a document whose links lead to pages of the site; words that link to a folder stay words."""
@@ -110,17 +111,25 @@ class Stage:
         return outside_code(text, lambda part: LINK.sub(link, part))
 
 
+def scripts() -> list[Path]:
+    """The scripts of the gallery, each of which becomes a page."""
+    return sorted(path for path in (DOCS / "gallery").glob("*.py") if path.name != "make.py")
+
+
 def documents() -> dict[Path, str]:
     """Every document that becomes a page, and the page."""
     pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md"))}
     stories = sorted((DOCS / "stories").glob("*.ipynb"))
     pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in stories}
+    pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in scripts()}
+    pages |= {path: f"{path.parent.name}-{path.name}" for path in map(ROOT.joinpath, DETAILS)}
     return pages | {ROOT / f"{name}.md": f"{name.lower()}.md" for name in PROJECT_PAGES}
 
 
 def text_of(document: Path) -> str:
     """The Markdown of a document."""
-    return story_text(document) if document.suffix == ".ipynb" else document.read_text(encoding="utf-8")
+    made = {".ipynb": story_text, ".py": card_page}.get(document.suffix)
+    return made(document) if made else document.read_text(encoding="utf-8")
 
 
 def relative(page: str, to: str) -> str:

@@ -35,6 +35,23 @@ _NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
 _RENAMES_OPEN_FILES = os.name != "nt"
 
 
+def read_text(path: str | Path, *, most: int) -> str:
+    """The text of a regular file of at most so many bytes.
+
+    Raises:
+        OSError: there is none, or it is a device, a pipe or a folder.
+        ValueError: it has more bytes, or is not in UTF-8.
+    """
+    path = Path(path)
+    if not stat.S_ISREG(path.stat().st_mode):  # a device may have no end, and a pipe waits for its other end
+        raise OSError(errno.EINVAL, "it is no regular file")
+    with path.open("rb") as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise ValueError(f"it has more than {most:,} bytes")
+    return content.decode("utf-8")
+
+
 @contextmanager
 def writing(path: Path) -> Generator[None]:
     """Turn a failure of the file system inside the block into an `OutputError` that says what to try."""

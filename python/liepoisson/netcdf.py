@@ -82,11 +82,15 @@ def read_netcdf(path: Path, *, verify: bool = True, trial: Trial | None = None) 
         DamagedFileError: it cannot be read, was changed, or has a structure that liepoisson does not write.
     """
     try:
-        content = path.read_bytes()
+        with path.open("rb") as file:
+            content = file.read(len(_SIGNATURE))
+            if content != _SIGNATURE:  # before the rest, which may be large
+                raise DamagedFileError(f"{path}: wanted NetCDF-4 (HDF5); got another kind of file; look at the name")
+            content += file.read()
+    except DamagedFileError:
+        raise
     except OSError as error:
         raise DamagedFileError(f"{path}: cannot be read ({error!s:.200}); make it again") from error
-    if not content.startswith(_SIGNATURE):
-        raise DamagedFileError(f"{path}: wanted NetCDF-4 (HDF5); got another kind of file; look at the name")
     if verify:
         _verify(path, content)
     elif sys.platform != "emscripten":  # a page in a browser has one process

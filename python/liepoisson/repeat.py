@@ -91,6 +91,7 @@ def rerun(
     threads: int | None = None,
     time_limit: float = math.inf,
     progress: Callable[[float], Any] | None = None,
+    allow_code: bool = False,
 ) -> Any:
     """Repeats the run that made a result, a file or a dataset, from what it records alone.
 
@@ -114,6 +115,8 @@ def rerun(
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
         time_limit: Seconds that the rerun may take; by default as many as it needs.
         progress: Called a few times a second with the fraction that is done.
+        allow_code: Whether a sweep whose quantity is the name of a function, "package.module:function", may import and
+            call it.  Without this what somebody else has saved is only data.
 
     An orbit in a chart is repeated as an orbit in the coordinates of the chart, which no file keeps.
 
@@ -121,6 +124,7 @@ def rerun(
         DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
             components in another order, or be a part of the trajectories; an orbit without its first time, a part of
             the components, and of a growth or spectrum members that do not follow each other have no run.
+        ParameterError: It is a sweep that names a function, and code is not allowed.
 
     Warns:
         UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
@@ -130,7 +134,7 @@ def rerun(
     if (spec := _spec_of_table(source)) is not None:
         from liepoisson.sweeps.run import sweep
 
-        return sweep(spec, threads=threads, progress=progress)
+        return sweep(spec, threads=threads, progress=progress, allow_code=allow_code)
     if not isinstance(source, Result):
         given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
@@ -138,7 +142,7 @@ def rerun(
     if given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
 
-        return sweep(given.spec, threads=threads, progress=progress)
+        return sweep(given.spec, threads=threads, progress=progress, allow_code=allow_code)
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)

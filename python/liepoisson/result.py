@@ -141,8 +141,14 @@ class Result(ReadOnlyArrays, Tabular):
         """What the function that made this is called with to make it again, but for the system."""
 
     def with_time_limit(self, time_limit: float) -> Self:
-        """The same as the result of a run with another limit of seconds, which ended nothing."""
-        return replace(self, time_limit=time_limit)  # pyright: ignore[reportArgumentType, reportCallIssue]  # a dataclass
+        """The same as the result of a run with another limit of seconds, which ended nothing.
+
+        Raises:
+            ParameterError: it is no positive number.
+        """
+        from liepoisson.scalars import as_time_limit
+
+        return replace(self, time_limit=as_time_limit(time_limit))  # pyright: ignore[reportArgumentType, reportCallIssue]  # a dataclass
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table by name, one-dimensional arrays; vectors have one column for each component."""

@@ -117,7 +117,12 @@ class Top(System):
 
     @classmethod
     def heavy(cls, inertia: Sequence[Parameter], a: Sequence[Parameter]) -> Top:
-        """The heavy top: one field, alpha."""
+        """The heavy top: one field, alpha.
+
+        Like every `Top` it has the nine components l, alpha, beta, where beta is idle, and C1 = |alpha|^2.  For
+        surfaces of section take `catalog.system("heavy-top", ...)`, which has six, and C1 = l.alpha: sections have
+        dimension 2 there.
+        """
         return cls(inertia=inertia, a=a, name="heavy top")
 
     @classmethod

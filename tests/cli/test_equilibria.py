@@ -1,6 +1,7 @@
 """`liepoisson equilibria`: the equilibria of a leaf, as a table and for programs."""
 
 import json
+from contextlib import contextmanager
 
 import pytest
 
@@ -54,3 +55,38 @@ def test_refusals_are_plain(command, arguments, words):
     code, out, err = command("equilibria", *arguments)
     assert (code, out) == (2, "")
     assert words in err
+
+
+def test_an_upright_top_that_spins_fast_has_a_hint(command):
+    code, out, _ = command("equilibria", "lagrange", "--leaf", "C1=3,C2=1")
+    assert code == 0
+    hint = "is stable, with an integral added to H: equilibrium(system, state, along=('l3',))"
+    assert [line for line in out.splitlines() if line.startswith("hint")] == [
+        f"hint     equilibrium {k} {hint}" for k in (1, 2)
+    ]
+    top = lp.catalog.system("lagrange")
+    alone, with_l3 = (lp.phase_space.equilibrium(top, [0, 0, 3, 0, 0, 1], along=along) for along in ((), ("l3",)))
+    assert (alone.nonlinear_stability, with_l3.nonlinear_stability) == ("no conclusion", "stable")
+    _, out, _ = command("equilibria", "lagrange", "--leaf", "C1=1,C2=1")  # the upright one is unstable
+    assert "hint     equilibrium 2" not in out
+
+
+def test_the_signature_is_three_whole_numbers_of_a_table():
+    table = lp.equilibria(lp.catalog.system("lagrange"), {"C1": 3, "C2": 1}).columns()
+    signature = [table[f"signature_{sign}"].tolist() for sign in ("positive", "negative", "zero")]
+    assert signature == [[3, 2, 2], [0, 2, 2], [1, 0, 0]]
+    assert table["signature_zero"].dtype.kind == "i"
+
+
+def test_a_search_shows_that_it_works(command, monkeypatch):
+    told = []
+
+    @contextmanager
+    def listener(*, quiet):
+        yield None if quiet else lambda *words: told.append(words)
+
+    monkeypatch.setattr("liepoisson.cli.equilibria.progress_bar", listener)
+    command("equilibria", "lagrange", "--leaf", "C1=3,C2=1")
+    assert told == [("looking for equilibria", 0.0, 1.0)]
+    command("equilibria", "lagrange", "--leaf", "C1=3,C2=1", "--quiet")
+    assert len(told) == 1

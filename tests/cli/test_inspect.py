@@ -125,7 +125,7 @@ def test_values_may_be_given_on_the_command_line(command):
         (["missing.toml"], "missing.toml"),
         (["/tmp"], "liepoisson: /tmp must be a file; it is a folder. Give the path of a TOML file.\n"),
         (["twisted-top", "--set", "epsilom=1"], "'twisted-top' has no parameter 'epsilom'. Did you mean epsilon?"),
-        (["twisted-top", "--set", "a=1,0"], "a must have 3 components; got 2 components. Give for example [1, 0, 0]."),
+        (["twisted-top", "--set", "a=1,0"], "a must have 3 components; got 2 components. Give for example [1, 2, 3]."),
         (["twisted-top", "--set", "epsilon"], "--set must be name=value; got 'epsilon'"),
         (["twisted-top", "--set", "epsilon=__import__('os')"], "__import__"),
         (["twisted-top", "--format", "html"], "html"),

@@ -121,6 +121,14 @@ def test_no_proof_no_certificate(command, tmp_path):
     assert not path.exists()
 
 
+def test_a_proof_with_exponentials_is_no_certificate(command, tmp_path):
+    code, out, err = command("integrable", "toda", "--certificate", tmp_path / "toda.json")
+    assert code == 2
+    assert "Liouville integrable" in out
+    assert "certificates hold polynomials with rational coefficients; this proof has exp(" in err
+    assert "higher degree" not in err
+
+
 def test_a_level_by_the_names_of_invariants(command):
     same = [command("integrals", "kovalevskaya", "--on", on) for on in ("C2-1", "C2 = 1")]
     assert same[0] == same[1]

@@ -95,8 +95,8 @@ def test_one_run_has_no_standard_error(command):
         (["lagrange", "--time-limit", "nan"], "--time-limit must be a positive number of seconds"),
         (["lagrange", "--out", " "], "--out must name a file"),
         (
-            ["lagrange", "--out", "x.csv"],
-            "--out must end in .nc; got 'x.csv'. Write for example --out lagrange-exponents.nc.",
+            ["lagrange", "--out", "x.txt"],
+            "--out must end in one of .nc, .csv; got 'x.txt'. Write for example --out lagrange-exponents.nc.",
         ),
         (["lagrang"], "Did you mean lagrange"),
         (["lagrange", "--start", "1,0,0,0,0,1", "--starts", "3"], "--starts and --start exclude each other"),

@@ -126,8 +126,8 @@ def test_netcdf_can_be_rerun_and_csv_has_all_digits(command, tmp_path):
     saved = lp.load(nc).dataset
     again = lp.rerun(nc)
     np.testing.assert_array_equal(again.state, saved["state"])
-    assert csv.read_text().splitlines()[0] == "t,l1,l2,l3,alpha1,alpha2,alpha3"
-    table = np.loadtxt(csv, delimiter=",", skiprows=1)
+    assert csv.read_text().splitlines()[0] == "trajectory,time,outcome,l1,l2,l3,alpha1,alpha2,alpha3"
+    table = np.loadtxt(csv, delimiter=",", skiprows=1, usecols=(1, *range(3, 9)))
     np.testing.assert_array_equal(table[:, 0], saved["time"])
     np.testing.assert_array_equal(table[:, 1:], saved["state"][0])
 

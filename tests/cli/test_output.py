@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+import liepoisson as lp
 from liepoisson.cli.main import COMMANDS, application
 
 SYSTEM = (Path(__file__).parents[2] / "python" / "liepoisson" / "catalog" / "kovalevskaya.toml").read_text()
@@ -15,6 +16,9 @@ WRITERS = {
     ("section", "--figure"): ("a.png", ("--starts", "2")),
     ("lyapunov", "--out"): ("a.nc", ("--starts", "2")),
     ("lyapunov", "--figure"): ("a.png", ("--starts", "2")),
+    ("decide", "--out"): ("a.nc", ("--starts", "2")),
+    ("equilibria", "--out"): ("a.csv", ()),
+    ("sweep", "--out"): ("a.csv", ()),
     ("sweep", "--figure"): ("a.png", ()),
     ("integrable", "--save"): ("a.json", ()),
     ("integrable", "--certificate"): ("a.json", ()),
@@ -85,3 +89,50 @@ def test_an_empty_store_is_not_the_working_folder(here, command, store):
     code, _, said = command("sweep", "s.toml", "--store", store)
     assert (code, list(here.iterdir())) == (2, [])
     assert "--store must name a folder" in said
+
+
+FEW = ("--starts", 2, "--t-end", 20)
+FILES = {
+    "orbit": (("orbit", "lagrange", "--t-end", 2, "--points", 3), "nc"),
+    "section": (("section", "lagrange", "--starts", 2, "--crossings", 3), "nc"),
+    "lyapunov": (("lyapunov", "lagrange", *FEW), "nc"),
+    "spectrum": (("lyapunov", "lagrange", "--spectrum", *FEW), "nc"),
+    "decide": (("decide", "lagrange", *FEW), "nc"),
+    "sweep": (("sweep", "s.toml", "--quiet"), "nc"),
+    "equilibria": (("equilibria", "lagrange", "--leaf", "C1=1/2,C2=1"), None),
+}
+"""Commands that find numbers, and whether their results can be saved and loaded, too."""
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_table_has_the_columns_of_the_result(here, command, name):
+    (here / "s.toml").write_text(
+        'system = "kovalevskaya"\nt_end = 5\nn_starts = 2\naxes = [{ name = "energy", values = [1, 2] }]\n'
+        'quantity = "exponent"\n\n[starts]\nC1 = 0\nC2 = 1\n'
+    )
+    arguments, saved = FILES[name]
+    code, _, err = command(*arguments, "--out", here / "table.csv")
+    assert code == 0, err
+    if saved:
+        code, _, _ = command(*arguments, "--out", here / "table.nc")
+        result = lp.load(here / "table.nc")
+    else:
+        result = lp.equilibria(lp.catalog.system("lagrange"), {"C1": 0.5, "C2": 1})
+    assert code == 0
+    expected = result.to_csv(here / "expected.csv")
+    assert (here / "table.csv").read_text() == expected.read_text()
+    assert (here / "table.csv").read_text().split("\n")[0].split(",") == list(result.to_dataframe().columns)
+
+
+ESCAPED = "all orbits left every bounded region, or ran into a singularity (step too small): take a lower energy"
+
+
+@pytest.mark.parametrize(
+    "arguments", [("lyapunov",), ("lyapunov", "--spectrum"), ("decide",), ("decide", "--format", "json")]
+)
+def test_a_command_without_a_result_says_why_with_exit_code_1(command, arguments):
+    name, *options = arguments
+    code, out, err = command(name, "henon-heiles", "--start", "3,5,0,0", *options)
+    assert code == 1
+    assert ESCAPED in err
+    assert "nan" not in out.lower()

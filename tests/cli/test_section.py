@@ -25,7 +25,7 @@ def test_crossings_of_the_kovalevskaya_top(command, tmp_path):
     ):
         assert line in out.splitlines()
     assert "found    15 crossings, 5 of each orbit" in out
-    assert path.read_text().splitlines()[0] == "trajectory,t,sign,l1,l2,l3,alpha1,alpha2,alpha3"
+    assert path.read_text().splitlines()[0] == "trajectory,time,sign,l1,l2,l3,alpha1,alpha2,alpha3"
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     l, alpha = table[:, 3:6], table[:, 6:]
     np.testing.assert_allclose(np.einsum("ij,ij->i", l, alpha), 0.5, atol=1e-12)
@@ -60,7 +60,7 @@ def test_kept_functions_take_the_place_of_the_state(command, tmp_path):
     keep = ("--keep", "l3", "--keep", "dot(l, alpha)")
     code, _, _ = command("section", "kovalevskaya", *FEW, "--leaf", "C1=0.25", *keep, "--out", path)
     assert code == 0
-    assert path.read_text().splitlines()[0] == 'trajectory,t,sign,l3,"dot(l, alpha)"'
+    assert path.read_text().splitlines()[0] == 'trajectory,time,sign,l3,"dot(l, alpha)"'
     np.testing.assert_allclose(np.loadtxt(path, delimiter=",", skiprows=1)[:, 4], 0.25, atol=1e-12)
 
 
@@ -155,6 +155,17 @@ def test_a_figure_by_default_has_axes_that_vary_on_the_surface(command, tmp_path
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize("surface", ["l3-0.1", "l3^2 + dot(l, alpha)", "dot(l, l)/2 + l3^2/2 + alpha3 - 1"])
+def test_a_constant_of_motion_is_no_surface(command, surface):
+    words = "a constant of motion: its bracket with H is zero"
+    code, _, err = command("section", "lagrange", "--surface", surface)
+    assert code == 2
+    assert words in err
+    assert surface in err
+    with pytest.raises(lp.errors.ParameterError, match=words):
+        lp.section(lp.catalog.system("lagrange"), [1, 0, 1, 0, 0.6, 0.8], surface=surface, t_end=10)
+
+
 def test_netcdf_can_be_rerun(command, tmp_path):
     path = tmp_path / "section.nc"
     code, _, _ = command("section", "twisted-kovalevskaya", *FEW, "--out", path)
@@ -234,7 +245,8 @@ def test_the_first_own_figure_is_unfolded(command, tmp_path, monkeypatch):
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\mathrm{atan2}(\alpha_{2}, \alpha_{1})$", r"$\ell_{3}$")
     state = lp.load(path).state
     drawn = np.concatenate(curves(ax))
-    np.testing.assert_allclose(drawn[:, 0], np.arctan2(state[:, 4], state[:, 3]), rtol=0, atol=1e-15)
+    turned = np.angle(np.exp(1j * drawn[:, 0]))
+    np.testing.assert_allclose(turned, np.arctan2(state[:, 4], state[:, 3]), rtol=0, atol=1e-14)
     # Nearby in the plane is nearby in the state: each pair in a square of side 0.02, in units of the figure.
     scaled = drawn / np.ptp(drawn, axis=0)
     near = np.abs(scaled[:, None] - scaled[None]).max(axis=-1) < 0.02

@@ -222,3 +222,54 @@ def test_names_that_a_formula_could_not_use_are_refused():
 def test_brackets_are_not_added():
     with pytest.raises(BracketError, match="Add the algebras"):
         lp.canonical(1) + lp.canonical(1)
+
+
+TWISTED = lp.so(3) @ lp.leibniz(3, "epsilon")
+LIKE_COORDINATES = {
+    "another case": sp.Symbol("L1") ** 2,
+    "an underscore": sp.Symbol("l_1"),
+    "a dummy": sp.Dummy("l1"),
+    "an entry": sp.IndexedBase("l")[1],
+    "a function of time": sp.Function("l1")(sp.Symbol("t")),
+    "a field": sp.Symbol("alpha") ** 2,
+}
+
+
+@pytest.mark.parametrize("function", LIKE_COORDINATES.values(), ids=LIKE_COORDINATES)
+def test_what_is_like_a_coordinate_and_none_is_no_constant(function):
+    l1 = TWISTED.variables[0]
+    for call in (
+        TWISTED.vector_field,
+        lambda f: TWISTED(f, l1),
+        lambda f: TWISTED(l1, f),
+        lambda f: lp.brackets.Automorphism(((1, 0, 0), (0, 2, 0), (0, 0, 4))).apply(f, TWISTED),
+    ):
+        with pytest.raises(ParameterError, match=r"is like (l1|the field alpha) and none of them"):
+            call(function)
+
+
+def test_coefficients_of_functions_stay():
+    l1, l2, *_ = TWISTED.variables
+    a, epsilon, V = sp.Symbol("a"), sp.Symbol("epsilon"), sp.Function("V")
+    assert TWISTED(l2, a * l1) == sp.expand(a * TWISTED(l2, l1))
+    assert TWISTED(l2, epsilon * l1) == sp.expand(epsilon * TWISTED(l2, l1))
+    assert TWISTED(l2, V(l1)) == V(l1).diff(l1) * TWISTED(l2, l1)
+    scaling = lp.brackets.Automorphism(((1, 0, 0), (0, 2, 0), (0, 0, 4)))
+    doubled = scaling.apply(sp.Symbol("alpha1", positive=True), TWISTED)
+    assert doubled == 2 * TWISTED.variables[3]
+    system = lp.System(lp.so(3) @ lp.trivial(), "L1*l1^2 + l2^2", symbols=["L1"])
+    for one in (system, pickle.loads(pickle.dumps(system))):
+        assert one.bracket(one.hamiltonian, one.variables[2]) != 0
+        assert sp.Symbol("L1") in one.equations[one.variables[1]].free_symbols
+
+
+@pytest.mark.parametrize("of", [TWISTED, TWISTED.extension, lp.so(3), lp.so(3) @ lp.trivial()])
+def test_values_for_unknown_symbols_are_refused(of):
+    hint = "Did you mean epsilon" if of.symbols else "there are none"
+    with pytest.raises(ParameterError, match=hint):
+        of.substitute({"epsilonn": 2})
+    for key in (sp.Symbol("epsilon"), sp.Symbol("epsilon", positive=True)):
+        if of.symbols:
+            assert of.substitute({key: 2}).symbols == set()
+            with pytest.raises(ParameterError, match="epsilon comes twice"):
+                of.substitute({key: 2, "epsilon": 2})

@@ -74,8 +74,9 @@ def test_a_name_for_a_parameter_is_its_symbol(make, arguments, name, value):
     """The products of a name are made when they are asked for; those of a symbol are there at once."""
     named, symbolic = make(*arguments, name), make(*arguments, sp.Symbol(name))
     fields = [f"m{k}_" for k in range(named.dimension)]
-    at_value = [extension.rename(*fields).substitute({name: value}) for extension in (named, symbolic)]
-    restored = pickle.loads(pickle.dumps(named.rename(*fields))).substitute({name: value})
+    values = {name: value} if named.symbols else {}
+    at_value = [extension.rename(*fields).substitute(values) for extension in (named, symbolic)]
+    restored = pickle.loads(pickle.dumps(named.rename(*fields))).substitute(values)
     for first, second in ((named, symbolic), at_value, (restored, at_value[1])):
         assert first.symbols == second.symbols
         assert (first.name, first.field_names) == (second.name, second.field_names)

@@ -51,7 +51,7 @@ def test_symbolic_structure_constants_can_be_given_values():
     algebra = LieAlgebra(antisymmetric(3, {(0, 1, 2): "s", (1, 2, 0): 1, (2, 0, 1): 1}), name="so(s)")
     assert algebra.symbols == {"s"}
     assert algebra.substitute({"s": Fraction(1)}).structure_constants == so(3).structure_constants
-    assert algebra.substitute({"t": Fraction(1)}) is algebra
+    assert algebra.substitute({}) is algebra
 
 
 @pytest.mark.parametrize("ragged", [[], [[[1]], [[1]]], [[[0, 0], [0, 0]], [[0, 0], [0]]]])

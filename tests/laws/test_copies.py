@@ -4,6 +4,7 @@ import copy
 import pickle
 
 import pytest
+import sympy as sp
 from test_results_own_their_numbers import results
 
 import liepoisson as lp
@@ -15,6 +16,17 @@ LAX = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + a3*alpha3", s
 
 def lax_pair():
     return OF.search_lax_pairs(ENTRY("lagrange"), degree=2).pairs[0]
+
+
+def linear_system():
+    s = sp.Symbol("s")
+    return OF.linear_system(sp.Matrix([[1 / (2 * s), 1], [0, 1 / (s - 1)]]), s)
+
+
+def used(system):
+    """A linear system that has derived what it keeps."""
+    assert system.singular_points
+    return system
 
 
 EXACT = {
@@ -34,6 +46,9 @@ EXACT = {
     "SpectralCurve": lambda: lax_pair().spectral_curve(),
     "DarbouxPolynomials": lambda: OF.darboux_polynomials(ENTRY("rattleback"), degree=1),
     "GaloisObstruction": lambda: OF.galois_obstruction(ENTRY("henon-heiles")),
+    "LinearSystem": lambda: used(linear_system()),
+    "Monodromy": lambda: OF.monodromy(linear_system(), [0.5, 0.5j, -0.5, -0.5j]),
+    "ParticularSolution": lambda: OF.particular_solutions(ENTRY("henon-heiles"))[0],
     "Page": lambda: lp.laboratory.page_of(ENTRY("toda")),
 }
 """Results of the exact algebra; those with arrays are in the other table."""
@@ -66,3 +81,21 @@ def test_flint_s_numbers_are_copied_exactly():
     for make in (lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy):
         assert all(make(value) == value for value in exact)
         assert make(context) is context
+
+
+def test_copies_of_curves_and_linear_systems_are_equal():
+    curve, system = EXACT["ParticularSolution"](), used(linear_system())
+    for make in (lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy, copy.copy):
+        assert make(curve) == curve
+        assert hash(make(curve)) == hash(curve)
+        assert (make(system).matrix, make(system).singular_points) == (system.matrix, system.singular_points)
+    assert curve != OF.particular_solutions(ENTRY("henon-heiles"))[1]
+
+
+def test_copies_of_balls_contain_them():
+    turn = EXACT["Monodromy"]()
+    again = pickle.loads(pickle.dumps(turn))
+    assert (again.matrix == turn.matrix).all()
+    for mine, its in zip(turn.balls.entries(), again.balls.entries(), strict=True):
+        assert its.contains(mine)
+    assert again.error < 2 * turn.error

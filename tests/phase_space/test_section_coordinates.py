@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.phase_space.default_surface import unfolded_surface
-from liepoisson.phase_space.section_sheets import section_axes
+from liepoisson.phase_space.section_sheets import idle_components, section_axes
 
 
 @pytest.mark.parametrize(
@@ -32,6 +32,21 @@ def test_a_leaf_at_rest_has_no_surface():
         lp.sections.default_surface(lp.Leaf(system, {"C1": 1}))
 
 
+def test_components_that_act_on_nothing_are_no_axes():
+    top = lp.Top.heavy(inertia=(1, 2, 3), a=(1, 0, 0))
+    assert idle_components(top) == {"beta1", "beta2", "beta3"}
+    assert idle_components(lp.Top.twisted_kovalevskaya()) == set()
+    cyclic = lp.System(lp.canonical(names=["theta", "phi"]), "p_theta^2 + p_phi^2/(1 + theta^2) + theta^2")
+    assert idle_components(cyclic) == {"phi"}
+    run = lp.section(top, lp.sample_states(top, 3, seed=2), surface="l3", direction=1, t_end=60)
+    assert run.default_axes == ("alpha3", "l2")
+    parallel = {"l": (1, 0.2, 1), "alpha": (0.6, 0, 0.8), "beta": (0.6, 0, 0.8)}  # a section of dimension 2
+    run = lp.section(top, parallel, surface="l3", direction=1, t_end=200)
+    assert not any("beta" in axis for axis in run.default_axes)
+    assert 'lp.catalog.system("heavy-top", ...)' in str(run)
+    assert 'catalog.system("heavy-top"' in lp.Top.heavy.__doc__
+
+
 def test_axes_that_fold_the_section_are_told_from_coordinates():
     # On alpha2 = 0 and |alpha| = 1, alpha = (cos phi, 0, sin phi), and l2 is the momentum of the angle phi.  So phi and
     # l2 are coordinates, and sin phi = alpha3 and l2 where cos phi = alpha1 keeps its sign.
@@ -51,7 +66,7 @@ def test_axes_that_fold_the_section_are_told_from_coordinates():
 
 
 OSCILLATOR = lp.catalog.system("henon-heiles")
-STARTS = [{"y": 0.1, "p_x": 0.3, "p_y": 0.1}, {"y": 0.2, "p_x": 0.3, "p_y": 0.1}]
+STARTS = [{"y": 0.1, "p_x": 0.3, "p_y": p_y} for p_y in (0.1, -0.1)]
 
 
 def test_a_section_says_whether_its_figure_folds_it():

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -172,3 +173,81 @@ def test_an_altered_dataset_of_a_sweep_is_refused():
     dataset = lp.sweep(system="kovalevskaya", axes={"energy": [1, 2]}, n_starts=2, t_end=5, threads=1).dataset
     with pytest.raises(lp.errors.DamagedFileError, match="repeat the sweep or its file"):
         lp.rerun(dataset.assign_attrs(spec="{}"))
+
+
+@pytest.fixture
+def named_module(tmp_path, monkeypatch):
+    """The name of a module that says when it is imported, and the file in which it says so."""
+    trace = tmp_path / "ran"
+    (tmp_path / "module_of_another.py").write_text(
+        f"import pathlib\npathlib.Path({str(trace)!r}).write_text('ran')\n"
+        "def f(system, x0, **_):\n    return x0[:, 0]\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    yield "module_of_another:f", trace
+    sys.modules.pop("module_of_another", None)
+
+
+SAVED = {
+    "file": lambda sweep, folder: sweep.save(folder / "q.nc"),
+    "store": lambda sweep, _: sweep.store,
+    "dataset": lambda sweep, _: sweep.dataset,
+    "result": lambda sweep, _: sweep,
+}
+
+
+@pytest.mark.parametrize("kind", SAVED)
+def test_a_saved_sweep_that_names_code_is_repeated_with_consent_alone(tmp_path, named_module, kind):
+    name, trace = named_module
+    given = {**GIVEN["name"], "n_starts": 2, "t_end": 5.0, "threads": 1, "quantity": name}
+    sweep = lp.sweep(**given, store=tmp_path / "q.zarr", allow_code=True)
+    source = SAVED[kind](sweep, tmp_path)
+    del sys.modules["module_of_another"]
+    trace.unlink()
+    if kind in ("file", "store"):
+        lp.load(source)
+    with pytest.raises(ParameterError, match=r"module_of_another:f.*code.*allow_code=True"):
+        lp.rerun(source)
+    assert not trace.exists()
+    np.testing.assert_array_equal(lp.rerun(source, allow_code=True).value, sweep.value)
+    assert trace.exists()
+
+
+def test_a_sweep_imports_no_code_without_consent(named_module):
+    name, trace = named_module
+    given = {**GIVEN["name"], "n_starts": 2, "t_end": 5.0, "quantity": name}
+    for call in (
+        lambda: lp.sweep(**given),
+        lambda: lp.sweep(**given, allow_code=False),
+        lambda: lp.sweep(lp.sweeps.SweepSpec(**given | {"axes": (lp.sweeps.Axis("energy", (0.0, 1.0)),)})),
+        lambda: lp.sweep(given),
+    ):
+        with pytest.raises(LiePoissonError, match="allow_code=True"):
+            call()
+    assert not trace.exists()
+    assert lp.sweep(**given | {"quantity": lambda system, x0, **_: x0[:, 0]}, threads=1).is_complete
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["liepoisson.files:os.abort", "liepoisson.repeat:import_module", "liepoisson.tops:Top.kovalevskaya.__call__"],
+)
+def test_a_record_names_functions_of_this_package_alone(name):
+    spec = lp.sweeps.SweepSpec(system=lp.Top.kovalevskaya, axes=(lp.sweeps.Axis("epsilon", (0.0, 1.0)),), t_end=1.0)
+    record = spec.record()
+    record["system"] = {"function": name}
+    with pytest.raises(ParameterError, match="of the caller"):
+        lp.sweeps.SweepSpec.of_record(record, {})
+
+
+def test_a_store_that_is_loaded_stays_as_it_is(tmp_path):
+    store = tmp_path / "sweep.zarr"
+    made("name", store=store)
+    shutil.rmtree(store / "level0" / "value")
+    before = sorted(store.rglob("*"))
+    with pytest.raises(DamagedFileError, match=r"cannot be read.*Copy it again") as refused:
+        lp.load(store)
+    assert "fresh" not in str(refused.value)
+    assert sorted(store.rglob("*")) == before
+    made("name", store=store)
+    assert (store / "level0" / "value").is_dir()

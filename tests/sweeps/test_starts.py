@@ -110,7 +110,8 @@ def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp
         ({"points_per_piece": 0}, "points_per_piece"),
         ({"points_per_piece": -1}, "points_per_piece"),
         ({"points_per_piece": 0.5}, "points_per_piece"),
-        ({"quantity": "os:sep"}, "wanted a function"),
+        ({"quantity": "os:sep", "allow_code": True}, "wanted a function"),
+        ({"quantity": "os:getcwd"}, "code, which would be imported"),
         ({"bogus": 1}, "no setting 'bogus'"),
         ({"refine": {"levels": 2}}, "levels and difference"),
     ):

@@ -132,6 +132,11 @@ def test_a_point_without_a_system_is_marked_by_itself(tmp_path, quantity):
         assert np.isfinite(result.value[:2]).all()
         assert result.is_complete
         assert "2 points have no system; the first of them: no system: ParameterError" in result.remarks[0]
+        reasons = result.columns()["reason"].tolist()
+        assert reasons[:2] == ["", ""]
+        for reason, moment in zip(reasons[2:], ("0.0", "-0.5"), strict=True):
+            assert reason.startswith("no system: twisted-top must have finite parameters and positive moments")
+            assert f"(2.0, 2.0, {moment})" in reason
     assert sweep(**given, store=tmp_path / "a.zarr").outcomes == results[0].outcomes
     assert sweep(**given, store=tmp_path / "a.zarr").n_reused == 4
 
@@ -162,7 +167,13 @@ def test_the_chaotic_fraction_is_that_of_the_one_rule():
     for name in ("mean", "standard_error"):  # of -1, 0 and 1 they would be taken for those of the fraction
         with pytest.raises(ParameterError, match="take chaotic_fraction"):
             getattr(result, name)
-    assert set(result.dataset) >= {"verdict", "chaotic_fraction", "undecided_fraction", "low", "high"}
+    assert set(result.dataset) >= {
+        "verdict",
+        "chaotic_fraction",
+        "undecided_fraction",
+        "chaotic_fraction_low",
+        "chaotic_fraction_high",
+    }
 
 
 def test_a_sweep_of_exponents_has_no_verdicts():

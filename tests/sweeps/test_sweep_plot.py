@@ -48,7 +48,7 @@ def test_a_curve_and_its_band():
     band = ax.collections[0].get_paths()[0].vertices[:, 1]
     assert band.min() == pytest.approx(low.min())
     assert band.max() == pytest.approx(high.max())
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value\n(band: 95% interval)")
 
 
 @pytest.mark.parametrize("axes", [{"x": [0.0, 1.0, 2.0, 3.0]}, {"x": [0.0, 1.0, 2.0, 3.0], "y": [0.0, 1.0]}])
@@ -72,6 +72,28 @@ def test_a_map_paints_each_point():
     ax = draw(result)
     assert len(ax.figure.axes) == 2  # the map and its colour bar
     np.testing.assert_allclose(ax.collections[0].get_array(), image.T)
+
+
+def test_cells_with_many_undecided_orbits_are_covered():
+    """One of eight chaotic and six undecided is no dark cell: the true fraction is up to seven eighths."""
+    axes = {"epsilon": [0.0, 0.5, 1.0], "energy": [0.0, 1.0]}
+    starts = {"C1": 1, "C2": 0.1, "C3": 1}
+    parameters = {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}
+    found = sweep(
+        system="twisted-top", parameters=parameters, axes=axes, starts=starts, quantity="chaotic_fraction",
+        n_starts=8, t_end=5,
+    )  # fmt: skip
+    value = np.full_like(found.value, -1.0)
+    value[1, :7] = [1, 0, 0, 0, 0, 0, 0]
+    value[3, :2] = 0  # a quarter is not more than a quarter
+    ax = draw(replace(found, value=value))
+    covered = next(c for c in ax.collections if c.get_label() == "undecided")
+    (cell,) = covered.get_paths()
+    assert (cell.vertices.min(axis=0).tolist(), cell.vertices.max(axis=0).tolist()) == ([-0.25, 0.5], [0.25, 1.5])
+    assert covered.get_hatch()
+    assert [t.get_text() for t in ax.get_legend().get_texts()] == ["more than 1/4 of the orbits undecided"]
+    assert ax.get_xlim() == (-0.25, 1.25)  # half a step beyond the ends
+    assert draw(replace(found, value=np.ones_like(value))).get_legend() is None
 
 
 def test_a_refined_map_has_the_right_value_at_every_point():

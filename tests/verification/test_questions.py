@@ -1,6 +1,7 @@
 """What the questions of the audit rest on: invariants, Poisson tensor, windows, pieces, the page."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
@@ -11,7 +12,9 @@ import liepoisson as lp
 import pages
 import poisson_defect
 import problems
+import run
 import store
+import summary
 
 
 @pytest.mark.parametrize("name", problems.TOPS)
@@ -85,3 +88,12 @@ def test_a_table_replaces_what_stands_between_its_markers(tmp_path):
     assert page.read_text() == "before\n<!-- audit: orders -->\n| new |\n<!-- end: orders -->\nafter\n"
     with pytest.raises(pages.MissingMarkerError, match="audit: drift"):
         pages.put(page, "drift", "x")
+
+
+def test_the_page_and_the_tables_show_what_the_results_say():
+    results = json.loads((run.DOCS / "verification" / "results.json").read_text(encoding="utf-8"))
+    page = (run.DOCS / "verification.md").read_text(encoding="utf-8")
+    tables = run.tables_of(run.DOCS).read_text(encoding="utf-8")
+    assert summary.table(results) in page
+    for name, question in run.QUESTIONS.items():
+        assert question.table(results[name]["result"]) in (page if name in run.ON_THE_PAGE else tables), name

@@ -11,7 +11,8 @@ import typer
 
 from liepoisson.cli.limits import MEDIAN_T_END_HELP, check_end_time, check_limits, unit_of_time
 from liepoisson.cli.methods import STEP_HELP, named_method
-from liepoisson.cli.output import FORMAT_HELP, KEEP_HINT, Format
+from liepoisson.cli.outcomes import check_that_some_finished
+from liepoisson.cli.output import FORMAT_HELP, KEEP_HINT, OUT_HELP, Format, data_file, file_stem, write_result
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
     ENERGY_HELP,
@@ -23,7 +24,7 @@ from liepoisson.cli.starts import (
     find_starts,
     read_numeric_system,
 )
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 
 if TYPE_CHECKING:
     from liepoisson.cli.starts import Starts
@@ -53,6 +54,7 @@ def decide(
     order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
+    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
     quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
@@ -61,12 +63,15 @@ def decide(
 
     Of random starts; of random starts on the leaf and at the energy of --guess, --leaf and --energy; or of the orbit
     of --start.  Four indicators vote (see `lp.decide`): the growth power, MEGNO, SALI, and averages that settle.
+
+    The exit code is 1 where no run finished.
     """
     from liepoisson.numeric.verdict import TIME
     from liepoisson.numeric.verdict import decide as find_verdicts
 
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())
+    data = data_file(out, f"{file_stem(chosen.name.removesuffix(setting_words(settings or ())))}-verdicts.csv")
     check_end_time(t_end)
     options: dict[str, Any] = {"tol": tol, "step": step, "order": order}
     named_method(method, **options)  # refused before anything is computed
@@ -84,10 +89,12 @@ def decide(
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
+    written = None if data is None else write_result(verdict, data)  # first, as nobody may read what is printed
     if format_ is Format.JSON:
         print(json.dumps(record(chosen, drawn, verdict), indent=2))
     else:
-        print("\n".join(verdict_lines(chosen, drawn, verdict)))
+        print("\n".join([*verdict_lines(chosen, drawn, verdict), *([f"wrote    {written}"] if written else [])]))
+    check_that_some_finished(verdict.outcome)
 
 
 def verdict_lines(system: System, drawn: Starts, verdict: Verdict) -> list[str]:
@@ -96,9 +103,10 @@ def verdict_lines(system: System, drawn: Starts, verdict: Verdict) -> list[str]:
 
     finished = int((verdict.outcome == "finished").sum())
     names, counts = np.unique(verdict.outcome, return_counts=True)
-    times = np.median(verdict.natural_time[np.isfinite(verdict.natural_time)]) if finished else np.nan
+    known = verdict.natural_time[np.isfinite(verdict.natural_time)]
     lines = [
-        f"{system.name}: {drawn.words} to t = {verdict.t_end:g}, {times:.4g} natural times",
+        f"{system.name}: {drawn.words} to t = {verdict.t_end:g}"
+        + (f", {np.median(known):.4g} natural times" if len(known) else ""),
         *drawn.lines(system),
         "outcomes: " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)),
     ]

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from liepoisson.cli.limits import check_limits
-from liepoisson.cli.output import FORMAT_HELP, Format
+from liepoisson.cli.output import (
+    FORMAT_HELP,
+    TABLE_ENDINGS,
+    TABLE_HELP,
+    Format,
+    data_file,
+    file_stem,
+    write_result,
+)
+from liepoisson.cli.progress import QuietOption, progress_bar
 from liepoisson.cli.starts import (
     LEAF_HELP,
     SEED_HELP,
@@ -16,7 +25,7 @@ from liepoisson.cli.starts import (
     find_start,
     read_numeric_system,
 )
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.equilibrium_list import Equilibria
@@ -37,7 +46,9 @@ def equilibria(
     starts: Annotated[int | None, typer.Option(help=STARTS_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     time_limit: Annotated[float, typer.Option(help="Seconds that the search may take.")] = 3600.0,
+    out: Annotated[str | None, typer.Option(metavar="FILE.csv", help=TABLE_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
+    quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
     """Print the equilibria on a leaf, with their stability, and whether they are all.
@@ -48,19 +59,25 @@ def equilibria(
 
     check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())
-    found = find_equilibria(
-        chosen,
-        find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf,
-        along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
-        values=cast("Any", values or None),
-        seed=seed,
-        time_limit=time_limit,
-        **({} if starts is None else {"n_starts": starts}),
-    )
+    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
+    data = data_file(out, f"{slug}-equilibria.csv", endings=TABLE_ENDINGS)
+    place = find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf
+    with progress_bar(quiet=quiet) as bar:
+        if bar is not None:  # of a search nobody knows how much is left
+            bar("looking for equilibria", 0.0, 1.0)
+        found = find_equilibria(
+            chosen,
+            place,
+            along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
+            values=cast("Any", values or None),
+            seed=seed,
+            **({} if starts is None else {"n_starts": starts}),
+        )
+    written = None if data is None else write_result(found, data)  # first, as nobody may read what is printed
     if format_ is Format.JSON:
         print(json.dumps(record(found), indent=2))
     else:
-        print("\n".join(equilibrium_lines(found)))
+        print("\n".join([*equilibrium_lines(found), *([f"wrote    {written}"] if written else [])]))
 
 
 def equilibrium_lines(found: Equilibria) -> list[str]:
@@ -71,7 +88,7 @@ def equilibrium_lines(found: Equilibria) -> list[str]:
     if len(found):
         lines.append(f"states ({', '.join(names)})")
         lines += [f"{k:3}  {', '.join(f'{value:.9g}' for value in e.state)}" for k, e in enumerate(found)]
-    return lines
+    return [*lines, *(f"hint     {hint}" for hint in found.hints)]
 
 
 def record(found: Equilibria) -> dict[str, Any]:

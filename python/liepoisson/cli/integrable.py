@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,6 +11,9 @@ from liepoisson.cli.limits import check_limits
 from liepoisson.cli.output import FORMAT_HELP, Format, checked_file
 from liepoisson.cli.progress import QuietOption, progress_bar
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+
+if TYPE_CHECKING:
+    from liepoisson.integrability.report import IntegrabilityReport
 
 SAVE_HELP = "Write the whole report to this file, .json, which lp.integrability.load_report verifies."
 CERTIFICATE_HELP = "Write the proof of integrability to this file, .json, which others can check."
@@ -48,8 +51,18 @@ def integrable(
         report.save(report_file)
     if proof_file is not None:
         if report.certificate is None:
-            raise ParameterError(
-                f"--certificate: wanted a proof of integrability; the verdict is {report.verdict!r}. Search to a "
-                "higher degree, or write the report with --save"
-            )
+            raise ParameterError(f"--certificate: {_why_none(report)}")
         save_certificate(report.certificate, proof_file)
+
+
+def _why_none(report: IntegrabilityReport) -> str:
+    """Why a report has no certificate: nothing was proved, or the proof is more than a certificate holds."""
+    if not report.commuting:
+        return (
+            f"wanted a proof of integrability; the verdict is {report.verdict!r}. Search to a higher degree, or write "
+            "the report with --save"
+        )
+    functions = sorted({str(function) for search in report.searches for function in search.functions})
+    others = next((note for note in report.notes if note.startswith("no certificate: ")), "")
+    has = f"has {', '.join(functions)}" if functions else others.removeprefix("no certificate: ")
+    return f"certificates hold polynomials with rational coefficients; this proof {has}. Write the report with --save"

@@ -11,6 +11,7 @@ import typer
 
 from liepoisson.cli.limits import MEDIAN_T_END_HELP, check_end_time, check_limits, unit_of_time
 from liepoisson.cli.methods import METHOD_HELP, PRECISION_HELP, STEP_HELP, TOL_HELP, named_method
+from liepoisson.cli.outcomes import check_that_some_finished
 from liepoisson.cli.output import (
     FIGURE_HELP,
     KEEP_HINT,
@@ -20,6 +21,7 @@ from liepoisson.cli.output import (
     figure_stem,
     file_stem,
     write_figure,
+    write_result,
 )
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
     from liepoisson.numeric.spectrum import Spectrum
 
 N_STARTS = 64
-OUT_HELP = "Also write the curves to this file; a folder that is missing is made."
+OUT_HELP = "Also write the result to this file: .nc (with the curves; it can be rerun) or .csv (a row for each run)."
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
 _TIME = 1000.0
 """Default time of the runs, in natural times of the median orbit."""
@@ -72,7 +74,7 @@ def lyapunov(
     time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
     spectrum: Annotated[bool, typer.Option("--spectrum", help=SPECTRUM_HELP)] = False,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
-    out: Annotated[str | None, typer.Option(metavar="FILE.nc", help=OUT_HELP)] = None,
+    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
     quiet: QuietOption = False,
@@ -83,11 +85,13 @@ def lyapunov(
     Of random starts; of random starts on the leaf and at the energy of --guess, --leaf and --energy; or of the orbit
     of --start.  Finite-time exponents: their mean with its standard error over the starts, quantiles, and how the runs
     ended.
+
+    The exit code is 1 where no run finished.
     """
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
-    data = data_file(out, f"{slug}-exponents.nc", endings=(".nc",))
+    data = data_file(out, f"{slug}-exponents.nc")
     stem = figure_stem(plot, figure, f"{slug}-exponents")
     check_end_time(t_end)
     options: dict[str, Any] = {"tol": tol, "step": step, "order": order, "precision": precision}
@@ -110,14 +114,14 @@ def lyapunov(
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
         if data is not None:
-            result.save(data)
-            written.append(data)
+            written.append(write_result(result, data))
         if stem is not None and np.any(result.outcome == "finished"):
             written += write_figure(_drawn(result), stem)
     finally:
         print("\n".join(summary(result, drawn.words, unit, mixed=drawn.begin is None)), flush=True)
     for path in written:
         print(f"wrote    {path}")
+    check_that_some_finished(result.outcome)
 
 
 def _computed(spectrum: bool) -> Callable[..., FiniteTimeExponents | Spectrum]:

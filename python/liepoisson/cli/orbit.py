@@ -21,6 +21,7 @@ from liepoisson.cli.output import (
     figure_stem,
     file_stem,
     write_figure,
+    write_result,
 )
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
@@ -150,13 +151,8 @@ def _integrated(system: System, start: FloatArray, t: float, points: int, *, qui
 def _written(run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
     """The files that were asked for."""
     written: list[Path] = []
-    if data is not None and data.suffix == ".nc":
-        written.append(run.save(data))
-    elif data is not None:
-        from liepoisson.tables import write_csv
-
-        write_csv(data, {"t": run.time, **dict(zip(run.components, run.state[0].T, strict=True))})
-        written.append(data)
+    if data is not None:
+        written.append(write_result(run, data))
     if stem is not None:
         from liepoisson.plot.orbits import orbit as draw
 

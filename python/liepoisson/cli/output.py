@@ -1,4 +1,4 @@
-"""Where the commands `orbit`, `section` and `lyapunov` write: data by --out, figures by --plot and --figure."""
+"""Where commands write: results by --out, as a file that can be rerun or as a table, figures by --plot and --figure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import OutputError, ParameterError
 from liepoisson.files import write_atomically, writing
@@ -18,13 +18,14 @@ from liepoisson.files import write_atomically, writing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OUT_HELP = "Also write the result to this file: .nc (which can be rerun) or .csv."
+OUT_HELP = "Also write the result to this file: .nc (which can be rerun) or .csv (a table)."
+TABLE_HELP = "Also write the table to this file, .csv."
 PLOT_HELP = "Draw a figure, a .png file in the working folder."
 FIGURE_HELP = "Draw the figure into this file: .png, .svg or .pdf; without an ending, all three."
 KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is done by then."
 """What to try after Ctrl-C."""
 
-DATA_ENDINGS = (".nc", ".csv")
+DATA_ENDINGS, TABLE_ENDINGS = (".nc", ".csv"), (".csv",)
 
 
 _ARGUMENTS: ContextVar[Mapping[str, Sequence[str]] | None] = ContextVar("arguments of the command", default=None)
@@ -68,6 +69,15 @@ def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDIN
         OutputError: it is a folder, or lies in one that cannot be written to.
     """
     return None if out is None else checked_file(out, "--out", endings, example)
+
+
+def write_result(result: Any, path: Path) -> Path:
+    """Write what a command found: all of it to .nc, or the table with the columns of `to_dataframe()` to .csv.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    return result.save(path) if path.suffix == ".nc" else result.to_csv(path)
 
 
 def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:

@@ -23,6 +23,7 @@ from liepoisson.cli.output import (
     figure_stem,
     file_stem,
     write_figure,
+    write_result,
 )
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
@@ -165,8 +166,7 @@ def section(
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
         if data is not None:
-            _write_data(run, data)
-            written.append(data)
+            written.append(write_result(run, data))
         if stem is not None and len(run.time):
             from liepoisson.plot.section import titled_section
 
@@ -353,13 +353,3 @@ def _crossings(system: System, states: FloatArray, *, t_end: float, quiet: bool,
         warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
         listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))
         return find_crossings(system, states, t_end=t_end, progress=listen, **options)
-
-
-def _write_data(run: Section, data: Path) -> None:
-    if data.suffix == ".nc":
-        run.save(data)
-        return
-    from liepoisson.tables import write_csv
-
-    kept = dict(zip(run.coordinates, run.state.T, strict=True))
-    write_csv(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})

@@ -11,7 +11,7 @@ import numpy as np
 import typer
 
 from liepoisson.cli.ending import TERMINATED, TerminatedError, ends_on_sigterm
-from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
+from liepoisson.cli.output import FIGURE_HELP, OUT_HELP, PLOT_HELP, data_file, figure_stem, write_figure, write_result
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.errors import ParameterError
 
@@ -44,6 +44,7 @@ def sweep(
     allow_code: Annotated[
         bool, typer.Option("--allow-code", help="Import and call the function that FILE gives as its quantity.")
     ] = False,
+    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
     quiet: QuietOption = False,
@@ -67,6 +68,7 @@ def sweep(
         raise ParameterError(
             f"--store must name a folder; got {store!r}. Leave it out for the folder beside FILE, or give its name."
         )
+    data = data_file(out, f"{Path(file).stem}.csv")
     stem = figure_stem(plot, figure, Path(file).stem)
     spec = read_sweep_file(file, allow_code=allow_code)
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
@@ -83,6 +85,7 @@ def sweep(
                 points_per_piece=points_per_piece,
                 patience=patience,
                 fresh=fresh,
+                allow_code=allow_code,
                 progress=None if bar is None else (lambda done: bar(spec.name or "sweep", done * work, work)),
             )
     except (KeyboardInterrupt, TerminatedError) as error:
@@ -91,12 +94,16 @@ def sweep(
         raise typer.Exit(code) from None
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
+        if data is not None:
+            write_result(result, data)
         if stem is not None:
             from liepoisson.plot.sweep import sweep as draw
 
             written = write_figure(draw(result).get_figure(), stem)  # pyright: ignore[reportArgumentType]
     finally:
         print("\n".join(summary(result)))
+    if data is not None:
+        print(f"wrote {data}", file=sys.stderr)
     for path in written:
         print(f"figure {path}", file=sys.stderr)
     for line in (*result.remarks, *result.failed):

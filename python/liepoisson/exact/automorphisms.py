@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.derivations import arrows, products
-from liepoisson.exact.exact_numbers import Exact, as_expression, is_zero, to_sympy
+from liepoisson.exact.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.exact.parameters import Parameter, read_parameter
 from liepoisson.given import listed
 
@@ -118,14 +118,19 @@ class Automorphism:
         Args:
             expression: A function of `bracket.variables`.
             bracket: Says which coordinates make up the fields.
+
+        Raises:
+            ParameterError: it is no expression, or has a part that is like a coordinate and none.
         """
+        from liepoisson.exact.bracket import read_function
+
         self._check(bracket)
         fields: list[Any] = list(bracket.fields.values())
         images: list[Any] = [
             sum((to_sympy(p) * f for p, f in zip(row, fields, strict=True)), 0 * fields[0]) for row in self.matrix
         ]
         flat = [component for image in images for component in image]
-        function: Any = as_expression(expression, "expression")
+        function: Any = read_function(bracket, expression, "expression")
         image: Any = function.subs(dict(zip(bracket.variables, flat, strict=True)), simultaneous=True)
         return image
 

@@ -5,7 +5,9 @@ The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, NoReturn, cast
@@ -18,11 +20,11 @@ from liepoisson.exact.exact_numbers import as_expression, substituted, symbols_o
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_name, check_not_reserved, check_title
-from liepoisson.exact.parameters import Column, Parameter, read_parameter
+from liepoisson.exact.parameters import Column, Parameter, read_parameter, values_of_symbols
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 from liepoisson.exact.tensors import read_names
 from liepoisson.facades import function_of
-from liepoisson.given import by_name, listed
+from liepoisson.given import listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -81,6 +83,9 @@ class Bracket:
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
+
+    coefficients: frozenset[str] = frozenset()
+    """Names that are like coordinates and stand for coefficients in the functions of a system."""
 
     def __init__(
         self,
@@ -257,7 +262,11 @@ class Bracket:
         return self._matrix.matrix.copy()
 
     def __call__(self, f: Expr, g: Expr) -> Expr:
-        r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded."""
+        r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded.
+
+        Raises:
+            ParameterError: f or g is no expression, or has a part that is like a coordinate and none, such as L1.
+        """
         from sympy import S, expand
 
         checkpoint("a Poisson bracket")
@@ -270,6 +279,9 @@ class Bracket:
         r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded.
 
         Where J is constant, as in canonical coordinates, only polynomials are expanded.
+
+        Raises:
+            ParameterError: h is no expression, or has a part that is like a coordinate and none, such as L1.
         """
         return self._matrix.times(self._gradient(hamiltonian))
 
@@ -409,12 +421,13 @@ class Bracket:
         """The same bracket with values for some of its symbols.
 
         Raises:
-            ParameterError: not a mapping from names to values.
+            ParameterError: not a mapping from names, or symbols, to exact values, or a name is none of them.
         """
-        values = by_name(values, "values", "values", '{"epsilon": 1}')
-        algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
-        if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
+        values = values_of_symbols(values, self.symbols)
+        if not values:
             return self
+        algebra = self.algebra.substitute({s: value for s, value in values.items() if s in self.algebra.symbols})
+        extension = self.extension.substitute({s: value for s, value in values.items() if s in self.extension.symbols})
         constant: Any = {pair: substituted(value, values) for pair, value in self.constant.items()}
         return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
 
@@ -433,7 +446,8 @@ class Bracket:
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
-        return {**definition, "constant": self.constant, "_name": self._name}
+        own = {"coefficients": self.coefficients} if self.coefficients else {}
+        return {**definition, "constant": self.constant, "_name": self._name, **own}
 
     def _repr_latex_(self) -> str | None:
         """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
@@ -475,8 +489,7 @@ class Bracket:
     def _gradient(self, f: Expr) -> list[Expr]:
         from sympy import S
 
-        given = as_expression(f, "a function on phase space")
-        expression, casimirs = self._modulo_casimirs(self.in_own_variables(given))
+        expression, casimirs = self._modulo_casimirs(read_function(self, f, "a function on phase space"))
         occurring = expression.free_symbols
         slopes: list[Any] = [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
         return [slope.xreplace(casimirs) for slope in slopes] if casimirs else slopes
@@ -490,7 +503,9 @@ class Bracket:
     def in_own_variables(self, expression: Expr) -> Expr:
         """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""
         own = {str(variable): variable for variable in self.variables}
-        foreign = {s: own[str(s)] for s in expression.free_symbols if str(s) in own and s != own[str(s)]}
+        foreign = {
+            s: own[str(s)] for s in expression.free_symbols if s.is_Symbol and str(s) in own and s != own[str(s)]
+        }
         return cast("Expr", expression.xreplace(foreign)) if foreign else expression
 
     def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
@@ -505,6 +520,56 @@ class Bracket:
         if free := {name for value in values for name in symbols_of(value)}:
             raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
         return values
+
+
+def read_function(bracket: Bracket, given: object, what: str) -> Expr:
+    """A function of the coordinates that a caller gives, in `variables`.
+
+    Other symbols are coefficients, except what is like a coordinate and none: it would be a constant.
+
+    Raises:
+        ParameterError: it is no expression, or has a part that is like a coordinate and none.
+    """
+    from sympy import Indexed, Symbol
+    from sympy.core.function import AppliedUndef
+
+    expression = bracket.in_own_variables(as_expression(given, what))
+    others = expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables)
+    for part in sorted(others, key=lambda part: (-len(str(part)), str(part))):  # l[1] before its parts
+        name = _name_of(part)
+        own = next((known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)), None)
+        if own is None and name in bracket.field_names:
+            own = f"the field {name}"
+        if own is None or (str(part) in bracket.symbols | bracket.coefficients):
+            continue
+        raise ParameterError(
+            f"{what}: wanted the coordinates {', '.join(bracket.field_names)} as in bracket.variables, and "
+            f"coefficients; got {part} ({type(part).__name__}), which is like {own} and none of them. Correct it, "
+            "or rename it if it is a coefficient."
+        )
+    return expression
+
+
+def with_coefficients(bracket: Bracket, names: Iterable[str]) -> Bracket:
+    """The same bracket, of whose functions these names are coefficients, however like coordinates they are."""
+    like = frozenset(names) - bracket.coefficients
+    if not {*map(_plain, like)} & {*map(_plain, bracket.coordinate_names_in_order), *map(_plain, bracket.field_names)}:
+        return bracket
+    made = copy(bracket)
+    made.coefficients = bracket.coefficients | like
+    return made
+
+
+def _name_of(part: Any) -> str:
+    """The name of a symbol, of an entry l[1] or of a function l1(t)."""
+    from sympy.core.function import AppliedUndef
+
+    return part.func.__name__ if isinstance(part, AppliedUndef) else str(getattr(part, "name", part))
+
+
+def _plain(name: str) -> str:
+    """A name in small letters without underscores and brackets, so that l[1], L1 and l_1 are like l1."""
+    return re.sub(r"[\W_]", "", name).casefold()
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:

@@ -19,6 +19,7 @@ from liepoisson.exact.system import System
 from liepoisson.exact.values import GivenValue
 from liepoisson.field import QuadraticField, TapeField
 from liepoisson.given import by_name, listed
+from liepoisson.read_only import ReadOnlyDict
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -180,7 +181,7 @@ class CanonicalSystem(System):
         """The right-hand sides of the equations of motion, in the order of the state; not expanded."""
         H: Any = self.hamiltonian
         rates = [H.diff(p) for _, p in self.pairs] + [-H.diff(q) for q, _ in self.pairs]
-        return dict(zip(self.variables, (*rates, *self.quadratures.values()), strict=True))
+        return ReadOnlyDict(zip(self.variables, (*rates, *self.quadratures.values()), strict=True))
 
     def derivative(self, function: str | Expr) -> Expr:
         r"""The time derivative of a function of the state, $\{f, H\}$ and the rates of the quadratures in it."""

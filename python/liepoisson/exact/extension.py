@@ -18,9 +18,9 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.exact_numbers import Exact, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Parameter, read_parameter
+from liepoisson.exact.parameters import Parameter, read_parameter, values_of_symbols
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
-from liepoisson.given import by_name, is_named
+from liepoisson.given import is_named
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -176,12 +176,12 @@ class Extension:
         """The same extension with values for some of its symbols.
 
         Raises:
-            ParameterError: not a mapping from names to values.
+            ParameterError: not a mapping from names, or symbols, to exact values, or a name is none of them.
         """
-        values = by_name(values, "values", "values", '{"epsilon": 1}')
-        if not self.symbols & set(values):
+        values = values_of_symbols(values, self.symbols)
+        if not values:
             return self
-        shown = ", ".join(f"{name} = {values[name]}" for name in sorted(self.symbols & set(values)))
+        shown = ", ".join(f"{name} = {values[name]}" for name in sorted(values))
         named = f"{self.name} at {shown}"
         return Extension.from_products(self.dimension, self._products_at(values), named, self.field_names, check=False)
 

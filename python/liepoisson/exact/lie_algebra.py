@@ -16,7 +16,7 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.exact_numbers import Exact, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import Parameter
+from liepoisson.exact.parameters import Parameter, values_of_symbols
 from liepoisson.exact.tensors import (
     Brackets,
     Tensor3,
@@ -27,7 +27,7 @@ from liepoisson.exact.tensors import (
     read_tensor,
 )
 from liepoisson.facades import function_of
-from liepoisson.given import by_name, listed
+from liepoisson.given import listed
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -136,7 +136,11 @@ class LieAlgebra:
         """
         from liepoisson.exact.lie.sparse_matrices import brackets_of_matrices
 
-        given: Sequence[object] = listed(matrices, "matrices") or ()
+        if (given := listed(matrices, "matrices")) is None:
+            raise ShapeError(
+                f"matrices must be a sequence of square matrices; got {type(matrices).__name__}. Write a list of them, "
+                "and their names as basis_names."
+            )
         brackets = brackets_of_matrices(given)
         # Commutators of matrices obey the Jacobi identity.
         return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
@@ -184,10 +188,10 @@ class LieAlgebra:
         """The same algebra with values for some of its symbols.
 
         Raises:
-            ParameterError: not a mapping from names to values.
+            ParameterError: not a mapping from names, or symbols, to exact values, or a name is none of them.
         """
-        values = by_name(values, "values", "values", '{"epsilon": 1}')
-        if not self.symbols & set(values):
+        values = values_of_symbols(values, self.symbols)
+        if not values:
             return self
         changed = {value: substituted(value, values) for value in self._values}
         brackets = {pair: {k: changed[c] for k, c in row.items()} for pair, row in self.brackets.items()}

@@ -7,13 +7,14 @@ symbolic, a square root).  SymPy is imported only for the latter.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError, did_you_mean
 from liepoisson.exact.exact_numbers import Exact, not_a_parameter, read_number
 from liepoisson.exact.names import CONSTANTS, NOT_FINITE, check_name
-from liepoisson.given import as_scalar, listed
+from liepoisson.given import as_scalar, by_name, listed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -84,6 +85,25 @@ def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exac
         raise ShapeError(f"{name} must be 3 numbers {components}; got {got}. Give exactly three components.")
     first, second, third = (read_parameter(item, part) for item, part in zip(items, names, strict=True))
     return first, second, third
+
+
+def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Exact]:
+    """Values for some of these symbols, by their names, also where a caller gives the symbols themselves.
+
+    Raises:
+        ParameterError: not a mapping, a name is none of them or comes twice, or a value is not exact.
+    """
+    known, values = {*symbols}, dict[str, Exact]()
+    for key, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
+        if (name := str(key)) not in known:
+            raise ParameterError(
+                f"values: wanted the names of symbols, {', '.join(sorted(known)) or 'of which there are none'}; got "
+                f"{name!r:.60}. {did_you_mean(name, known)}Correct the name or leave it out."
+            )
+        if name in values:
+            raise ParameterError(f"values: wanted each symbol once; {name} comes twice. Leave one out.")
+        values[name] = read_parameter(value, name)
+    return values
 
 
 def _read_string(text: str, name: str) -> Exact:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
-from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.bracket import Bracket, with_coefficients
 from liepoisson.exact.bracket_scope import scope_of
 from liepoisson.exact.exact_numbers import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.extension import Extension
@@ -138,10 +138,12 @@ class System:
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
-        self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
+        of_bracket = {name: value for name, value in self.parameters.items() if name in bracket.symbols}
+        self.bracket: Bracket = bracket.substitute(of_bracket)
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
+        self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
 
     def _check_hamiltonian(self) -> None:
@@ -266,7 +268,7 @@ class System:
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
         """The right-hand sides of the equations of motion, derived from the bracket, in the order of `variables`."""
-        return dict(zip(self.variables, self.bracket.vector_field(self.hamiltonian), strict=True))
+        return ReadOnlyDict(zip(self.variables, self.bracket.vector_field(self.hamiltonian), strict=True))
 
     @property
     def jacobian(self) -> Matrix:
@@ -310,7 +312,7 @@ class System:
                     f"its derivative is {self.derivative(integral)}. Correct it, or give it as a partial integral."
                 )
             found.setdefault(name, integral)
-        return found
+        return ReadOnlyDict(found)
 
     def derivative(self, function: str | Expr) -> Expr:
         r"""The time derivative $\{f, H\}$ of a function on phase space, simplified when it is not a polynomial.

@@ -295,6 +295,6 @@ def _example(shape: Shape) -> str:
         case ():
             return "Give for example 1."
         case (n,):
-            return f"Give for example [{', '.join(['1'] + ['0'] * (n - 1))}]."
+            return f"Give for example [{', '.join(map(str, range(1, n + 1)))}]."  # no moment of inertia is zero
         case _:
             return "Give its rows as lists."

@@ -59,8 +59,9 @@ def _read_value(value: object, name: str) -> Value:
 
 def _names_of_places(value: object, name: str) -> list[str]:
     """What the components of a vector are called: I1, I2, ..."""
-    found = labelled(value)
-    n = 0 if found is None else len(found.labels)
+    found = labelled(value, name)
+    is_vector = found is not None and not any(getattr(column, "ndim", 0) for column in found.columns)
+    n = len(found.labels) if found is not None and is_vector else 0
     return [component_name(name, (k,), (n,)) for k in range(1, n + 1)]
 
 

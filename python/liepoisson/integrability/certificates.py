@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
-from liepoisson.files import write_atomically
+from liepoisson.files import read_text, write_atomically
 from liepoisson.formats import another_format
 from liepoisson.given import by_name, named
 from liepoisson.integrability import checker
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 FORMAT = checker.FORMAT
+MOST_BYTES = 100_000_000
+"""Of a certificate or a report that is read."""
 _MOST_POINTS = 50
 _LARGEST = 7
 """Coordinates of the point are whole numbers up to this."""
@@ -132,10 +134,11 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
 
     Raises:
         MissingFileError: there is no such file.
-        DamagedFileError: it is no certificate, or one that proves nothing; the message says what fails.
+        DamagedFileError: it is no certificate, no regular file of at most 100 MB, or one that proves nothing; the
+            message says what fails.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
+        data = json.loads(read_text(path, most=MOST_BYTES), object_pairs_hook=checker.once)
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
     except (OSError, ValueError, RecursionError) as error:

@@ -21,6 +21,7 @@ from itertools import islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import TimeLimitError
 from liepoisson.exact.linear.coefficients import Element
 from liepoisson.exact.linear.linear_algebra import nullspace_mod
@@ -70,6 +71,7 @@ def _separates(monomial: Exponents, shifts: Sequence[Exponents]) -> bool:
     differences = [tuple(a - b for a, b in zip(monomial, shift, strict=True)) for shift in shifts]
     weights = [0] * len(monomial)
     for _ in range(_MOST_STEPS):
+        checkpoint("the monomials of cofactors")
         wrong = next((d for d in differences if sum(w * x for w, x in zip(weights, d, strict=True)) <= 0), None)
         if wrong is None:
             return True

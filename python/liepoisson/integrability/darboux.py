@@ -216,7 +216,7 @@ def darboux_polynomials(
         ParameterError: the equations are no polynomials or their numbers are not rational, a known integral is none,
             the level is not invariant, there is no positive grading for a weight, or the search is too large.
         ExpressionError: a text cannot be read.
-        TimeLimitError: there was no time to read the equations, and integrals that are known.
+        TimeLimitError: there was no time to read the equations and integrals that are known, or to prepare the search.
     """
     if field not in get_args(Field):
         raise ParameterError(f"field: wanted 'complex', 'real' or 'rational'; got {shown(field)}")
@@ -228,10 +228,11 @@ def darboux_polynomials(
             f"darboux_polynomials: wanted rational numbers in the equations; got {system.name} with "
             f"{', '.join(map(str, derivation.field.parameters)) or 'irrational ones'}; give rational values"
         )
-    level = level_of(derivation, zero_polynomials)
-    gradings = tuple(g for g in gradings_of_level(derivation, zero_polynomials) if not g.modulus)
-    asked, size, weights = _asked(derivation, gradings, degree, weight)
-    monomials = cofactor_monomials(derivation, gradings, level)
+    with deadline.running():
+        level = level_of(derivation, zero_polynomials)
+        gradings = tuple(g for g in gradings_of_level(derivation, zero_polynomials) if not g.modulus)
+        asked, size, weights = _asked(derivation, gradings, degree, weight)
+        monomials = cofactor_monomials(derivation, gradings, level)
     gradings = gradings_of_known(gradings, known_polynomials, weights)
     blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
     ordered = sorted(blocks.items(), key=lambda item: len(item[1]))

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
 from liepoisson.exact.exact_numbers import Exact
 from liepoisson.exact.linear.coefficients import Coefficients, Element
@@ -47,6 +48,7 @@ class Derivation:
         """The derivative of a polynomial along the motion."""
         total: Polynomial = {}
         for monomial, coefficient in polynomial.items():
+            checkpoint("a derivative along the motion")
             for key, value in self.of_monomial(monomial):
                 term = coefficient * value
                 total[key] = total[key] + term if key in total else term

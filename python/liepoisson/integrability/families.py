@@ -419,7 +419,8 @@ class _Members:
         values = {str(s): Fraction(int(v.p), int(v.q)) for s, v in example.items()}
         energy = cast("Expr", self.system.hamiltonian.xreplace(dict(example)))
         symbols = symbols_in(energy, self.system.component_names)
-        return System(self.system.bracket.substitute(values), energy, name=self.system.name, symbols=symbols)
+        of_bracket = {name: value for name, value in values.items() if name in self.system.bracket.symbols}
+        return System(self.system.bracket.substitute(of_bracket), energy, name=self.system.name, symbols=symbols)
 
 
 def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:

@@ -17,6 +17,7 @@ from liepoisson.exact.exact_numbers import is_sympy
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import nullspace
+from liepoisson.exact.names import check_name
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.system import System
 from liepoisson.given import is_named, listed, sequence
@@ -96,6 +97,7 @@ def general_system(
             "symmetries: wanted some that a polynomial of this degree has which is no Casimir; there is none; take "
             "fewer of them, or another degree"
         )
+    letter = check_name(letter, "letter")
     names = [letter + _indices(monomial) for monomial, _ in terms]
     text = " + ".join(f"{symbol}*{_factor(term)}" for symbol, (_, term) in zip(names, terms, strict=True))
     return System(bracket, text, symbols=names, name=name or "general Hamiltonian")

@@ -11,9 +11,10 @@ from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
 from liepoisson.exact.exact_numbers import is_zero
 from liepoisson.exact.system_text import read_system_text
+from liepoisson.files import read_text
 from liepoisson.formats import another_format
 from liepoisson.integrability import checker
-from liepoisson.integrability.certificates import certificate
+from liepoisson.integrability.certificates import MOST_BYTES, certificate
 from liepoisson.integrability.completeness import (
     are_integrals,
     closed_integrals,
@@ -76,7 +77,7 @@ def load_report(
         DamagedFileError: it is no report, or something in it is not true or not proved again; the message says what.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
+        data = json.loads(read_text(path, most=MOST_BYTES), object_pairs_hook=checker.once)
         if data["format"] != FORMAT:
             raise ParameterError(another_format(data["format"], FORMAT, data.get("version")))
         return _Reader(data, prove_again, as_time_limit(time_limit), progress).report()

@@ -13,6 +13,7 @@ from typing import Any
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import OutputError
 from liepoisson.laboratory.pages import Page
+from liepoisson.scalars import as_count
 
 HOST = "127.0.0.1"
 _POLICY = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')
@@ -146,6 +147,7 @@ def serve(page: Page, *, port: int = 0) -> PageServer:
         (4, 32)
 
     Raises:
+        ParameterError: the port is no whole number from 0 to 65,535.
         OutputError: the port is taken, or not to be had.
     """
-    return PageServer(page, port=port)
+    return PageServer(page, port=as_count(port, "port", least=0, most=65_535, hint="0 takes a free one"))

@@ -23,7 +23,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import listed
+from liepoisson.given import at_times, listed
 from liepoisson.numeric.estimates import (
     Estimate,
     FiniteTimeFit,
@@ -146,8 +146,9 @@ class EnsembleReduction:
 
         Raises:
             ShapeError: the last axis does not match the sample times.
+            ParameterError: it has other times as labels.
         """
-        curves = as_array(exponent, "exponent")
+        curves = as_array(at_times(exponent, "exponent", self.time.tolist()), "exponent")
         if curves.ndim != 2 or curves.shape[1] != self.time.size:
             raise ShapeError(
                 f"exponent must have shape (trajectory, time) with {self.time.size} times; got {curves.shape}. "
@@ -290,8 +291,9 @@ def finite_time_fit(
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
-        exponent: Finite-time exponents, shape (trajectory, time), in inverse time.  Members with a value that is
-            not finite are left out and counted.
+        exponent: Finite-time exponents, shape (trajectory, time), in inverse time; where its axis has times as
+            labels, they bring it into the order of `time`.  Members with a value that is not finite are left out and
+            counted.
         window: First and last time used; it must hold at least 5 sample times.  By default the last decade of the
             sample times, which may begin too early: see `window_scan`.
         n_bootstrap: Number of bootstrap replicates.
@@ -440,7 +442,7 @@ def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
     n = values.shape[0]
     random = generator(np.random.SeedSequence(resampling.seed))
     blocks: list[FloatArray] = []
-    check_memory(8 * resampling.n_bootstrap * values.shape[1], "n_bootstrap")
+    check_memory(16 * resampling.n_bootstrap * values.shape[1], "n_bootstrap")  # the blocks, and all of them in one
     for start in range(0, resampling.n_bootstrap, _REPLICATES_AT_A_TIME):
         checkpoint("the bootstrap")
         size = min(_REPLICATES_AT_A_TIME, resampling.n_bootstrap - start)

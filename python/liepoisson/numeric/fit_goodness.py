@@ -26,6 +26,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.formula.numbers import as_array
+from liepoisson.given import at_times
 from liepoisson.numeric.estimates import Window
 from liepoisson.numeric.finite_time_fit import as_window, finite_time_fit, last_decade
 from liepoisson.portable import linear
@@ -103,7 +104,8 @@ def fit_goodness(
         ParameterError: bad times or window, fewer than p + 3 sample times in it, fewer than 10 p members, or
             members whose differences from the law do not vary independently, as where all are the same.
     """
-    times, curves = as_array(time, "time"), as_array(exponent, "exponent")
+    times = as_array(time, "time")
+    curves = as_array(at_times(exponent, "exponent", times.ravel().tolist()), "exponent")
     window = last_decade(times) if window is None else as_window(window)
     fit = finite_time_fit(times, curves, window=window, n_bootstrap=2)
     if curves.ndim != 2:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.given import listed, ordered
+from liepoisson.given import at_interval, listed, ordered
 from liepoisson.numeric.alignment import bound_memory
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
@@ -240,9 +240,13 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
 
     Raises:
         ShapeError: The signal has another shape than stated.
-        ParameterError: The signal is not finite, or the interval is not positive.
+        ParameterError: The signal is not finite, the interval is not positive, or the signal has times as labels that
+            do not differ by it.
     """
-    values = np.atleast_2d(np.array(ordered(signal, "signal")))
+    step = as_number(interval, "interval", "a positive time")
+    if not 0.0 < step < np.inf:
+        raise ParameterError(f"interval: wanted a positive time; got {step}; give the time between two samples")
+    values = np.atleast_2d(np.array(ordered(at_interval(signal, "signal", step), "signal")))
     if values.ndim != 2 or values.shape[1] < 17 or values.dtype.kind not in "iufc":
         raise ShapeError(
             f"signal must have shape (sample,) or (trajectory, sample), numbers, 17 samples or more; got shape "
@@ -250,9 +254,6 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
         )
     if not np.isfinite(values).all():
         raise ParameterError("signal: wanted finite numbers; got a NaN or an infinity; leave these trajectories out")
-    step = as_number(interval, "interval", "a positive time")
-    if not 0.0 < step < np.inf:
-        raise ParameterError(f"interval: wanted a positive time; got {step}; give the time between two samples")
     order = as_count(window_order, "window_order", least=1, most=_MOST_ORDER)
     real = values.dtype.kind != "c"
     lines, _ = _common_line(values.astype(np.complex128)[None], step, order, real)

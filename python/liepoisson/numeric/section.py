@@ -232,7 +232,11 @@ class Section(IntegratedRun):
 
     def __str__(self) -> str:
         """What was found and what not, and whether the figure of it folds the section, in a few lines."""
+        from liepoisson.phase_space.section_levels import levels_of
+
         lines = [f"{self.system.name}: {len(self.time)} crossings of {self.surface} = 0, {self._of_each()}"]
+        if (levels := levels_of(self)) is not None and levels.warning:
+            lines.append(levels.warning)
         if (self.outcome != "finished").any():
             names, counts = np.unique(self.outcome, return_counts=True)
             lines.append("outcomes: " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)))
@@ -264,6 +268,12 @@ class Section(IntegratedRun):
         dimension = dimension_of_section(self)
         if dimension is None or dimension < 2:
             return []
+        top = getattr(self.system, "top_parameters", None)
+        if top is not None and any(map(float, top.a)) and not any(map(float, (*top.b, top.epsilon))):
+            return [
+                f"the section has dimension {dimension}, and beta acts on nothing: take "
+                'lp.catalog.system("heavy-top", ...), without beta, for sections of a heavy top'
+            ]
         if dimension > 2:
             return [
                 f"the section has dimension {dimension}: a plane shows a projection, which proves neither tori nor "
@@ -404,7 +414,8 @@ def section(
         UnsupportedFieldError: The surface is not smooth.
         ShapeError: `starts` has another shape than stated.
         ParameterError: Another method, a direction that is none, numbers that are not finite, a surface that is no
-            function or is constant along every orbit of the bracket (a number, a Casimir).
+            function, is constant along every orbit of the bracket (a number, a Casimir) or of the system (a constant of
+            motion, which is in involution with H).
         KeyboardInterrupt: Ctrl-C.
     """
     method = as_method(method, Taylor())

@@ -55,10 +55,10 @@ def as_formula(given: Any, what: str) -> str | Expr:
 
 
 def check_that_it_varies(system: Any, surface: str | Expr) -> None:
-    """Refuses a surface function that is proved constant on every leaf: no orbit crosses it.
+    """Refuses a surface function that is proved constant on every leaf or along every orbit: no orbit crosses it.
 
     Raises:
-        ParameterError: it is a number or a Casimir.
+        ParameterError: it is a number, a Casimir or a constant of motion.
     """
     if not has_bracket(system):
         return
@@ -71,6 +71,20 @@ def check_that_it_varies(system: Any, surface: str | Expr) -> None:
             f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
             f'leaf: {kind}; try a component such as "{moves}"'
         )
+    if _is_constant_of_motion(system, surface):
+        moves = next((str(x) for x in system.variables if not _is_constant_of_motion(system, str(x))), None)
+        hint = "nothing moves here" if moves is None else f'try a component such as "{moves}"'
+        raise ParameterError(
+            f"surface: wanted a function that changes along orbits; got {shown(surface)}, a constant of motion: its "
+            f"bracket with H is zero, and each orbit lies in one of its levels; {hint}"
+        )
+
+
+def _is_constant_of_motion(system: Any, function: str | Expr) -> bool:
+    """Whether the bracket with H is zero: certain for polynomials, and for others if it is when multiplied out."""
+    if isinstance(function, str) and system.polynomial(function) is not None:
+        return bool(system.is_constant(function))
+    return bool(system.bracket(system.expression(function), system.hamiltonian).expand() == 0)
 
 
 def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:

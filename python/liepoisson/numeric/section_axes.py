@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -14,7 +14,9 @@ _ROUND_OFF, _NOTHING = 1e-9, 1e-14
 extent, that is round-off; width relative to the largest of all coordinates that is, too."""
 
 
-def default_axes(components: Sequence[str], states: Array, beside: Array | None = None) -> tuple[str, str]:
+def default_axes(
+    components: Sequence[str], states: Array, beside: Array | None = None, idle: Collection[str] = ()
+) -> tuple[str, str]:
     """The last component across and the second up; of coordinates and momenta a coordinate across and its momentum up.
 
     Where one of both is constant on the section, or all points are on one line, the two before are taken, and so on: on
@@ -25,6 +27,7 @@ def default_axes(components: Sequence[str], states: Array, beside: Array | None 
         states: States of the crossings, shape (crossing, component).
         beside: States of the same orbits elsewhere, shape (state, component): they tell how large a coordinate is that
             vanishes on the section.
+        idle: Names of components that are taken only where no two others will do.
     """
     n = len(components)
     last, second = (n // 2 - 1, n - 1) if _is_canonical(components) else (n - 1, min(1, n - 1))
@@ -36,12 +39,22 @@ def default_axes(components: Sequence[str], states: Array, beside: Array | None 
         centred = (finite - finite.mean(axis=0)) / unit
         width = np.ptp(finite, axis=0)
         varies = (width > _ROUND_OFF * sizes) & (width > _NOTHING * sizes.max())
-        pairs = [((last - back) % n, (second - back) % n) for back in range(n)]
-        pairs += [(across, up) for across in range(n - 1, -1, -1) for up in range(n) if up < across]
+        acting = [k for k in range(n) if components[k] not in idle]
+        if _is_canonical(components):
+            pairs = sorted(_pairs(range(n), last, second), key=lambda pair: not {*pair} <= {*acting})
+        else:
+            pairs = _pairs(acting, len(acting) - 1, 1) + _pairs(range(n), last, second)
         for across, up in pairs:
             if across != up and varies[across] and varies[up] and _fills_a_plane(centred[:, (across, up)]):
                 return components[across], components[up]
     return components[last], components[second]
+
+
+def _pairs(places: Sequence[int], last: int, second: int) -> list[tuple[int, int]]:
+    """The last and the second of some places, then in turn those before both, then all others."""
+    n = len(places)
+    pairs = [(places[(last - back) % n], places[(second - back) % n]) for back in range(n)]
+    return pairs + [(across, up) for across in reversed(places) for up in places if up < across]
 
 
 def _fills_a_plane(points: Array) -> bool:

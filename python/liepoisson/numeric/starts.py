@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import is_named, is_several, labelled, listed
+from liepoisson.given import is_data_set, is_named, is_several, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
@@ -43,18 +43,24 @@ def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array
     """A copy of states as they were given, those that were given by name with all their components.
 
     `{"l": (1, 0, 0), "beta3": "1/3"}` is one state, and many if a component has many values or a vector many rows;
-    a list of such mappings is many.  Of data with labels, such as a table, each component must have one.
+    a list of such mappings is many.  Of data with labels, such as a table or a data set, each component must have one.
 
     Raises:
         ParameterError: A name is none of the system's, or a component is given twice.
         ShapeError: A vector has another number of components, or numbers of trajectories differ.
     """
-    if (found := labelled(starts)) is not None:
+    names = component_names(system, as_field(system).n_components)
+    if (found := labelled(starts, name, names)) is not None:
+        if len(dims := getattr(starts, "dims", ())) > 2:
+            raise ShapeError(
+                f"{name} must have shape ({len(names)},) or (trajectory, {len(names)}); got the dimensions "
+                f"{', '.join(map(str, dims))}. Choose one place of the others, such as .isel(time=-1)."
+            )
         return states_by_name(system, found.by_label(name), name, whole=True)
     if is_named(starts):
-        return states_by_name(system, dict(starts.items()), name)
+        return states_by_name(system, dict(starts.items()), name, whole=is_data_set(starts))
     rows = listed(starts, name) if isinstance(starts, (list, tuple, Iterator)) else None
-    if rows and all(is_named(row) or labelled(row) for row in rows):
+    if rows and all(is_named(row) or labelled(row, name, names) for row in rows):
         return np.concatenate([np.atleast_2d(given_starts(system, row, name)) for row in rows])
     return as_array(cast("Any", starts if rows is None else rows), name)
 

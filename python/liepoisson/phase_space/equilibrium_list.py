@@ -107,8 +107,26 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             "energy": np.array([one.energy for one in self.found], dtype=float),
             **dict(zip(names, states.T, strict=True)),
             **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
-            "signature": np.array([" ".join(map(str, one.signature)) for one in self.found]),
+            **{
+                f"signature_{sign}": np.array([one.signature[k] for one in self.found], dtype=np.int64)
+                for k, sign in enumerate(("positive", "negative", "zero"))
+            },
         }
+
+    @property
+    def hints(self) -> tuple[str, ...]:
+        """Where a known integral decides what the energy alone does not: one sentence for each such equilibrium.
+
+        Such are upright tops that spin fast: their second variation is definite when l3 is added to H.
+        """
+        from liepoisson.phase_space.stability import integrals_that_decide
+
+        found = ((k, integrals_that_decide(one)) for k, one in enumerate(self.found))
+        return tuple(
+            f"equilibrium {k} is stable, with an integral added to H: equilibrium(system, state, along={names!r})"
+            for k, names in found
+            if names
+        )
 
     def __repr__(self) -> str:
         rows = self._rows()

@@ -13,7 +13,7 @@ from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.numeric.section_axes import default_axes
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.leaf_stratum import numeric_rank
-from liepoisson.phase_space.section_sheets import SectionAxes, SectionPlane, section_axes
+from liepoisson.phase_space.section_sheets import SectionAxes, SectionPlane, idle_components, section_axes
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -51,10 +51,18 @@ def figure_axes(run: Section) -> SectionAxes:
     """
     if run.coordinates != run.components:
         return SectionAxes(run.coordinates[0], run.coordinates[-1])
-    x, y = default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]))
+    x, y = component_axes(run)
     if dimension_of_section(run) != 2:
         return SectionAxes(x, y)
     return section_axes(as_system(run.system), run.state, run.surface, (x, y))
+
+
+def component_axes(run: Section) -> tuple[str, str]:
+    """Two components of the state that vary on a section, if possible such as act on the others."""
+    from liepoisson.exact.system import System
+
+    idle = idle_components(run.system) if isinstance(run.system, System) else frozenset[str]()
+    return default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]), idle)
 
 
 def fold(run: Section, x: Any, y: Any) -> bool:

@@ -2,6 +2,7 @@ r"""Axes on which a section of dimension 2 is a graph, and the sheets of one tha
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -26,6 +27,7 @@ _IN_A_CELL = 4
 """Points in a cell of the plane on the average: neighbours that are compared."""
 _NEWTON = 4
 """Steps of Newton's method after that of Runge and Kutta: each doubles the digits, of which it gives four."""
+_NAME = re.compile(r"[A-Za-z_]\w*")
 _FEW, _MANY = 2000, 10_000
 """States at which axes are looked for, and by which those that are found are judged."""
 
@@ -172,7 +174,7 @@ def section_axes(system: System, states: Array, surface: Any, default: tuple[str
     if len(states) < 2:
         return SectionAxes(*default)
     few, whole = (SectionPlane(system, states[:: -(-len(states) // n)], surface) for n in (_FEW, _MANY))
-    first, others = _pairs(system, default)
+    first, others = (_that_act_first(system, pairs) for pairs in _pairs(system, default))
     for pairs, splitters in ((first, [DIRECTION]), (others, []), ([*first, *others], _splitters(system))):
         for x, y in pairs:
             if few.is_graph(x, y) and whole.is_graph(x, y):
@@ -214,6 +216,30 @@ def _pairs(system: System, default: tuple[str, str]) -> tuple[list[tuple[str, st
     others = [(a, b) for b, a in combinations(names, 2)]
     others += [(angle, name) for angle in angles for name in names] + list(combinations(angles, 2))
     return first, [pair for pair in others if pair not in first]
+
+
+def idle_components(system: System) -> frozenset[str]:
+    """Components that act on nothing: neither the energy contains them, nor the rate of a component that acts.
+
+    Such is the second field of a top that has no charge: it turns with the body, and the body does not feel it.
+    """
+    names, rates = system.component_names, system.polynomial_rates
+    if rates is not None and (energy := system.polynomial_hamiltonian) is not None:
+        occurring = [{names[k] for k in rate.coordinates} for rate in rates]
+        acting, new = set[str](), {names[k] for k in energy.coordinates}
+    else:
+        occurring = [set(map(str, rate.free_symbols)) & set(names) for rate in system.equations.values()]
+        acting, new = set[str](), set(map(str, system.hamiltonian.free_symbols)) & set(names)
+    while new:
+        acting |= new
+        new = set[str]().union(*(occurring[names.index(name)] for name in new)) - acting
+    return frozenset(names) - acting
+
+
+def _that_act_first(system: System, pairs: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Pairs of functions, those of idle components after all others."""
+    idle = idle_components(system)
+    return sorted(pairs, key=lambda pair: any(set(_NAME.findall(function)) & idle for function in pair))
 
 
 def _splitters(system: System) -> list[str]:

@@ -147,7 +147,8 @@ def _symmetric_top(system: System) -> TopParameters:
     top = system.top_parameters
     if top is None or top.symbols or len(system.variables) != 9:
         raise ParameterError(
-            f"a sleeping top must be a Top of nine variables with numbers for parameters; got {system.name!r}."
+            f"a sleeping top must be a Top of nine variables with numbers for parameters; got {system.name!r}. Take "
+            "Top.lagrange(transverse=..., axial=..., a3=...), or Top.twisted_lagrange."
         )
     if not is_zero(top.inertia[0] - top.inertia[1]) or not all(is_zero(v) for v in (*top.a[:2], *top.b[:2])):
         raise ParameterError(

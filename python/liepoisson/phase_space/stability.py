@@ -113,7 +113,8 @@ class Equilibrium(ReadOnlyArrays):
         - "stable": the second variation is definite. The (relative) equilibrium is stable for the nonlinear motion on
           its leaf, and on the leaves nearby if the leaf is regular; proved up to the accuracy of the numbers. With
           integrals, stable modulo their flows.
-        - "no conclusion": it is indefinite. The state may be stable or not.
+        - "no conclusion": it is indefinite. The state may be stable or not. A known integral in `along` may decide, as
+          l3 does for an upright top that spins fast.
         - "undecided": it is semidefinite, up to round-off.
 
         References: [arnold1965]; [holm1985]; with integrals: [simo1991].
@@ -303,6 +304,16 @@ def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunctio
 
 def _with_own_motion(system: System) -> list[str]:
     return [name for name in system.invariants if has_own_motion(system, name)]
+
+
+def integrals_that_decide(found: Equilibrium) -> tuple[str, ...]:
+    """The first known integral that, added to H, proves an equilibrium stable of which H alone says nothing."""
+    if found.omega or found.linear_stability != "stable spectrum" or found.nonlinear_stability != "no conclusion":
+        return ()
+    for name in _with_own_motion(found.system):
+        if equilibrium(found.system, found.state, along=(name,)).nonlinear_stability == "stable":
+            return (name,)
+    return ()
 
 
 def _refuse_idle(system: System, name: str, integral: PhaseFunction) -> None:

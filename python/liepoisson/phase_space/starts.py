@@ -13,7 +13,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import is_named, named
+from liepoisson.given import is_data_set, is_named, named
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name, example_of_values
@@ -236,7 +236,9 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
                 f"{len(x) if x.ndim == 1 else f'shape {x.shape}'}. Or give some by name: {example}."
             )
         return _finite(x, what)
-    return _finite(states_by_name(system, values, what, one=True, whole=not is_named(given)), what)
+    return _finite(
+        states_by_name(system, values, what, one=True, whole=not is_named(given) or is_data_set(given)), what
+    )
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -61,7 +61,8 @@ def good_surface(system: System) -> str:
 
     a set of codimension one in it.  Where $\alpha$ and $\beta$ are parallel it is transverse, unless $\epsilon = 0$ or
     $\beta\parallel a$.  On leaves with $\beta = 0$ (or, for $\epsilon = 0$, $\alpha\parallel\beta$) s vanishes
-    everywhere.
+    everywhere.  A top without charge and cocycle, whose beta acts on nothing, is better cut as
+    `catalog.system("heavy-top", ...)`, by `default_surface` or a component such as alpha3.
 
     Example:
         >>> lp.sections.good_surface(lp.Top.twisted_kovalevskaya())
@@ -86,12 +87,12 @@ def good_surface(system: System) -> str:
     if parameters is None:
         raise ParameterError(
             f"a top with fields alpha, beta and numbers for its parameters was wanted; {system.name} is none. For "
-            "another system choose the zeros of the time derivative of a bounded function."
+            f"another system {_other_surfaces(system)}."
         )
     if all(is_zero(value) for value in parameters.a):
         raise ParameterError(
             "a must not be zero: a = 0 keeps dot(l, beta) constant. The top with inertia and b alone is a heavy top in "
-            '(l, beta); try a surface such as "l3".'
+            '(l, beta); try a surface such as "beta3".'
         )
     terms = [
         f"({value})*(alpha{i}*beta{j} - alpha{j}*beta{i})"
@@ -103,6 +104,15 @@ def good_surface(system: System) -> str:
     if polynomial is not None:
         return in_words(polynomial, system.component_names)
     return formula_text(system.expression(surface))
+
+
+def _other_surfaces(system: System) -> str:
+    """What to take where there is no good surface for all leaves: a component that moves, if a vector has an axis."""
+    advice = "take sections.default_surface(leaf), zeros of the time derivative of a bounded function"
+    name = system.component_names[-1]
+    if system.bracket.has_scalar_fields or system.vector_length != 3 or system.is_constant(name):
+        return advice
+    return f'{advice}; or "{name}", if orbits of your leaf and energy cross it'
 
 
 def as_leaf(leaf: Any) -> Leaf:

@@ -112,7 +112,7 @@ def _draw_one(ax: Axes, time: FloatArray, curve: FloatArray, label: str | None, 
 
 
 def _mean_of(growth: GrowthLike, confidence: float) -> MeanCurve:
-    return mean_curve(np.asarray(growth.time), np.asarray(growth.exponent), confidence=confidence)
+    return mean_curve(growth.time, growth.exponent, confidence=confidence)
 
 
 def draw_fit(ax: Axes, fit: FiniteTimeFit | LogFit, time: FloatArray, *, colour: str = INK) -> None:

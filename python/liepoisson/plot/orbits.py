@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import by_name
+from liepoisson.given import at_times, by_name
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants
 from liepoisson.plot.labels import label, name_of_system, plain, vector_of, vector_symbol
@@ -157,10 +157,12 @@ def _note(n: int, of: int) -> str:
 
 def _changes(invariants: Mapping[str, ArrayLike], run: OrbitLike, n: int) -> dict[str, FloatArray]:
     """The largest change of each invariant so far."""
-    n_times, changes = len(np.asarray(run.time)), dict[str, FloatArray]()
+    times, changes = np.asarray(run.time), dict[str, FloatArray]()
+    n_times = len(times)
     given = by_name(invariants, "invariants", "values along the orbit", '{"K": values}')
     for name, values in given.items():
-        curve = as_array(values, f"invariants[{name!r}]")
+        what = f"invariants[{name!r}]"
+        curve = as_array(at_times(values, what, times.tolist()), what)
         if curve.shape != (n_times,):
             raise ShapeError(
                 f"invariants[{name!r}] must have shape (time,), here ({n_times},); got {curve.shape}. "

@@ -32,7 +32,9 @@ _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTU
 
 @explains_its_arguments
 def draw(result: Any, **options: Any) -> Figure:
-    """The figure of a result, whatever its kind.
+    """The figure of the result of a run, whatever its kind.
+
+    Lists, as of equilibria and periodic orbits, are tables and have none.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -40,7 +42,8 @@ def draw(result: Any, **options: Any) -> Figure:
         >>> run = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", direction=1, t_end=200)
         >>> figure = lp.plot.draw(run)
         >>> print(figure.axes[0].get_title(loc="left"))
-        henon-heiles: $x$ = 0
+        henon-heiles: $x$ = 0, increasing
+        $H$ = $0.04967$
         >>> plt.close(figure)
 
     Args:
@@ -87,7 +90,7 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
         error = np.abs(mean[:, 1:] - mean[:, :1]).T
         ax.errorbar(
             result.energy, mean[:, 0], np.nan_to_num(error), color=INK, marker="o", markersize=4, capsize=2.5,
-            linewidth=1.0, label="mean, with its interval",
+            linewidth=1.0, label="mean, with its 95% interval",
         )  # fmt: skip
         ax.set_xlabel(r"$H$")
         ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
@@ -162,18 +165,19 @@ def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
 
 
 def _exponents(result: Any, *, ax: Axes | None = None) -> Axes:
-    """Exponents with their 95% intervals, in increasing order; open circles are consistent with zero."""
+    """Exponents with their standard errors, in increasing order; open circles are consistent with zero."""
     with house_style():
         ax = axes_or_new(ax)
         order = np.argsort(result.exponent)
         place, value, zero = np.arange(1, len(order) + 1), result.exponent[order], result.is_zero[order]
-        bars = np.abs(result.interval()[order] - value[:, None]).T
-        ax.errorbar(
-            place[~zero], value[~zero], np.nan_to_num(bars[:, ~zero]), fmt="o", color=ANGULAR_MOMENTUM, markersize=4,
-            capsize=2.5, linewidth=1.0,
-        )  # fmt: skip
+        if not zero.all():  # the error as it is printed behind the sign ±
+            ax.errorbar(
+                place[~zero], value[~zero], np.nan_to_num(result.error[order][~zero]), fmt="o", color=ANGULAR_MOMENTUM,
+                markersize=4, capsize=2.5, linewidth=1.0, label="± standard error, over the time of the orbit",
+            )  # fmt: skip
         if zero.any():
             ax.plot(place[zero], value[zero], "o", color=FIRST_FIELD, fillstyle="none", label="consistent with zero")
+        if len(value):
             ax.legend()
         ax.set_ylim(bottom=min(0.0, np.nanmin(value, initial=0.0)))
         ax.set_xlabel("trajectory, by its exponent")

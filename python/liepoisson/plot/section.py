@@ -3,7 +3,8 @@ r"""Figures of surfaces of section: points in a plane of two coordinates, a colo
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -11,12 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.calls import explains_its_arguments
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.formula.numbers import as_array
+from liepoisson.exact.names import ANGLE
 from liepoisson.given import as_scalar, listed
 from liepoisson.numeric.section_axes import default_axes
 from liepoisson.numeric.systems import has_functions
-from liepoisson.phase_space.section_coordinates import figure_axes
+from liepoisson.phase_space.section_coordinates import component_axes, figure_axes
+from liepoisson.phase_space.section_levels import levels_of
 from liepoisson.phase_space.section_sheets import DIRECTION
 from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, name_of_system, plain
@@ -25,6 +28,7 @@ from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
     from liepoisson.exact.system import System
@@ -74,7 +78,12 @@ def section(
     r"""Crossings of a surface of section, in the plane of two coordinates.
 
     Only where the section itself is a surface (two degrees of freedom) do the points of one orbit on a torus lie on a
-    curve.  In higher dimension this is a projection: a filled region proves no chaos, and a curve no torus.
+    curve.  In higher dimension this is a projection: a filled region proves no chaos, and a curve no torus.  Curves of
+    orbits with other energies or Casimirs lie on another surface and cross in the plane; above a new figure stands
+    on how many levels the orbits lie (`liepoisson.sections.section_starts` draws starts of one).
+
+    In a new figure an angle "atan2(b, a)" has the window of one turn that is cut where the points leave the largest
+    gap.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -91,13 +100,14 @@ def section(
             System were kept, a formula such as "atan2(alpha2, alpha1)".  By default of a section of dimension 2 what
             makes it a graph: an angle of two components with its momentum, coordinate and momentum, or other components
             and angles; where none do, but each of two sheets is a graph, both are drawn, side by side in a new figure.
-            Else the last component of the state, of coordinates and momenta the last coordinate, of kept functions the
-            first.
+            Else the last component of the state that acts on others, of coordinates and momenta the last coordinate, of
+            kept functions the first.  A Dataset does not know what acts, and has the last component.
         y: Vertical, likewise.  Else the second component, the momentum of x, or the last of kept functions.  Where one
             of both is constant on the section, the two before them are taken: on y = 0 not y and p_y, but x and p_x.
         xlabel: By default the name as mathematical text.
         ylabel: Likewise.
-        title: Above the axes.  By default system and surface in a new figure; given axes keep the title they have.
+        title: Above the axes.  By default, in a new figure, system, surface and direction, and the values of energy and
+            Casimirs or, where the orbits do not share them, how many there are; given axes keep the title they have.
         sign: Only crossings with this sign of the change of the surface function; 0: all.
         trajectories: Only these.
         colour: Of all points, or of the trajectories in turn; by default the six colours of the style, so that the
@@ -127,7 +137,9 @@ def section(
     colours, diameter = as_colours(colour), _as_size(size)
     if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a text", title, "title", 'write title="...", or leave it out')
-    heading = _heading(points) if title is None and ax is None else title
+    heading = _heading(points, np.unique(member[shown])) if title is None and ax is None else title
+    angles = [ax is None and isinstance(axis, str) and _is_angle_formula(axis) for axis in (x, y)]
+    values = [_in_one_turn(v, shown) if angle else v for v, angle in zip(values, angles, strict=True)]
     panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
     with house_style():
         ax = axes_or_new(ax, width=5.2 if len(panels) == 1 else 9.0, height=4.6)
@@ -140,6 +152,9 @@ def section(
                 one.set_title("\n".join(lines))
             one.margins(0.04)
             _widen(one)
+        for axis, angle in zip((ax.xaxis, ax.yaxis), angles, strict=True):
+            if angle:  # axes side by side share their ticks
+                _mark_parts_of_pi(axis)
     return ax
 
 
@@ -169,7 +184,7 @@ def titled_section(
         panels = _panels(run, sheets)
         figure = new_figure(6.0 if len(panels) == 1 else 10.0, 5.4)
         drawn = _side_by_side(figure.add_subplot(), len(panels))
-        (x, xlabel), (y, ylabel) = (_values_and_label(run, system, axis) for axis in axes)
+        (x, xlabel, angle), (y, ylabel, other) = (_values_and_label(run, system, axis) for axis in axes)
         # An orbit that escaped would leave no room for the others.
         stayed = np.flatnonzero(np.isin(run.outcome, ("finished", "time limit")))
         some = stayed.tolist() if 0 < len(stayed) < run.n_trajectories else None
@@ -177,14 +192,16 @@ def titled_section(
             across = np.where(of, _values(run, x, len(of), "x"), np.nan)
             xlabel = _axis_label(x) if xlabel is None else xlabel
             section(run, across, y, xlabel=xlabel, ylabel=ylabel, trajectories=some, ax=ax)
-        values = [f"$H$ = ${number(energy)}$"] if energy is not None else []
-        values += [f"{label(name)} = ${number(value)}$" for name, value in leaf.casimirs.items()]
+        for axis, is_angle in ((drawn[0].xaxis, angle), (drawn[0].yaxis, other)):
+            if is_angle:
+                _mark_parts_of_pi(axis)
+        named = ({} if energy is None else {"H": energy}) | leaf.casimirs
         missing = shortage(system.bracket)
         name = wrap(f"{plain(system.name)}:", _LONGEST_LINE)
         own_line = len("".join(name)) > _LONGEST_LINE // 2 or len(name[-1]) + len(surface) > _LONGEST_LINE
         of = f"section {_shown_surface(surface)}{_in_words(run.direction)}"
         heading = "\n".join(name) + ("\n" if own_line else " ") + of
-        lines = [heading, f"{', '.join(values)}{f' ({missing})' if missing else ''}"]
+        lines = [heading, f"{_shown_values(named)}{f' ({missing})' if missing else ''}"]
         for ax, (words, _) in zip(drawn, panels, strict=True):
             ax.set_title("\n".join([*(lines if ax is drawn[0] else ()), *filter(None, [words])]), fontsize=10.5)
     return figure
@@ -211,15 +228,18 @@ def _side_by_side(ax: Axes, n: int) -> list[Axes]:
     return [ax, *(ax.figure.add_subplot(grid[k], sharex=ax, sharey=ax) for k in range(1, n))]
 
 
-def _values_and_label(run: SectionResult, system: System, axis: str) -> tuple[str | FloatArray, str | None]:
-    """What is along an axis, and its label: a coordinate by its name, a formula and an angle by values."""
+def _values_and_label(run: SectionResult, system: System, axis: str) -> tuple[str | FloatArray, str | None, bool]:
+    """A coordinate by its name, a formula and an angle by values; its label; whether it is an angle."""
     if axis not in run.coordinates:
-        return system.functions.of(axis)(run.state), formula(axis)
+        values = system.functions.of(axis)(run.state)
+        if _is_angle_formula(axis):
+            return _in_one_turn(values, np.isfinite(values)), formula(axis), True
+        return values, formula(axis), False
     if run.coordinates == run.components:
         values = run.state[:, run.components.index(axis)]
         if np.nanmax(np.abs(values), initial=0.0) > np.pi and _is_angle(system, run.components.index(axis), run.state):
-            return np.mod(values + np.pi, 2 * np.pi) - np.pi, rf"{formula(axis)} (mod $2\pi$)"
-    return axis, None
+            return _in_one_turn(values, np.isfinite(values)), rf"{formula(axis)} (mod $2\pi$)", True
+    return axis, None, False
 
 
 @np.errstate(all="ignore")
@@ -242,6 +262,58 @@ def _is_angle(system: System, k: int, states: FloatArray) -> bool:
     places = [some[:, k], *(rng.uniform(low, high, len(some)) for _ in range(_PLACES))]
     turned = all(same(rates(place), rates(place + turn)) for place in places for turn in (2 * np.pi, -4 * np.pi))
     return turned and not all(same(rates(place), rates(place + 1.0)) for place in places)
+
+
+def _is_angle_formula(text: str) -> bool:
+    """Whether a formula is the angle of two functions, and nothing else."""
+    from liepoisson.exact.formula.grammar import Call, parse
+
+    if ANGLE not in text:
+        return False
+    try:
+        whole = parse(text)
+    except ExpressionError:  # refused where it is evaluated
+        return False
+    return isinstance(whole, Call) and whole.function == ANGLE
+
+
+def _in_one_turn(angles: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:
+    """Angles in the window of one turn that is cut in the middle of the largest gap between those that are shown."""
+    places = np.unique(np.mod(angles[shown], 2 * np.pi))
+    if not len(places):
+        return angles
+    gaps = np.diff(places, append=places[0] + 2 * np.pi)
+    k = int(np.argmax(gaps))
+    seam = places[k] + gaps[k] / 2
+    first = np.mod(seam, 2 * np.pi) - 2 * np.pi  # the middle of the window is from -pi to pi
+    return first + np.mod(angles - first, 2 * np.pi)
+
+
+def _mark_parts_of_pi(axis: Axis) -> None:
+    """Ticks at multiples of pi, of pi/2 or of pi/4, the widest of which three fit; narrower axes keep their numbers."""
+    from matplotlib.ticker import FuncFormatter, MultipleLocator
+
+    low, high = axis.get_view_interval()
+    for parts in (1, 2, 4):
+        step = np.pi / parts
+        if np.floor(high / step) - np.ceil(low / step) >= 2:
+            axis.set_major_locator(MultipleLocator(step))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: _in_pi(round(value * 4 / np.pi))))
+            return
+
+
+def _in_pi(quarters: int) -> str:
+    """A multiple of pi/4 as mathematical text."""
+    part = Fraction(abs(quarters), 4)
+    sign, times = "-" if quarters < 0 else "", "" if part.numerator == 1 else str(part.numerator)
+    if not quarters:
+        return "$0$"
+    return rf"${sign}{times}\pi{'' if part.denominator == 1 else f'/{part.denominator}'}$"
+
+
+def _shown_values(named: Mapping[str, float]) -> str:
+    """Functions and their values, as in a title."""
+    return ", ".join(f"{label(name)} = ${number(value)}$" for name, value in named.items())
 
 
 def _in_words(direction: int) -> str:
@@ -292,7 +364,9 @@ def _chosen(
         found = figure_axes(points)  # pyright: ignore[reportArgumentType]  # it is the result of a run
         return found.x, found.y, found.sheets
     across, up = (
-        default_axes(names, _states(points.state, len(names)), _beside(points, len(names)))
+        component_axes(points)  # pyright: ignore[reportArgumentType]  # it is the result of a run
+        if _has_states_of_a_system(points)
+        else default_axes(names, _states(points.state, len(names)), _beside(points, len(names)))
         if _is_whole(points)
         else (names[0], names[-1])
     )
@@ -328,18 +402,31 @@ def _beside(points: SectionLike, n: int) -> FloatArray | None:
     return np.concatenate(found) if found else None
 
 
-def _heading(points: SectionLike) -> str | None:
-    """System and surface, as far as they are known: a Dataset has them among its attributes."""
+def _heading(points: SectionLike, trajectories: NDArray[np.int64]) -> str | None:
+    """System, surface, direction and levels, as far as they are known: a Dataset has the first among its attributes."""
     attributes = getattr(points, "attrs", None)
     if attributes is None:
         system, surface = name_of_system(points), getattr(points, "surface", None)
+        direction = getattr(points, "direction", 0)
     else:  # its "surface" is the tape
-        system, surface = attributes.get("system"), json.loads(attributes.get("run", "{}")).get("surface")
+        recorded = json.loads(attributes.get("run", "{}"))
+        system, surface, direction = attributes.get("system"), recorded.get("surface"), recorded.get("direction", 0)
     if not isinstance(system, str) or not isinstance(surface, str):
         return None
     name = plain(system)
     gap = ": " if len(f"{system}: {surface} = 0") <= _LONGEST_LINE else "\n"
-    return f"{name}{gap}{_shown_surface(surface)}"
+    of = f"{name}{gap}{_shown_surface(surface)}{_in_words(direction)}"
+    return "\n".join(filter(None, [of, _about_levels(points, trajectories)]))
+
+
+def _about_levels(points: SectionLike, trajectories: NDArray[np.int64]) -> str:
+    """The energy and the Casimirs of the orbits that are shown, or that they have several."""
+    levels = levels_of(points, trajectories) if hasattr(points, "start") else None  # pyright: ignore[reportArgumentType]
+    if levels is None or not len(levels):
+        return ""
+    if len(levels) > 1:
+        return f"{len(levels)} levels of {', '.join(map(label, levels.names))}: their curves cross"
+    return _shown_values(dict(zip(levels.names, levels.values[0].tolist(), strict=True)))
 
 
 def _shown_surface(surface: str) -> str:

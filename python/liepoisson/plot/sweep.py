@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
+_UNDECIDED = 0.25
+"""Share of undecided orbits above which the colour of a chaotic fraction is covered: it may be off by as much."""
+
 
 @explains_its_arguments
 def sweep(
@@ -37,16 +40,19 @@ def sweep(
     Above the curve of a chaotic fraction a dotted line counts the undecided orbits as chaotic, too.
 
     In a map dark is small: integrable cases are dark lines.  A point fills the rectangle halfway to its neighbours on
-    the grid; where it was refined, those of the finer level lie above.  What is not computed is hatched; below a curve
-    crosses mark its points.  Above the axes stands how many there are.
+    the grid, and as far beyond the ends of the axes; where it was refined, those of the finer level lie above.  White
+    crosses cover points of a chaotic fraction where more than a quarter of the orbits is undecided: their colour counts
+    these as not chaotic.  What is not computed is hatched; below a curve crosses mark its points.  Above the axes
+    stands how many there are.
 
     Example:
         >>> import matplotlib.pyplot as plt
         >>> found = lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
         ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50)
         >>> axes = lp.plot.sweep(found)
-        >>> print(f"{axes.get_ylabel()}, against {axes.get_xlabel()}")
-        mean $\lambda(50)$, in inverse time, against $\epsilon$
+        >>> print(f"{axes.get_ylabel()} against {axes.get_xlabel()}")
+        mean $\lambda(50)$, in inverse time
+        (band: 95% interval) against $\epsilon$
         >>> plt.close(axes.figure)
 
     Args:
@@ -125,7 +131,8 @@ def _curve(
         ax.plot(x, most, color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=2)
         ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel(axis_label(result.spec.axes[0]))
-    ax.set_ylabel(statistic_label(result) + ("\n(dotted: with the undecided)" if result.spec.is_verdict else ""))
+    dotted = "; dotted: with the undecided" if result.spec.is_verdict else ""
+    ax.set_ylabel(f"{statistic_label(result)}\n(band: {100 * confidence:g}% interval{dotted})")
 
 
 def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, show_levels: bool) -> None:
@@ -137,6 +144,8 @@ def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, sho
     ax.set_facecolor("white")
     ax.patch.set(hatch="////", edgecolor=MUTED, linewidth=0)
     mesh = ax.pcolormesh(xs, ys, np.ma.masked_invalid(image).T, cmap="magma", vmin=low, vmax=high, rasterized=True)
+    if is_fraction:
+        _cover_the_undecided(ax, xs, ys, lattice_image(result, result.undecided_fraction)[2] > _UNDECIDED)
     if show_levels and result.level.any():
         added = result.points[result.level > 0]
         ax.plot(*added.T, linestyle="none", marker="o", markersize=0.9, markeredgewidth=0, color=MUTED, rasterized=True)
@@ -148,8 +157,31 @@ def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, sho
     bar.outline.set_linewidth(0.5)
 
 
-def lattice_image(result: Sweep) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _cover_the_undecided(ax: Axes, xs: FloatArray, ys: FloatArray, undecided: NDArray[np.bool_]) -> None:
+    """Hatch the cells where too many orbits are undecided, with a legend above the axes."""
+    from matplotlib import colormaps
+    from matplotlib.collections import PolyCollection
+    from matplotlib.patches import Patch
+
+    if not undecided.any():
+        return
+    cells = [_corners(xs[i : i + 2], ys[j : j + 2]) for i, j in np.argwhere(undecided)]
+    style: dict[str, Any] = {"hatch": "xxxx", "edgecolor": "white", "linewidth": 0}
+    ax.add_collection(PolyCollection(cells, facecolor="none", label="undecided", **style), autolim=False)
+    mark = Patch(facecolor=colormaps["magma"](0.3), label="more than 1/4 of the orbits undecided", **style)
+    ax.legend(handles=[mark], loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
+
+
+def _corners(x: FloatArray, y: FloatArray) -> list[tuple[float, float]]:
+    return [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])]
+
+
+def lattice_image(result: Sweep, values: FloatArray | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The values on the whole lattice of a sweep over two axes: each point fills what is around it, fine above coarse.
+
+    Args:
+        result: The sweep.
+        values: What is shown of each point, shape (point,); by default the statistic.
 
     Returns:
         Edges of the cells along each axis, and the values, shape (first axis, second axis).
@@ -157,7 +189,7 @@ def lattice_image(result: Sweep) -> tuple[FloatArray, FloatArray, FloatArray]:
     unit = 2 ** (result.spec.refine.levels if result.spec.refine and result.level.any() else 0)
     scale = 2 ** (result.spec.refine.levels if result.spec.refine else 0) // unit
     shape = tuple((n - 1) * unit + 1 for n in result.spec.shape)
-    image, values = np.full(shape, np.nan), result.statistic
+    image, values = np.full(shape, np.nan), result.statistic if values is None else values
     for k in range(int(result.level.max()) + 1):
         half = unit // 2**k / 2
         for point in np.flatnonzero(result.level == k):

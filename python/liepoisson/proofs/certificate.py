@@ -25,6 +25,7 @@ from typing import Any, cast
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError
+from liepoisson.files import read_text
 from liepoisson.formats import another_format
 from liepoisson.wrong_values import shown
 
@@ -93,9 +94,7 @@ def load_covering_certificate(path: str | Path) -> CoveringCertificate:
     """
     path = Path(path)
     try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise _FormatError(f"it has more than {_MOST_BYTES} bytes")
-        data = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repetition)
+        data = json.loads(read_text(path, most=_MOST_BYTES), object_pairs_hook=_without_repetition)
         return read_certificate(data)
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error

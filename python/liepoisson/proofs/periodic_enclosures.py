@@ -148,7 +148,7 @@ def prove_periodic_orbit(
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
         order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
-        precision: Bits of the balls.
+        precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
         progress: Called with the fraction that is done.
 

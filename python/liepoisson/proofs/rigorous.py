@@ -35,6 +35,8 @@ ORDERS = {"intervals": 20, "balls": 32}
 PRECISION = 128
 """Bits of balls by default: doubles and as much again, which is what the steps lose."""
 MAX_STEPS = 1_000_000
+_MOST_BITS = 10_000
+"""Of the balls: with more, a single step may take longer than any limit of time allows."""
 _DIGITS = 2.0**-57
 """Remainders of the series, in units of the largest component: below the round-off of doubles."""
 _SMALLEST = sys.float_info.min
@@ -88,7 +90,7 @@ class Means:
             chosen,
             ORDERS[chosen] if order is None else as_count(order, "order", least=2, most=60, hint="try order=20"),
             longest,
-            as_count(precision, "precision", least=53, most=100_000, hint="try precision=128"),
+            as_count(precision, "precision", least=53, most=_MOST_BITS, hint="try precision=128"),
             clock.monotonic() + as_time_limit(time_limit),
             progress,
         )

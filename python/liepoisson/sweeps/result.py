@@ -22,21 +22,27 @@ from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Place
 from liepoisson.sweeps.spec import SweepSpec
-from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, OUTCOMES
+from liepoisson.sweeps.targets import evaluate_targets
+from liepoisson.sweeps.tasks import FAILED, NO_SYSTEM, NOT_COMPUTED, OUTCOMES
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-_PER_POINT = ("mean", "standard_error", "low", "high", "n_finished", "chaotic_fraction", "undecided_fraction")
+_PER_POINT = (
+    "mean", "standard_error", "mean_low", "mean_high", "n_finished", "chaotic_fraction", "undecided_fraction",
+    "chaotic_fraction_low", "chaotic_fraction_high", "reason",
+)  # fmt: skip
 _DIMENSIONS = ("member", "point", "level")
 OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "verdict", "value", "outcome"])
 """Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
 _MEANING = {
     "standard_error": {"long_name": "of the mean over the starts: their spread over the root of their number"},
-    "low": {"long_name": "lower end of the 95% interval over the starts"},
-    "high": {"long_name": "upper end of the 95% interval over the starts"},
+    "mean_low": {"long_name": "lower end of the 95% interval of the mean over the starts"},
+    "mean_high": {"long_name": "upper end of the 95% interval of the mean over the starts"},
+    "chaotic_fraction_low": {"long_name": "lower end of the 95% interval of the fraction over the starts"},
+    "chaotic_fraction_high": {"long_name": "upper end of the 95% interval of the fraction over the starts"},
 }
 
 
@@ -263,9 +269,23 @@ class Sweep(Result):
         return sum(r.overhead_per_piece * r.n_pieces for r in self.reports) / pieces if pieces else math.nan
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the table: of each point the values of the axes, the level, and the statistics."""
+        """The columns of the table: of each point the axes, the level, the statistics, and why it has none."""
         axes = {name: self.points[:, k] for k, name in enumerate(self._axis_names())}
-        return {**axes, "level": self.level, **self._per_point()}
+        reasons = np.array([self._reason(point) for point in range(len(self.points))], dtype=np.str_)
+        return {**axes, "level": self.level, **self._per_point(), "reason": reasons}
+
+    def _reason(self, point: int) -> str:
+        """Why a point has no orbit with a value: how all ended, or why there is no system; else ""."""
+        ended = sorted(set(self.outcome[point].tolist()) - {"finished"})
+        if np.isfinite(self.value[point]).any() or not ended:
+            return ""
+        if (self.outcome_code[point] == NO_SYSTEM).all():
+            family = self.system
+            try:
+                family.system(evaluate_targets(self.spec, family, self.points[[point]]).values(0))
+            except Exception as error:  # that of the user's function may be of any kind
+                return f"no system: {error}"
+        return ", ".join(ended)
 
     def _axis_names(self) -> tuple[str, ...]:
         return tuple(f"axis_{axis.name}" if axis.name in OWN_NAMES else axis.name for axis in self.spec.axes)
@@ -278,7 +298,8 @@ class Sweep(Result):
             if self.spec.is_verdict
             else {"mean": self.mean, "standard_error": self.standard_error}
         )
-        return {**statistic, "low": low, "high": high, "n_finished": self.n_finished}
+        of = "chaotic_fraction" if self.spec.is_verdict else "mean"
+        return {**statistic, f"{of}_low": low, f"{of}_high": high, "n_finished": self.n_finished}
 
     @property
     def dataset(self) -> Dataset:

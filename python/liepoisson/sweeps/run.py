@@ -79,8 +79,8 @@ def sweep(
         patience: Seconds to wait for a scheduler that does not answer, and for a worker while there is none.
         progress: Called with the fraction that is done, after each piece.  How many points refinement adds is not known
             before, so each level counts as the same share of the whole.
-        allow_code: Whether the quantity of a sweep file may be a function, "package.module:function", that is imported
-            and called.  Without this a file of somebody else is only data.
+        allow_code: Whether the quantity may be the name of a function, "package.module:function", that is imported and
+            called.  Without this a text of somebody else is only data.  A function itself needs no consent.
         **settings: The arguments of `SweepSpec`.  Plain mappings do for some:
             `axes={"epsilon": np.linspace(0, 1, 21)}`, `starts={"energy": 1, "C1": 1}`,
             `refine={"levels": 2, "difference": 0.1}`.
@@ -89,7 +89,8 @@ def sweep(
         Sweep.  An orbit that fails is an outcome in it; a point or a piece that fails is tried thrice and reported.
 
     Raises:
-        ParameterError: the spec is not one, or names what the system does not have.
+        ParameterError: the spec is not one, names what the system does not have, or names a function and code is not
+            allowed.
         SystemFileError: a sweep file cannot be read, or names a function and code is not allowed.
         OtherSweepError: the store holds another sweep, or numbers of another version of liepoisson.
         OutputError: the store cannot be written, or another process is using it.
@@ -102,6 +103,7 @@ def sweep(
     _check_options(store, scheduler, patience)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
+    _check_code(spec, allow_code=allow_code)
     family = as_family(spec.system)
     if spec.quantity not in QUANTITIES:
         resolve(spec.quantity)
@@ -163,6 +165,15 @@ def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False)
     if settings:
         raise ParameterError(f"wanted a spec or its arguments by name; got a spec and {', '.join(settings)}.")
     return spec if isinstance(spec, SweepSpec) else read_sweep_file(spec, allow_code=allow_code)
+
+
+def _check_code(spec: SweepSpec, *, allow_code: bool) -> None:
+    """Refuse a quantity that is the name of code, unless the caller allows it: a spec may come from a file."""
+    if isinstance(spec.quantity, str) and spec.quantity not in QUANTITIES and not allow_code:
+        raise ParameterError(
+            f"quantity: wanted one of {', '.join(QUANTITIES)}, or a function; got {shown(spec.quantity)}, the name of "
+            "code, which would be imported. If you trust it, allow it: allow_code=True; or give the function itself."
+        )
 
 
 def _check_options(store: Any, scheduler: Any, patience: Any) -> None:

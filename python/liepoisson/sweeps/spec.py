@@ -486,7 +486,8 @@ def _own_function(what: str, record: Mapping[str, Any]) -> Any:
         found = import_module(module)
         for part in name.split("."):
             found = getattr(found, part, None)
-    if not callable(found):
+    # a module has the names that it imports, too: os.abort is none of its functions
+    if not callable(found) or (getattr(found, "__module__", ""), getattr(found, "__qualname__", "")) != (module, name):
         raise ParameterError(
             f"{what}: it was the function {record['function']!s:.80} of the caller, which no file keeps. Call sweep "
             "with it and this store."

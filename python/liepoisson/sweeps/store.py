@@ -112,6 +112,7 @@ class SweepStore:
         self._spec = spec
         self._fingerprint = spec.fingerprint()
         self.damaged = 0
+        self._is_read_only = False
         if path.exists() and not path.is_dir():
             raise OutputError(f"{path} must be a folder; it is a file. Choose another name for the store.")
         if (path / "zarr.json").exists():
@@ -138,7 +139,7 @@ class SweepStore:
         if digest != attributes.get("fingerprint"):
             raise DamagedFileError(f"{path}: its description was changed after the sweep was made. Make it again.")
         store = cls.__new__(cls)
-        store.path, store.damaged = path, 0
+        store.path, store.damaged, store._is_read_only = path, 0, True
         try:
             store._spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
         except LiePoissonError:
@@ -190,7 +191,9 @@ class SweepStore:
             zarr.create_group(store=str(self.path), attributes=attributes, overwrite=False)
 
     def level(self, number: int, points: Array, size: int, n: int) -> Level:
-        """A level with all of its pieces that are stored, whole and in their place; arrays that are not there are made.
+        """A level with all of its pieces that are stored, whole and in their place.
+
+        Arrays that are not there are made, except where the store is only read.
 
         Raises:
             DamagedFileError: its arrays are not those of the sweep, or cannot be read.
@@ -200,25 +203,35 @@ class SweepStore:
         folder = self.path / f"level{number}"
         try:
             size = _stored_size(folder, size)
-            with _zarr(self.path):
-                self._create_level(folder, points, size, n)
-                for partial in folder.glob("*/*.partial"):  # of a process that was killed: this one has the lock
-                    if _PARTIAL.fullmatch(partial.name):
-                        partial.unlink(missing_ok=True)
+            if not self._is_read_only:
+                self._make_ready(folder, points, size, n)
             arrays: Any = zarr.open_group(store=str(folder), mode="r", use_consolidated=False)
             _check_arrays(arrays, _layouts(len(points), len(self._spec.axes), n, size))
             stored = np.asarray(arrays["point"])
         except OutputError:
             raise
         except Exception as error:  # which one depends on which bytes are hit
-            raise DamagedFileError(f"{folder} cannot be read ({error}). Start over with fresh (--fresh).") from error
+            raise DamagedFileError(f"{folder} cannot be read ({error}). {self._advice}") from error
         if not np.array_equal(stored, points):
-            raise DamagedFileError(f"{folder} has other points than its spec says. Start over with fresh (--fresh).")
+            raise DamagedFileError(f"{folder} has other points than its spec says. {self._advice}")
         level = Level.empty(points, size, n)
         level.method = str(arrays.attrs.get("method", ""))
         for piece in range(len(level.done)):
             self._read_piece(folder, arrays, level, piece)
         return level
+
+    @property
+    def _advice(self) -> str:
+        """What to try with a store that is damaged; who only reads it shall not discard it."""
+        return "Copy it again from where it was made." if self._is_read_only else "Start over with fresh (--fresh)."
+
+    def _make_ready(self, folder: Path, points: Array, size: int, n: int) -> None:
+        """Make the arrays that are not there, and remove what a process that was killed has left."""
+        with _zarr(self.path):
+            self._create_level(folder, points, size, n)
+            for partial in folder.glob("*/*.partial"):  # this process has the lock
+                if _PARTIAL.fullmatch(partial.name):
+                    partial.unlink(missing_ok=True)
 
     def _create_level(self, folder: Path, points: Array, size: int, n: int) -> None:
         """Make what is not there: all of a new level, or what was removed from it."""

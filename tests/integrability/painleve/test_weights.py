@@ -6,6 +6,8 @@ from itertools import product
 import pytest
 
 import liepoisson as lp
+from liepoisson.deadline import Deadline
+from liepoisson.errors import TimeLimitError
 from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
 
@@ -58,3 +60,9 @@ def test_weights_of_tops():
     assert weights("lagrange") == ((1, 1, 1, 2, 2, 2),)
     assert weights("twisted-lagrange") == ((1, 1, 1, 2, 2, 2, 3, 3, 3),)
     assert weights("twisted-top") == ((1, 1, 1, 2, 2, 2, 2, 2, 2),)
+
+
+def test_the_search_for_weights_ends_with_the_deadline():
+    given = derivation(X**3 + Y, Y**2 * X)
+    with Deadline(1e-9).running(), pytest.raises(TimeLimitError, match="the weights"):
+        maximal_weights(given)

@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.deadline import checkpoint
 from liepoisson.exact.exact_numbers import Exact, is_zero, product_of, to_sympy
 
 if TYPE_CHECKING:
@@ -82,8 +83,12 @@ class PoissonMatrix:
         for (i, j), form in self.entries.items():
             if gradient[j] != 0:
                 sums[i].append(form * gradient[j])
-        rates = [Add(*terms) for terms in sums]
-        return tuple(expand(rate) if self.terms or rate.is_polynomial(*self.variables) else rate for rate in rates)
+        rates: list[Expr] = []
+        for terms in sums:
+            checkpoint("the equations of motion")
+            rate: Any = Add(*terms)
+            rates.append(expand(rate) if self.terms or rate.is_polynomial(*self.variables) else rate)
+        return tuple(rates)
 
     def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
         r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k."""

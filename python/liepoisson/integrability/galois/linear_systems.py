@@ -40,6 +40,10 @@ class LinearSystem:
     entries: Any
     names: tuple[str, ...]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled and copied is the definition: SymPy's rational functions change while they are pickled."""
+        return _restored, (self.variable, self.matrix, self.names, self.entries.domain.symbols)
+
     @property
     def n(self) -> int:
         """The number of components."""
@@ -176,6 +180,16 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
     field = QQ.frac_field(variable)
     entries = [[rational_function(exact_expression(e, [variable], "matrix"), field) for e in row] for row in rows]
     return LinearSystem(variable, DomainMatrix(entries, (n, n), field), labels)
+
+
+def _restored(variable: Symbol, matrix: Any, names: tuple[str, ...], symbols: tuple[Symbol, ...]) -> LinearSystem:
+    """The equations of a pickle."""
+    from sympy import QQ
+    from sympy.polys.matrices import DomainMatrix
+
+    field = QQ.frac_field(*symbols)
+    entries = [[field.from_sympy(entry) for entry in row] for row in matrix.tolist()]
+    return LinearSystem(variable, DomainMatrix(entries, matrix.shape, field), names)
 
 
 def _rows(matrix: Any) -> list[list[Any]]:

@@ -207,6 +207,10 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -
     """
     from flint import ctx
 
+    from liepoisson.exact.linear.flint_pickles import register
+
+    register()  # a result keeps its balls
+
     before, bits = ctx.prec, 4 * precision
     try:
         while True:

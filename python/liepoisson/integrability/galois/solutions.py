@@ -28,7 +28,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.printing import Formula
-from liepoisson.given import is_named, listed
+from liepoisson.given import is_data_set, is_named, listed
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
@@ -69,6 +69,16 @@ class ParticularSolution:
     state: dict[str, Expr]
     root: tuple[Symbol, Expr] | None
     origin: str
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same curve, found in the same way, of the same equations."""
+        if not isinstance(other, ParticularSolution):
+            return NotImplemented
+        mine, its = ((s.variable, s.rate, s.state, s.root, s.origin) for s in (self, other))
+        return mine == its and self.system.equations == other.system.equations
+
+    def __hash__(self) -> int:
+        return hash((self.variable, self.rate, *self.state.values()))
 
     @property
     def vector(self) -> tuple[Expr, ...]:
@@ -255,6 +265,10 @@ def _components(system: System, state: Mapping[str, Any] | Sequence[Any]) -> lis
     if is_named(state):
         if wrong := [str(k) for k in state if k not in names]:
             raise ParameterError(f"state: {wrong[0]} is no coordinate; they are {', '.join(names)}")
+        if is_data_set(state) and (missing := [name for name in names if name not in state]):
+            raise ParameterError(
+                f"state: wanted all of {', '.join(names)}; got none for {', '.join(missing)}. Give it."
+            )
         return [state.get(name, 0) for name in names]
     found = listed(state, "state", names)
     if found is None or len(found) != len(names):

@@ -237,7 +237,7 @@ class _Splitting:
         from liepoisson.exact.system import System
 
         given, at = self.ansatz.system, {s: _sympy(values[str(s)]) for s in self.ansatz.parameters}
-        bracket = given.bracket.substitute(values) if given.bracket.symbols else given.bracket
+        bracket = given.bracket.substitute({s: v for s, v in values.items() if s in given.bracket.symbols})
         energy = cast("Any", given.hamiltonian).xreplace(at)
         one = System(bracket, energy, name=given.name, symbols=symbols_in(energy, given.component_names))
         ansatz = Ansatz(one, self.ansatz.form)

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
+from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation
 
@@ -67,7 +68,10 @@ def maximal_weights(derivation: Derivation) -> tuple[tuple[Fraction, ...], ...]:
 def _largest(rows: Sequence[Row], k: int, n: int) -> Fraction | None:
     """The largest value of one weight, by the simplex method with Bland's rule; None if there is none."""
     m = len(rows)
-    table = [[*row, *(Fraction(int(i == j)) for j in range(m)), Fraction(1)] for i, row in enumerate(rows)]
+    table: list[list[Fraction]] = []
+    for i, row in enumerate(rows):
+        checkpoint("the weights")
+        table.append([*row, *(Fraction(int(i == j)) for j in range(m)), Fraction(1)])
     cost = [Fraction(int(j == k)) for j in range(n)] + [Fraction(0)] * (m + 1)
     basis = list(range(n, n + m))
     while True:
@@ -81,6 +85,7 @@ def _largest(rows: Sequence[Row], k: int, n: int) -> Fraction | None:
         scale = table[pivot][column]
         table[pivot] = [x / scale for x in table[pivot]]
         for i, row in enumerate(table):
+            checkpoint("the weights")
             if i != pivot and row[column]:
                 table[i] = [x - row[column] * y for x, y in zip(row, table[pivot], strict=True)]
         cost = [x - cost[column] * y for x, y in zip(cost, table[pivot], strict=True)]
@@ -105,6 +110,7 @@ def _maximal_whole(rows: Sequence[Row], bounds: Sequence[Fraction]) -> tuple[tup
     def search() -> None:
         nonlocal nodes
         nodes += 1
+        checkpoint("the weights")
         if nodes > _MOST_NODES:
             raise ParameterError(
                 f"weights: wanted equations with few choices of weights for their singular part; after {_MOST_NODES:,} "
