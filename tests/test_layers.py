@@ -1,107 +1,56 @@
-"""Imports run one way: down through the rooms of the package, and through the levels of the exact wing.
+"""Imports run down: through the folders of the package, which are its layers.  There is no list of exceptions.
 
-Imports inside functions and those for types count like all others.  An exception is an arrow with a reason; one that is
-no longer needed must be removed from the list.
+Imports inside functions and those for types count like all others.
 """
 
 import ast
 from dataclasses import dataclass
 from functools import cache
-from graphlib import CycleError, TopologicalSorter
-from itertools import pairwise
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import liepoisson
+from liepoisson.facades import FACADES
 
 ROOT = Path(liepoisson.__file__).parent
 
-ROOMS = (
-    {"errors", "arrays", "field", "files", "given", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
-     "deadline", "streams", "read_only", "portable", "_lazy"},
-    {"tables"},
-    {"result", "dataset"},
-    {"exact", "numeric"},
-    {"tops", "catalog"},
-    {"phase_space", "integrability"},
-    {"orbits"},
+LAYERS = (
+    {"errors"},
+    {"facades", "_lazy"},
+    {"portable"},
+    {"streams"},
+    {"inputs"},
+    {"io"},
+    {"algebra"},
+    {"formula"},
+    {"structure"},
+    {"compile"},
+    {"model"},
+    {"catalog"},
+    {"report"},
+    {"numeric"},
+    {"leaf"},
+    {"indicators", "poincare"},
+    {"equilibrium", "rigid_body", "tori"},
+    {"integrability", "orbits"},
     {"proofs"},
     {"sweeps"},
-    {"repeat", "citing"},
+    {"saved"},
     {"plot"},
     {"studies"},
     {"laboratory"},
     {"cli"},
-    {"", "__main__", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits", "methods",
-     "results", "sections", "systems"},
+    {
+        "", "__main__", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits",
+        "methods", "phase_space", "results", "sections", "systems",
+    },
 )  # fmt: skip
-"""From the ground up: modules and folders of the package.  The last is the surface, which nothing inside imports."""
+"""From the ground up, modules and folders.  Folders of one layer do not import each other; nothing imports the last."""
 
-STRANGERS = {
-    ("exact", "numeric"), ("numeric", "exact"), ("phase_space", "integrability"), ("integrability", "phase_space"),
-}  # fmt: skip
-"""Rooms of one level that do not import each other."""
-
-LEVELS = {
-    "names and numbers": {
-        "names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "triples", "styles",
-    },
-    "linear algebra": {"linear"},
-    "polynomial systems": {"polynomials"},
-    "algebras": {
-        "commutative", "lie",
-        "extension", "extensions", "normal_forms", "classification", "lie_algebra", "lie_algebras",
-    },
-    "Poisson tensors": {"poisson"},
-    "brackets": {
-        "bracket", "canonical_bracket", "constant_part", "casimirs", "certificates", "locus", "strata", "automorphisms",
-        "trace", "trace_arithmetic", "trace_casimirs", "trace_words",
-    },
-    "formulas": {"formula", "expression", "constructors", "polynomial_formula"},
-    "systems": {
-        "hamiltonian", "top_parameters", "top_recognition", "known_integrals",
-        "private_symbols", "cancellation", "overflow", "lowering",
-        "polynomial_dynamics", "polynomial_view",
-        "pieces", "ball_functions", "phase_functions", "trace_values", "system", "canonical_system",
-        "discrete_symmetries",
-        "signed_permutations",
-    },
-    "files and charts": {"system_file", "system_file_reader", "system_text", "charts"},
-    "reports": {"decimals", "printing", "report", "describe"},
-}  # fmt: skip
-"""Levels of the exact wing, from the ground up: files and folders of `exact`."""
-
-FACADES = {
-    "result": {"dataset"},
-    "exact.bracket": {
-        "exact.automorphisms", "exact.casimirs", "exact.certificates", "exact.strata", "exact.trace_casimirs",
-        "exact.describe",
-    },
-    "exact.lie_algebra": {"exact.bracket", "exact.describe"},
-    "exact.extension": {"exact.classification"},
-    "proofs.theorem": {"proofs.statement"},
-    "integrability.galois.linear_systems": {"integrability.galois.local_solutions"},
-    "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text", "exact.top_recognition"},
-    "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
-    "numeric.section": {"phase_space.section_coordinates", "phase_space.section_levels"},
-    "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},
-    "orbits.periodic_orbits": {"orbits.polish"},
-    "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},
-}  # fmt: skip
-"""Methods and operators of a class that call functions of other files, which take objects of this class."""
-
-_TEXT = 'a number given as text, such as "sqrt(2)", is read as a formula'
-EXCEPTIONS = {
-    ("exact.parameters", "exact.expression"): _TEXT,
-    ("exact.parameters", "exact.linear.cyclotomic"): "whether a sum of sines and roots vanishes is decided there",
-    ("arrays", "exact.expression"): _TEXT,
-    ("arrays", "exact.parameters"): _TEXT,
-    ("numeric.spectrum_check", "numeric.spectrum"): "the check of a spectrum, which has it as a method",
-    ("sweeps.tasks", ""): "a worker says which version of the package it has",
-    ("sweeps.remote", ""): "a function that travels to a worker, which may have another version or none",
-}
-"""Other arrows that run up or close a circle, with the reason."""
+MOST_IN_A_CIRCLE = 5
+"""Files that import each other, all in one folder: a class, and the files of what its methods compute."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +58,6 @@ class Arrow:
     importer: str
     imported: str
     line: int
-    is_at_once: bool
-
-    @property
-    def ends(self):
-        return self.importer, self.imported
 
     def __str__(self):
         path = module_path(self.importer).relative_to(ROOT.parent.parent)
@@ -132,28 +76,17 @@ def modules():
     return frozenset(".".join(parts).removesuffix("__init__").rstrip(".") for parts in names)
 
 
-def imports(node, *, at_once=True):
-    """The import statements below a node, and whether they are run as soon as the module is imported."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, (ast.Import, ast.ImportFrom)):
-            yield child, at_once
-        elif isinstance(child, ast.stmt | ast.ExceptHandler | ast.match_case):
-            is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
-            is_for_types = isinstance(child, ast.If) and getattr(child.test, "id", "") == "TYPE_CHECKING"
-            yield from imports(child, at_once=at_once and not is_function and not is_for_types)
-
-
 def imported_names(tree, name):
-    """Full name, line, and whether it is imported at once, for every import of a module."""
+    """Full name and line of every import of a module."""
     package = ["liepoisson", *name.split(".")] if name else ["liepoisson"]
     package = package if module_path(name).name == "__init__.py" else package[:-1]
-    for node, at_once in imports(tree):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            yield from ((alias.name, node.lineno, at_once) for alias in node.names)
-        else:
+            yield from ((alias.name, node.lineno) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
             above = package[: len(package) - node.level + 1] if node.level else []
             origin = ".".join([*above, *([node.module] if node.module else [])])
-            yield from ((f"{origin}.{alias.name}", node.lineno, at_once) for alias in node.names)
+            yield from ((f"{origin}.{alias.name}", node.lineno) for alias in node.names)
 
 
 @cache
@@ -161,7 +94,7 @@ def arrows():
     found = []
     for name in sorted(modules()):
         tree = ast.parse(module_path(name).read_text(encoding="utf-8"))
-        for target, line, is_at_once in imported_names(tree, name):
+        for target, line in imported_names(tree, name):
             if target.partition(".")[0] != "liepoisson":
                 continue
             inner = target.removeprefix("liepoisson").lstrip(".")
@@ -172,85 +105,72 @@ def arrows():
                 inner = inner.rpartition(".")[0]
             assert inner in modules(), f"line {line} of {name} imports {target}, and there is no such module"
             if inner != name:
-                found.append(Arrow(name, inner, line, is_at_once))
+                found.append(Arrow(name, inner, line))
     return tuple(found)
 
 
-def is_excepted(arrow):
-    return arrow.imported in FACADES.get(arrow.importer, ()) or arrow.ends in EXCEPTIONS
-
-
-def room(name):
+def folder(name):
     return name.partition(".")[0]
 
 
-def level(name):
-    return name.split(".")[1]
+def height(name):
+    return next(k for k, layer in enumerate(LAYERS) if folder(name) in layer)
 
 
-def height(name, floors):
-    return next(k for k, floor in enumerate(floors) if name in floor)
+def circles():
+    """Sets of modules that import each other, directly or not (Tarjan's strongly connected components)."""
+    targets = {name: {arrow.imported for arrow in arrows() if arrow.importer == name} for name in modules()}
+    number, lowest, waiting, found = {}, {}, [], []
+
+    def visit(name):
+        number[name] = lowest[name] = len(number)
+        waiting.append(name)
+        for target in targets[name]:
+            if target not in number:
+                visit(target)
+            if target in waiting:
+                lowest[name] = min(lowest[name], lowest[target])
+        if lowest[name] == number[name]:
+            place = waiting.index(name)
+            found.append(set(waiting[place:]))
+            del waiting[place:]
+
+    for name in modules():
+        if name not in number:
+            visit(name)
+    return [circle for circle in found if len(circle) > 1]
 
 
-def upward(found, place, floors, strangers=frozenset()):
-    """The arrows from a floor to one above it, or between two places of a floor that are strangers."""
-    for arrow in found:
-        ends = place(arrow.importer), place(arrow.imported)
-        if height(ends[1], floors) > height(ends[0], floors) or ends in strangers:
-            yield arrow
+def test_every_folder_is_in_a_layer():
+    assert sorted({folder(name) for name in modules()}) == sorted(name for layer in LAYERS for name in layer)
 
 
-def listed(found):
-    return "\n".join(sorted(set(map(str, found))))
+def test_imports_run_down():
+    wrong = [
+        arrow
+        for arrow in arrows()
+        if height(arrow.imported) > height(arrow.importer)
+        or (height(arrow.imported) == height(arrow.importer) and folder(arrow.imported) != folder(arrow.importer))
+        if height(arrow.importer) < len(LAYERS) - 1
+    ]
+    assert not wrong, "arrows up:\n" + "\n".join(sorted(map(str, wrong)))
 
 
-def test_every_module_has_its_place():
-    assert sorted({room(name) for name in modules()}) == sorted(name for floor in ROOMS for name in floor)
-    inside = {level(name) for name in modules() if name.startswith("exact.")}
-    assert sorted(inside) == sorted(name for floor in LEVELS.values() for name in floor)
+def test_circles_are_small_and_within_a_folder():
+    for circle in circles():
+        assert len({folder(name) for name in circle}) == 1, sorted(circle)
+        assert len(circle) <= MOST_IN_A_CIRCLE, sorted(circle)
 
 
-def test_rooms_import_what_is_below_them():
-    found = upward(arrows(), room, ROOMS, STRANGERS)
-    assert not (wrong := [arrow for arrow in found if not is_excepted(arrow)]), f"arrows up:\n{listed(wrong)}"
-
-
-def test_the_exact_wing_runs_in_one_direction():
-    inside = [arrow for arrow in arrows() if all(end.startswith("exact.") for end in arrow.ends)]
-    found = upward(inside, level, tuple(LEVELS.values()))
-    assert not (wrong := [arrow for arrow in found if not is_excepted(arrow)]), f"arrows up:\n{listed(wrong)}"
-
-
-def test_there_is_no_circle():
-    graph = {name: set() for name in modules()}
-    counted = [arrow for arrow in arrows() if not is_excepted(arrow)]
-    for arrow in counted:
-        graph[arrow.importer].add(arrow.imported)
-    try:
-        TopologicalSorter(graph).prepare()
-    except CycleError as error:
-        names = error.args[1][::-1]
-        steps = set(pairwise(names))
-        pytest.fail(f"a circle:\n{listed(arrow for arrow in counted if arrow.ends in steps)}")
-
-
-def test_facades_import_when_they_are_called():
-    wrong = [arrow for arrow in arrows() if arrow.imported in FACADES.get(arrow.importer, ()) and arrow.is_at_once]
-    assert not wrong, listed(wrong)
-
-
-def test_exceptions_are_needed():
-    """Without it there would be an arrow up, or a circle with the other exceptions in place or not."""
-    present = {arrow.ends for arrow in arrows()}
-    excepted = {(source, target) for source, targets in FACADES.items() for target in targets} | set(EXCEPTIONS)
-    assert not (gone := excepted - present), f"no longer there, remove them from the list: {sorted(gone)}"
-    reached = {name: below(name) for name in {target for _, target in excepted}}
-    up = {arrow.ends for arrow in upward(arrows(), room, ROOMS, STRANGERS)}
-    up |= {arrow.ends for arrow in upward(
-        [a for a in arrows() if all(end.startswith("exact.") for end in a.ends)], level, tuple(LEVELS.values())
-    )}  # fmt: skip
-    idle = {(source, target) for source, target in excepted - up if source not in reached[target]}
-    assert not idle, f"they run down and close no circle, remove them from the list: {sorted(idle)}"
+@pytest.mark.parametrize("method", FACADES)
+def test_a_facade_calls_a_function_that_its_class_could_not_import(method):
+    module, _, function = FACADES[method].rpartition(".")
+    assert callable(getattr(import_module(f"liepoisson.{module}"), function))
+    calls = [name for name in modules() if f'function_of("{method}")' in module_path(name).read_text(encoding="utf-8")]
+    assert len(calls) == 1
+    (home,) = calls
+    assert f"class {method.partition('.')[0]}" in module_path(home).read_text(encoding="utf-8")
+    assert home in below(module)
 
 
 def below(name):
