@@ -95,8 +95,8 @@ class System:
     Args:
         bracket: The Lie-Poisson bracket.
         hamiltonian: A text such as `"dot(l, inv(I)*l)/2 + dot(a, alpha)"` (see `liepoisson.formula.expression`), a
-            SymPy expression in `bracket.variables` and parameters that are declared, or a Python function that takes one
-            SymPy column per field (l, alpha, beta for three fields) and returns such an expression.
+            SymPy expression in `bracket.variables` and parameters that are declared, or a Python function that takes
+            one SymPy column per field (l, alpha, beta for three fields) and returns such an expression.
         parameters: Values by name, for symbols that occur in the bracket or the Hamiltonian: numbers, vectors (lists)
             or matrices (lists of rows).
         name: How the system is called in texts and files.

@@ -133,8 +133,8 @@ def trace_casimirs(bracket: Bracket) -> TraceCasimirs | None:
     """Independent Casimirs in closed form, verified, whatever the size; None where none is known.
 
     None if a summand of g was not made by a constructor of `structure.lie_algebras` or is no algebra of matrices with
-    an invariant form (se(n), affine(n), Heisenberg), if its structure constants are not those of its matrices, or if the
-    bracket has a constant part.
+    an invariant form (se(n), affine(n), Heisenberg), if its structure constants are not those of its matrices, or if
+    the bracket has a constant part.
     """
     return None if bracket.constant else _Traces.of(bracket)
 
