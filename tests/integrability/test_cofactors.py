@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.deadline import Deadline
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.cofactors import CofactorCases, cofactor_monomials
 from liepoisson.integrability.derivation import derivation_of
 from liepoisson.integrability.gradings import gradings
