@@ -14,7 +14,7 @@ import liepoisson as lp
 from general_problems import Problem
 
 if TYPE_CHECKING:
-    from liepoisson.field import QuadraticField, TapeField
+    from liepoisson.compile.field import QuadraticField, TapeField
     from problem import Array
 
 
@@ -22,7 +22,7 @@ def field_of(one: Problem) -> QuadraticField | TapeField:
     """The field that the exact wing lowers the equations to."""
     import sympy
 
-    from liepoisson.exact.lowering import quadratic_of_equations, tape_of_equations
+    from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
 
     x = sympy.symbols(f"x0:{one.n}")
     rates = [sympy.sympify(rate) for rate in one.rates(list(x), sympy)]
@@ -74,7 +74,7 @@ def scan(request: dict[str, Any]) -> dict[str, Any]:
 
 def cold(request: dict[str, Any]) -> dict[str, Any]:
     """One ensemble result as soon as possible, from a field given as plain data; the clock is the caller's."""
-    from liepoisson.field import QuadraticField
+    from liepoisson.compile.field import QuadraticField
 
     field = QuadraticField(**json.loads(request["field"]))
     growth = run(field, np.load(request["problem"]), request["t_end"], request["tol"])
@@ -83,7 +83,7 @@ def cold(request: dict[str, Any]) -> dict[str, Any]:
 
 def cold_text(request: dict[str, Any]) -> dict[str, Any]:
     """The same from the text of the Hamiltonian, which takes the exact wing; a general quadratic field in the end."""
-    from liepoisson.exact.lowering import lower
+    from liepoisson.compile.lowering import lower
 
     system = lp.System(lp.so(3) @ lp.leibniz(3, 1), "l1^2/4 + l2^2/4 + l3^2/2 - alpha1")
     field = lower(system.bracket, system.hamiltonian)

@@ -31,7 +31,7 @@ def main() -> None:
     if os.environ.get("LIEPOISSON_SIMD") != "scalar":  # it is read once, when the core is loaded
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, "LIEPOISSON_SIMD": "scalar"})
     import liepoisson as lp
-    from liepoisson.field import record_of
+    from liepoisson.compile.field import record_of
     from liepoisson.laboratory.description import record_of_functions
     from liepoisson.numeric.sampling import sample_tangents
     from liepoisson.numeric.systems import as_field

@@ -53,7 +53,7 @@ def _spectrum(top: Any, starts: Any, t_end: float, method: Any, repeats: int) ->
 
 def _vectors() -> dict[str, Any]:
     import liepoisson as lp
-    from liepoisson.numeric.tangent_frames import TangentFrames
+    from liepoisson.indicators.tangent_frames import TangentFrames
 
     zeitlin = lp.catalog.zeitlin(5)
     starts = lp.sample_states(zeitlin, 32, seed=1)

@@ -10,7 +10,7 @@ from pathlib import Path
 from textwrap import indent
 
 from liepoisson import __version__
-from liepoisson.citing import data
+from liepoisson.saved.citation import data
 
 FILE = Path(__file__).parents[1] / "CITATION.cff"
 

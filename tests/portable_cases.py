@@ -9,7 +9,7 @@ import numpy as np
 
 import liepoisson as lp
 from liepoisson import streams
-from liepoisson.numeric.mean_error import mean_error
+from liepoisson.indicators.mean_error import mean_error
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.portable import elementary, linear
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.arrays import norm, read_only
 from liepoisson.errors import MemoryLimitError
+from liepoisson.inputs.arrays import norm, read_only
 
 ARRAYS = {
     "doubles": np.arange(6.0).reshape(2, 3),

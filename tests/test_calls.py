@@ -8,8 +8,8 @@ from types import ModuleType
 import pytest
 
 import liepoisson as lp
-from liepoisson import calls
 from liepoisson.errors import MemoryLimitError, ParameterError
+from liepoisson.inputs import calls
 
 TOP = lp.Top.kovalevskaya()
 X = lp.sample_states(TOP, 2, seed=1)
@@ -239,7 +239,7 @@ def test_what_no_function_takes_is_named_also_inside_a_list():
 
 def test_what_does_not_fit_into_memory_is_refused_by_name(monkeypatch):
     """Whatever the function: NumPy's error becomes one of liepoisson."""
-    from liepoisson.calls import explains_its_arguments
+    from liepoisson.inputs.calls import explains_its_arguments
 
     @explains_its_arguments
     def takes_all(n):

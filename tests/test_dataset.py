@@ -13,7 +13,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.numeric.systems import TOP_COMPONENTS
-from liepoisson.repeat import RUNS
+from liepoisson.saved.rerun import RUNS
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 

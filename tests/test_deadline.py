@@ -7,11 +7,11 @@ from itertools import count
 import pytest
 
 import liepoisson as lp
-from liepoisson import deadline
-from liepoisson.deadline import Deadline, checkpoint, has_passed
+from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.errors import MemoryLimitError, ParameterError, TimeLimitError
-from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
-from liepoisson.scalars import as_deadline
+from liepoisson.formula.scalars import as_deadline
+from liepoisson.inputs import deadline
+from liepoisson.inputs.deadline import Deadline, checkpoint, has_passed
 
 Q, P = ("q1", "q2", "q3"), ("p1", "p2", "p3")
 PAIRS = "1/(q1 - q2)^2 + 1/(q2 - q3)^2 + 1/(q1 - q3)^2"

@@ -5,7 +5,7 @@ from html import escape
 import pytest
 
 import liepoisson as lp
-from liepoisson.display import as_line, as_table, as_text
+from liepoisson.io.display import as_line, as_table, as_text
 
 
 def test_text_is_escaped_and_tables_have_a_head():

@@ -13,10 +13,10 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import OutputError
-from liepoisson.files import exclusive, read_text, write_atomically
+from liepoisson.io.files import exclusive, read_text, write_atomically
 
 HOLD = (
-    "import sys, pathlib; from liepoisson.files import exclusive\n"
+    "import sys, pathlib; from liepoisson.io.files import exclusive\n"
     "with exclusive(pathlib.Path(sys.argv[1])):\n    print('held', flush=True); sys.stdin.read()"
 )
 
@@ -165,7 +165,7 @@ def test_folder_that_can_not_be_made_is_refused(name):
 
 
 KILLED = (
-    "import os, sys, pathlib; from liepoisson.files import write_atomically\n"
+    "import os, sys, pathlib; from liepoisson.io.files import write_atomically\n"
     "os.fsync = lambda _: (print('writes', flush=True), sys.stdin.read())\n"
     "write_atomically(pathlib.Path(sys.argv[1]), b'half')"
 )

@@ -19,7 +19,7 @@ import sympy as sp
 import xarray as xr
 
 import liepoisson as lp
-from liepoisson.numeric.frequencies import main_frequency
+from liepoisson.tori.frequencies import main_frequency
 from public_calls import ByName, rows, several
 
 pd = pytest.importorskip("pandas")  # which xarray needs

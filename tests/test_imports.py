@@ -133,7 +133,7 @@ def test_the_top_level_is_short_and_repeats_names_of_chapters():
 
 
 def test_no_module_hides_a_public_name():
-    """Importing `liepoisson.phase_space.leaf` sets `leaf` in the chapter; only `plot` imports its modules at once."""
+    """Importing `liepoisson.leaf.leaf` sets `leaf` in the chapter; only `plot` imports its modules at once."""
     for module in (lp, *(getattr(lp, name) for name in CHAPTERS if name != "plot")):
         inside = {info.name for info in pkgutil.iter_modules(getattr(module, "__path__", ()))}
         assert inside & set(module.__all__) <= set(CHAPTERS), module.__name__

@@ -74,30 +74,30 @@ LEVELS = {
 
 FACADES = {
     "result": {"dataset"},
-    "exact.bracket": {
-        "exact.automorphisms", "exact.casimirs", "exact.certificates", "exact.strata", "exact.trace_casimirs",
-        "exact.describe",
+    "structure.bracket": {
+        "structure.automorphisms", "structure.casimirs", "structure.certificates", "structure.strata", "structure.trace_casimirs",
+        "report.describe",
     },
-    "exact.lie_algebra": {"exact.bracket", "exact.describe"},
-    "exact.extension": {"exact.classification"},
+    "structure.lie_algebra": {"structure.bracket", "report.describe"},
+    "structure.extension": {"structure.classification"},
     "proofs.theorem": {"proofs.statement"},
     "integrability.galois.linear_systems": {"integrability.galois.local_solutions"},
-    "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text", "exact.top_recognition"},
+    "model.system": {"report.describe", "model.phase_functions", "model.system_text", "model.top_recognition"},
     "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
-    "numeric.section": {"phase_space.section_coordinates", "phase_space.section_levels"},
+    "poincare.section": {"poincare.section_coordinates", "poincare.section_levels"},
     "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},
     "orbits.periodic_orbits": {"orbits.polish"},
-    "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},
+    "leaf.leaf": {"leaf.leaf_sampling", "leaf.leaf_search"},
 }  # fmt: skip
 """Methods and operators of a class that call functions of other files, which take objects of this class."""
 
 _TEXT = 'a number given as text, such as "sqrt(2)", is read as a formula'
 EXCEPTIONS = {
-    ("exact.parameters", "exact.expression"): _TEXT,
-    ("exact.parameters", "exact.linear.cyclotomic"): "whether a sum of sines and roots vanishes is decided there",
-    ("arrays", "exact.expression"): _TEXT,
-    ("arrays", "exact.parameters"): _TEXT,
-    ("numeric.spectrum_check", "numeric.spectrum"): "the check of a spectrum, which has it as a method",
+    ("formula.parameters", "formula.expression"): _TEXT,
+    ("formula.parameters", "algebra.cyclotomic"): "whether a sum of sines and roots vanishes is decided there",
+    ("arrays", "formula.expression"): _TEXT,
+    ("arrays", "formula.parameters"): _TEXT,
+    ("indicators.spectrum_check", "indicators.spectrum"): "the check of a spectrum, which has it as a method",
     ("sweeps.tasks", ""): "a worker says which version of the package it has",
     ("sweeps.remote", ""): "a function that travels to a worker, which may have another version or none",
 }

@@ -15,9 +15,9 @@ import pytest
 import xarray as xr
 
 import liepoisson as lp
-from liepoisson.dataset import read_dataset
 from liepoisson.errors import DamagedFileError, OutputError
-from liepoisson.netcdf import Trial, netcdf, read_netcdf
+from liepoisson.io.dataset import read_dataset
+from liepoisson.io.netcdf import Trial, netcdf, read_netcdf
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 STATES = lp.sample_states(TOP, 3, seed=1)

@@ -14,11 +14,11 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
+from liepoisson.algebra.exact_numbers import as_expression
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
+from liepoisson.compile.private_symbols import in_private_symbols
 from liepoisson.errors import LiePoissonError
-from liepoisson.exact.canonical_system import CanonicalSystem
-from liepoisson.exact.exact_numbers import as_expression
-from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
-from liepoisson.exact.private_symbols import in_private_symbols
+from liepoisson.model.canonical_system import CanonicalSystem
 
 ROOT = Path(lp.__file__).parent
 
@@ -26,12 +26,12 @@ FORBIDDEN = {"sympify", "_sympify", "eval", "exec", "parse_expr", "parse_latex",
 """Names that the package uses nowhere: they run texts, or make objects of bytes."""
 
 HOMES = {
-    "lambdify": {"exact/private_symbols.py"},
+    "lambdify": {"compile/private_symbols.py"},
     "loads": {"sweeps/family.py", "sweeps/remote.py"},
     "Unpickler": set[str](),
     "pickle": {
         *("sweeps/family.py", "sweeps/remote.py", "integrability/scan_processes.py"),
-        "exact/linear/flint_pickles.py",  # how numbers of FLINT are pickled; it reads none
+        "algebra/flint_pickles.py",  # how numbers of FLINT are pickled; it reads none
     },
     "cloudpickle": {"sweeps/remote.py"},
 }

@@ -11,7 +11,7 @@ import pytest
 
 from liepoisson import plot
 from liepoisson.errors import ShapeError
-from liepoisson.numeric.finite_time_fit import finite_time_fit, log_fit, mean_curve, window_scan
+from liepoisson.indicators.finite_time_fit import finite_time_fit, log_fit, mean_curve, window_scan
 from liepoisson.plot.style import SEQUENCE, new_figure
 
 TIME = np.geomspace(1, 500, 120)

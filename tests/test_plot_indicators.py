@@ -5,8 +5,8 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.alignment import alignment
-from liepoisson.numeric.megno import megno
+from liepoisson.indicators.alignment import alignment
+from liepoisson.indicators.megno import megno
 from liepoisson.plot.indicators import indicators
 
 TOP = lp.Top.twisted_kovalevskaya()

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.plot.results import _FIGURES
-from liepoisson.repeat import RUNS
+from liepoisson.saved.rerun import RUNS
 from public_calls import rows
 
 TOP = lp.Top.kovalevskaya("1/2")

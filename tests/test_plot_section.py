@@ -5,11 +5,11 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.section_axes import default_axes
 from liepoisson.plot.labels import label
 from liepoisson.plot.section import _in_one_turn, titled_section
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.style import SEQUENCE
+from liepoisson.poincare.section_axes import default_axes
 
 TOP = lp.Top.kovalevskaya()
 

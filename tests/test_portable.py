@@ -52,8 +52,8 @@ def test_what_follows_a_number_in_the_tail_is_the_same():
 DISPLAY = ("plot", "laboratory", "cli", "studies", "integrability/painleve/laurent.py")
 # Here @ joins an algebra and an extension.
 OF_ALGEBRAS = {
-    "catalog/families.py", "exact/casimirs.py", "exact/report/motion_facts.py", "exact/system_file_reader.py",
-    "exact/top_parameters.py", "exact/trace_casimirs.py", "phase_space/euler_characteristic.py", "tops.py",
+    "catalog/families.py", "structure/casimirs.py", "report/motion_facts.py", "model/system_file_reader.py",
+    "model/top_parameters.py", "structure/trace_casimirs.py", "equilibrium/euler_characteristic.py", "tops.py",
 }  # fmt: skip
 FORBIDDEN = {
     *(

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson import dataset
 from liepoisson.errors import DamagedFileError, LiePoissonError
 from liepoisson.integrability import certificates, report, scan_store
+from liepoisson.io import dataset
 from liepoisson.proofs import certificate
 from liepoisson.sweeps import store
 from script_folders import modules_of

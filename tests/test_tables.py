@@ -7,7 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import OutputError
-from liepoisson.result import Result
+from liepoisson.io.result import Result
 from test_dataset import STATES, TOP, runs_of_all_kinds
 
 HENON = lp.catalog.system("henon-heiles")

@@ -6,10 +6,10 @@ import warnings
 import pytest
 import sympy as sp
 
+from liepoisson.compile.field import TopField
 from liepoisson.errors import BracketError, InertiaWarning, ParameterError, ShapeError
-from liepoisson.exact.known_integrals import known_integrals
-from liepoisson.field import TopField
-from liepoisson.tops import Top
+from liepoisson.model.known_integrals import known_integrals
+from liepoisson.model.tops import Top
 
 CASES = {
     "free rigid body": (Top.free_rigid_body((2, 3, 4)), {"l.l", "l.alpha", "l.beta"}),
@@ -177,7 +177,7 @@ def test_a_symbolic_parameter_is_named_by_field():
 def test_a_top_needs_no_sympy_until_an_expression_is_asked_for():
     code = (
         "import sys\n"
-        "from liepoisson.tops import Top\n"
+        "from liepoisson.model.tops import Top\n"
         "top = Top(inertia=(2, 2, 0.5), a=(-1, 0, '1/3'), b=(0, 0, 0), epsilon=1)\n"
         "Top.kovalevskaya(epsilon=1).field(), Top.lagrange().field(), top.field(), repr(top), top.name, top.inertia\n"
         "heavy = {'sympy', 'xarray', 'matplotlib', 'scipy', 'pandas'} & set(sys.modules)\n"

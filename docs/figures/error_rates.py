@@ -17,11 +17,11 @@ from typing import NamedTuple
 import numpy as np
 
 import liepoisson as lp
-from liepoisson.numeric.alignment import alignment
-from liepoisson.numeric.megno import megno
-from liepoisson.numeric.proportions import proportion
+from liepoisson.indicators.alignment import alignment
+from liepoisson.indicators.megno import megno
+from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.verdict import decide
 from liepoisson.numeric.systems import HasField
-from liepoisson.numeric.verdict import decide
 from liepoisson.plot.indicators import indicators
 from liepoisson.plot.style import house_style, new_figure
 

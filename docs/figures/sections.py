@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 import liepoisson as lp
-from liepoisson.phase_space.surfaces import section_state
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.style import house_style, new_figure
+from liepoisson.poincare.surfaces import section_state
 
 FOLDER = Path(__file__).parent.parent / "images"
 FORMAT = {"format": "png", "dpi": 160}

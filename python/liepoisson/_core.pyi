@@ -6,7 +6,7 @@ from typing import NotRequired, TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.field import Instruction, Piece, Vector3
+from liepoisson.compile.field import Instruction, Piece, Vector3
 
 __all__ = [
     "Field",

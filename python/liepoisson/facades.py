@@ -11,12 +11,12 @@ from importlib import import_module
 from typing import Any
 
 FACADES = {
-    "LieAlgebra._repr_latex_": "exact.describe.displayed_algebra",
-    "Bracket._repr_latex_": "exact.describe.displayed_bracket",
-    "System.__str__": "exact.describe.describe",
-    "System._repr_latex_": "exact.describe.displayed",
-    "System.text": "exact.system_text.system_text",
-    "System.top_parameters": "exact.top_recognition.recognised_top",
+    "LieAlgebra._repr_latex_": "report.describe.displayed_algebra",
+    "Bracket._repr_latex_": "report.describe.displayed_bracket",
+    "System.__str__": "report.describe.describe",
+    "System._repr_latex_": "report.describe.displayed",
+    "System.text": "model.system_text.system_text",
+    "System.top_parameters": "model.top_recognition.recognised_top",
 }
 """The function of each such method, in its module within the package."""
 

@@ -1,5 +1,5 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
-from liepoisson.field import PiecesField as PiecesField
-from liepoisson.field import QuadraticField as QuadraticField
-from liepoisson.field import TapeField as TapeField
-from liepoisson.field import TopField as TopField
+from liepoisson.compile.field import PiecesField as PiecesField
+from liepoisson.compile.field import QuadraticField as QuadraticField
+from liepoisson.compile.field import TapeField as TapeField
+from liepoisson.compile.field import TopField as TopField

@@ -15,8 +15,8 @@ from sympy import Add, Matrix, Poly, Pow, Rational, Symbol, groebner, numer, sqr
 
 import liepoisson as lp
 from liepoisson import catalog
+from liepoisson.compile.field import QuadraticField, TapeField, TopField
 from liepoisson.errors import ParameterError, UnknownNameError
-from liepoisson.field import QuadraticField, TapeField, TopField
 
 NAMES = catalog.names()
 SYMBOLIC = ("twisted-top",)

@@ -8,8 +8,8 @@ from sympy import Matrix, Symbol
 
 import liepoisson as lp
 from liepoisson import catalog
+from liepoisson.compile.field import QuadraticField
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import QuadraticField
 
 
 def same_equations(first, second):

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import liepoisson
-from liepoisson.files import exclusive
+from liepoisson.io.files import exclusive
 
 main_module = importlib.import_module("liepoisson.cli.main")  # the package's `main` is the function
 

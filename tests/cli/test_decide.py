@@ -64,6 +64,6 @@ def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("liepoisson.numeric.verdict.decide", interrupted)
+    monkeypatch.setattr("liepoisson.indicators.verdict.decide", interrupted)
     code, _, err = command("decide", "lagrange")
     assert (code, "--time-limit SECONDS" in err) == (130, True)

@@ -299,7 +299,7 @@ def test_an_interruption_that_an_import_drops_is_repeated(tmp_path):
 
 def test_an_interruption_while_the_command_is_imported_ends_with_a_word(tmp_path):
     """Before the handler of `ending` is there: the module that Ctrl-C meets is the first one that is imported late."""
-    for module in ("liepoisson.calls", "liepoisson.cli.ending", "liepoisson.errors"):
+    for module in ("liepoisson.inputs.calls", "liepoisson.cli.ending", "liepoisson.errors"):
         code = (
             "import sys, os, signal\n"
             "class Finder:\n"

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from liepoisson.cli.inspect import terminal_style
-from liepoisson.exact.styles import PLAIN, UNICODE
+from liepoisson.formula.styles import PLAIN, UNICODE
 
 TYPED = """
 name = "my top"

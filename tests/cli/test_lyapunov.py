@@ -116,8 +116,8 @@ def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, opt
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("liepoisson.numeric.finite_time_exponents.finite_time_exponents", interrupted)
-    monkeypatch.setattr("liepoisson.numeric.spectrum.lyapunov_spectrum", interrupted)
+    monkeypatch.setattr("liepoisson.indicators.finite_time_exponents.finite_time_exponents", interrupted)
+    monkeypatch.setattr("liepoisson.indicators.spectrum.lyapunov_spectrum", interrupted)
     code, _, err = command("lyapunov", "lagrange", *options)
     assert (code, "--time-limit SECONDS" in err) == (130, True)
 
@@ -141,7 +141,7 @@ def test_spectrum_prints_the_mean_of_the_runs_and_the_check(command, tmp_path):
 
 
 def test_spectrum_of_runs_that_failed_has_nothing_to_tell():
-    from liepoisson.numeric.spectrum import lyapunov_spectrum
+    from liepoisson.indicators.spectrum import lyapunov_spectrum
 
     failed = lyapunov_spectrum(lp.Top.twisted_kovalevskaya(), np.full((2, 9), 1e200), t_end=5)
     assert "no run finished" in "\n".join(summary(failed, "by hand", 1.0))

@@ -6,7 +6,7 @@ from itertools import product
 import sympy as sp
 from flint import fmpq, fmpq_mat
 
-from liepoisson.exact.extension import Extension
+from liepoisson.structure.extension import Extension
 
 
 def algebra(n, products, *, unital=True, **options):

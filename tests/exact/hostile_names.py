@@ -6,7 +6,7 @@ import string
 import numpy as np
 import sympy
 
-from liepoisson.exact.names import CONSTANTS, FUNCTIONS
+from liepoisson.inputs.names import CONSTANTS, FUNCTIONS
 
 # What SymPy, NumPy, Python and C call their constants and functions, what code printers write or reserve, and what
 # texts of ours call things.

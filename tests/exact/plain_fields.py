@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from liepoisson.field import QuadraticField, TopField
+from liepoisson.compile.field import QuadraticField, TopField
 
 FUNCTIONS = {
     "sqrt": math.sqrt,

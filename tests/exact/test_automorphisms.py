@@ -2,9 +2,9 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.automorphisms import Automorphism
-from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebras import se, so
+from liepoisson.structure.automorphisms import Automorphism
+from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebras import se, so
 
 epsilon, s, u, d = sp.symbols("epsilon s u d")
 TWISTED = so(3) @ leibniz(3, "epsilon")

@@ -8,11 +8,11 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import so
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import so
 
 EPSILON = sp.Symbol("epsilon")
 
@@ -204,7 +204,7 @@ def test_brackets_are_pickled_by_their_definition():
 @pytest.mark.skipif(sys.platform == "emscripten", reason="a browser has no processes")
 def test_entries_do_not_import_sympy():
     code = (
-        "import sys; from liepoisson.exact.lie_algebras import so; from liepoisson.exact.extensions import leibniz;"
+        "import sys; from liepoisson.structure.lie_algebras import so; from liepoisson.structure.extensions import leibniz;"
         "(so(3) @ leibniz(3)).entries(); sys.exit('sympy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

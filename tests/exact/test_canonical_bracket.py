@@ -8,9 +8,9 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import BracketError, ParameterError, ShapeError, SystemFileError
-from liepoisson.exact.describe import inspect
-from liepoisson.exact.styles import LATEX, PLAIN
-from liepoisson.exact.system_file_reader import parse_system_file
+from liepoisson.formula.styles import LATEX, PLAIN
+from liepoisson.model.system_file_reader import parse_system_file
+from liepoisson.report.describe import inspect
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import sympy as sp
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.casimirs import leading_monomials
-from liepoisson.exact.extensions import crmhd, leibniz, normal_form, semidirect, trivial
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import so, su
+from liepoisson.structure.casimirs import leading_monomials
+from liepoisson.structure.extensions import crmhd, leibniz, normal_form, semidirect, trivial
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import so, su
 
 VALUES = st.one_of(
     st.sampled_from([Fraction(v) for v in (0, 1, -1, 2, -2, "1/2", "-1/2", "4/5")]),

@@ -4,10 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import affine, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import affine, heisenberg, se, sine, sl, so, su
 
 epsilon = sp.Symbol("epsilon")
 

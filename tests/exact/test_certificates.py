@@ -7,11 +7,11 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import abelian, affine, se, sine, so, su
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import abelian, affine, se, sine, so, su
 
 ALGEBRAS = {"se(3)": se(3), "su(3)": su(3), "so(4)": so(4)}
 

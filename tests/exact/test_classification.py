@@ -7,10 +7,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from liepoisson.errors import BracketError, ParameterError
-from liepoisson.exact.classification import classify
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.exact.normal_forms import complex_truncated_polynomials, normal_forms
+from liepoisson.structure.classification import classify
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
+from liepoisson.structure.normal_forms import complex_truncated_polynomials, normal_forms
 
 FORMS = [form for n in range(1, 6) for form in normal_forms(n)]
 numbers = st.fractions(-4, 4, max_denominator=3)

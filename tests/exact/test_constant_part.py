@@ -8,10 +8,10 @@ from sympy.vector import CoordSys3D
 
 import liepoisson as lp
 from liepoisson.errors import BracketError, CocycleError, LeafError, ParameterError, ShapeError, UnsupportedFieldError
-from liepoisson.exact.automorphisms import Automorphism
-from liepoisson.exact.describe import inspect
-from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
-from liepoisson.exact.system_file_reader import parse_system_file
+from liepoisson.formula.styles import LATEX, PLAIN, UNICODE
+from liepoisson.model.system_file_reader import parse_system_file
+from liepoisson.report.describe import inspect
+from liepoisson.structure.automorphisms import Automorphism
 
 GYROSTAT = (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "k3", ("l2", "l3"): "k1", ("l3", "l1"): "k2"})
 

@@ -4,9 +4,9 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ExpressionError
-from liepoisson.exact.bracket_scope import scope_of
-from liepoisson.exact.constructors import read_algebra, read_extension
-from liepoisson.exact.expression import read_expression
+from liepoisson.formula.expression import read_expression
+from liepoisson.model.constructors import read_algebra, read_extension
+from liepoisson.structure.bracket_scope import scope_of
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from liepoisson.exact.decimals import Decimal
-from liepoisson.exact.printing import Formula
-from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
+from liepoisson.formula.styles import LATEX, PLAIN, UNICODE
+from liepoisson.report.decimals import Decimal
+from liepoisson.report.printing import Formula
 
 
 @given(st.integers(-(10**20), 10**20), st.integers(-340, 340))

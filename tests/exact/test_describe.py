@@ -9,15 +9,15 @@ import sympy as sp
 
 from liepoisson import catalog
 from liepoisson.errors import ParameterError
-from liepoisson.exact.describe import describe, inspect
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import affine, heisenberg, se, so
-from liepoisson.exact.report.lines import write_line
-from liepoisson.exact.styles import PLAIN, UNICODE
-from liepoisson.exact.system import System
-from liepoisson.tops import Top
+from liepoisson.formula.styles import PLAIN, UNICODE
+from liepoisson.model.system import System
+from liepoisson.model.tops import Top
+from liepoisson.report.describe import describe, inspect
+from liepoisson.report.lines import write_line
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import affine, heisenberg, se, so
 
 SNAPSHOTS = Path(__file__).parents[1] / "snapshots"
 SYMBOLIC = Top.twisted(("I1", "I2", "I3"), ("a1", "a2", "a3"), ("b1", "b2", "b3"), "epsilon")

@@ -12,12 +12,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from liepoisson.errors import ExpressionError, ParameterError
-from liepoisson.exact.bracket_scope import scope_of
-from liepoisson.exact.expression import check_names, read_expression, read_formula
-from liepoisson.exact.extensions import leibniz
-from liepoisson.exact.formula.grammar import parse
-from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.lie_algebras import so
+from liepoisson.formula.expression import check_names, read_expression, read_formula
+from liepoisson.formula.grammar import parse
+from liepoisson.formula.scope import Scope
+from liepoisson.structure.bracket_scope import scope_of
+from liepoisson.structure.extensions import leibniz
+from liepoisson.structure.lie_algebras import so
 
 F = Fraction
 l1, l2, l3, alpha1, alpha2, alpha3, beta1, beta2, beta3 = sp.symbols("l1:4 alpha1:4 beta1:4")
@@ -339,8 +339,8 @@ def test_square_roots_are_exact(n):
 
 AUDITED = """
 import sys
-from liepoisson.exact.expression import read_formula
-from liepoisson.exact.formula.scope import Scope
+from liepoisson.formula.expression import read_formula
+from liepoisson.formula.scope import Scope
 from liepoisson.errors import ExpressionError
 texts = [{texts}]
 scope = Scope({{"l": "123"}}, {{"I": (2, 2, 1)}}, ("n",))

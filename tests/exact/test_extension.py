@@ -9,10 +9,10 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebras import so
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebras import so
 
 
 def products(extension):
@@ -199,9 +199,9 @@ def test_extensions_travel_between_processes():
 def test_rational_extensions_do_not_load_sympy():
     program = """
 import sys
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz
-from liepoisson.exact.extensions import crmhd, trivial
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz
+from liepoisson.structure.extensions import crmhd, trivial
 A = leibniz(5, "1/3") + trivial() + crmhd(2)
 assert A.tensor and A.unit() and A.socle() and A.classify().is_local is False
 print("sympy" in sys.modules)

@@ -7,8 +7,8 @@ import sympy as sp
 from sympy import expand
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import EXTENSIONS, crmhd, leibniz, normal_form, semidirect, trivial
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import EXTENSIONS, crmhd, leibniz, normal_form, semidirect, trivial
 
 
 def test_the_trivial_extension_is_the_real_line():

@@ -7,7 +7,7 @@ import sympy.vector
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.exact.canonical_system import CanonicalSystem
+from liepoisson.model.canonical_system import CanonicalSystem
 
 so3 = lp.so(3) @ lp.trivial()
 l1, l2, l3 = so3.variables

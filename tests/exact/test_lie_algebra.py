@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import abelian, affine, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import abelian, affine, heisenberg, se, sine, sl, so, su
 
 exactly = settings(deadline=None, max_examples=20, derandomize=True)
 

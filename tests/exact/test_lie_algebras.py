@@ -6,9 +6,9 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.extensions import semidirect
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import ALGEBRAS, abelian, affine, gl, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.extensions import semidirect
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import ALGEBRAS, abelian, affine, gl, heisenberg, se, sine, sl, so, su
 
 SMALL = [
     *(so(n) for n in (2, 3, 4, 5, 6)),

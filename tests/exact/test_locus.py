@@ -2,7 +2,7 @@
 
 import pytest
 
-from liepoisson.exact.locus import Locus
+from liepoisson.structure.locus import Locus
 
 PAIR = ("alpha", "beta")
 

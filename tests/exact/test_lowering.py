@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from plain_fields import derivative
 
 import liepoisson as lp
+from liepoisson.compile.field import QuadraticField, TapeField, TopField, field_of, record_of
+from liepoisson.compile.lowering import lower, quadratic_polynomial, tape_of_equations
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebras import so
-from liepoisson.exact.lowering import lower, quadratic_polynomial, tape_of_equations
-from liepoisson.exact.system import System
-from liepoisson.field import QuadraticField, TapeField, TopField, field_of, record_of
-from liepoisson.tops import Top
+from liepoisson.model.system import System
+from liepoisson.model.tops import Top
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebras import so
 
 HAMILTONIANS = {
     "top": lambda l, alpha, beta: l[0] ** 2 / 4 + l[1] ** 2 / 6 + l[2] ** 2 / 2 + alpha[0] - beta[2] / 3,

@@ -4,9 +4,9 @@ import flint
 import pytest
 
 from liepoisson.errors import ParameterError, UnknownNameError
-from liepoisson.exact.classification import classify
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.normal_forms import (
+from liepoisson.structure.classification import classify
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.normal_forms import (
     complex_name,
     complex_truncated_polynomials,
     normal_form_named,

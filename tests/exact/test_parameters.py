@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from liepoisson.algebra.exact_numbers import as_float, exceeds_sum, is_negative, is_zero
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.exact_numbers import as_float, exceeds_sum, is_negative, is_zero
-from liepoisson.exact.parameters import read_parameter, read_vector
+from liepoisson.formula.parameters import read_parameter, read_vector
 
 # Text that would fill the memory, and things that are not real numbers.
 HARMFUL = ("9" * 300, "1e999999999", None, True, 1j, sp.nan, sp.oo, sp.I, [1], object(), sp.Matrix([1]))

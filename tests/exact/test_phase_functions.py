@@ -5,8 +5,8 @@ import pytest
 from flint import arb
 
 import liepoisson as lp
+from liepoisson.algebra.ideals.certified_roots import precision
 from liepoisson.errors import ParameterError
-from liepoisson.exact.polynomials.certified_roots import precision
 
 
 def test_exact_numbers_beyond_doubles_are_refused_where_they_are_evaluated():

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import liepoisson as lp
+from liepoisson.compile.field import PiecesField
+from liepoisson.compile.lowering import Polynomial
+from liepoisson.compile.pieces import powers_of_forms
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.exact.lowering import Polynomial
-from liepoisson.exact.pieces import powers_of_forms
-from liepoisson.field import PiecesField
 
 COEFFICIENTS = st.fractions(min_value=-3, max_value=3, max_denominator=4).filter(bool)
 MONOMIALS = st.lists(st.integers(0, 4), min_size=1, max_size=4).map(lambda factors: tuple(sorted(factors)))

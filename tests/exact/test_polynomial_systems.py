@@ -9,14 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
-from liepoisson.exact.bracket_scope import scope_of
-from liepoisson.exact.expression import read_expression
-from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.lowering import lower
-from liepoisson.exact.polynomial_dynamics import bracket_with
-from liepoisson.exact.polynomial_formula import read_polynomial
-from liepoisson.exact.rational_polynomials import RationalPolynomial, TooLargeError, expression_of, in_words
-from liepoisson.exact.system_text import formula_text
+from liepoisson.algebra.rational_polynomials import RationalPolynomial, TooLargeError, expression_of, in_words
+from liepoisson.compile.lowering import lower
+from liepoisson.compile.polynomial_dynamics import bracket_with
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
+from liepoisson.model.polynomial_formula import read_polynomial
+from liepoisson.model.system_text import formula_text
+from liepoisson.structure.bracket_scope import scope_of
 
 READ = tuple(
     name
@@ -141,7 +141,7 @@ def test_brackets_that_are_too_large_are_left_to_sympy(monkeypatch):
     def refuse(*_):
         raise TooLargeError
 
-    monkeypatch.setattr("liepoisson.exact.polynomial_view.rates_of", refuse)
+    monkeypatch.setattr("liepoisson.model.polynomial_view.rates_of", refuse)
     assert system.is_casimir("dot(l, alpha)")
     assert not system.is_casimir("dot(l, l)")
 

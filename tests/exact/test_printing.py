@@ -7,9 +7,10 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from liepoisson.exact.expression import read_expression
-from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.printing import (
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
+from liepoisson.formula.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
+from liepoisson.report.printing import (
     Cross,
     Dot,
     Form,
@@ -23,7 +24,6 @@ from liepoisson.exact.printing import (
     write_atom,
     write_vector,
 )
-from liepoisson.exact.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
 
 FIELDS = ("l", "alpha", "beta")
 COORDINATES = {f"{f}{i}": (f, str(i)) for f in FIELDS for i in (1, 2, 3)}

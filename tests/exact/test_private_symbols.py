@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from liepoisson.compile.private_symbols import in_private_symbols, name_of_function, numpy_function
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.exact.private_symbols import in_private_symbols, name_of_function, numpy_function
 
 X, Y = sp.symbols("pi e")
 FUNCTIONS = [

@@ -1,9 +1,9 @@
 import pytest
 import sympy as sp
 
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebras import so, su
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebras import so, su
 
 
 def listed(bracket):

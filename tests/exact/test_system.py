@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from liepoisson.compile.field import TopField
 from liepoisson.errors import BracketError, ExpressionError, ParameterError, ShapeError
-from liepoisson.exact.canonical_bracket import canonical
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebras import so
-from liepoisson.exact.system import System
-from liepoisson.field import TopField
+from liepoisson.model.system import System
+from liepoisson.model.tops import Top
 from liepoisson.numeric.integrate import integrate
-from liepoisson.tops import Top
+from liepoisson.structure.canonical_bracket import canonical
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebras import so
 
 
 def typed_by_hand(parameters=None):

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from liepoisson.errors import ExpressionError, MissingFileError, SystemFileError
-from liepoisson.exact.system_file import Integral, SystemFile
-from liepoisson.exact.system_file_reader import parse_system_file, read_system_file
+from liepoisson.model.system_file import Integral, SystemFile
+from liepoisson.model.system_file_reader import parse_system_file, read_system_file
 
 F = Fraction
 TOP = """

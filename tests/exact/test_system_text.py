@@ -6,7 +6,7 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import OutputError, SystemFileError
-from liepoisson.exact.system_text import read_system_text, system_text, write_system
+from liepoisson.model.system_text import read_system_text, system_text, write_system
 
 TWO_FIELDS = lp.Extension([[[1, 0], [0, 0]], [[0, 1], [1, 0]]])
 OWN = lp.LieAlgebra.from_brackets(

@@ -7,14 +7,14 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.exact.formula.arithmetic import expanded_terms
-from liepoisson.exact.known_integrals import known_integrals, known_polynomials
-from liepoisson.exact.private_symbols import evaluated
-from liepoisson.exact.rational_polynomials import RationalPolynomial, expression_of, in_words, values_of
-from liepoisson.exact.system_text import formula_text
-from liepoisson.exact.top_recognition import MOST_TERMS, match_polynomial_top, match_top, recognised_top
-from liepoisson.phase_space.surfaces import good_surface
-from liepoisson.tops import Top
+from liepoisson.algebra.rational_polynomials import RationalPolynomial, expression_of, in_words, values_of
+from liepoisson.compile.private_symbols import evaluated
+from liepoisson.formula.arithmetic import expanded_terms
+from liepoisson.model.known_integrals import known_integrals, known_polynomials
+from liepoisson.model.system_text import formula_text
+from liepoisson.model.top_recognition import MOST_TERMS, match_polynomial_top, match_top, recognised_top
+from liepoisson.model.tops import Top
+from liepoisson.poincare.surfaces import good_surface
 
 TOPS = {
     "free, spherical": Top.free_rigid_body((2, 2, 2)),

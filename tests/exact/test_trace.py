@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from liepoisson.exact.extensions import leibniz, trivial
-from liepoisson.exact.lie_algebras import gl, sine, so, su
-from liepoisson.exact.trace import Trace, abbreviated
+from liepoisson.structure.extensions import leibniz, trivial
+from liepoisson.structure.lie_algebras import gl, sine, so, su
+from liepoisson.structure.trace import Trace, abbreviated
 
 
 def matrix_su(n, x):
@@ -25,7 +25,7 @@ def matrix_su(n, x):
 
 def matrix_sine(N, x):
     """W = sum w_n T_n over all n, T_n = omega^(n1 n2/2) g^n1 h^n2 with omega = exp(4 pi i/N)."""
-    from liepoisson.exact.lie_algebras import sine_modes
+    from liepoisson.structure.lie_algebras import sine_modes
 
     omega = np.exp(4j * np.pi / N)
     h, g = np.diag(omega ** np.arange(N)), np.roll(np.eye(N), 1, axis=0)

@@ -5,20 +5,20 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.linear_algebra import rank
 from liepoisson.catalog import zeitlin
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.casimirs import shortage
-from liepoisson.exact.describe import inspect
-from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.exact.lie.defining_matrices import DefiningMatrices, defining_matrices
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import gl, heisenberg, se, sine, sl, so, su
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import rank
-from liepoisson.exact.styles import UNICODE
-from liepoisson.exact.system import System
-from liepoisson.exact.trace import Trace, traces_in
-from liepoisson.exact.trace_casimirs import modulo_casimirs, replaces_search, trace_casimirs
+from liepoisson.formula.styles import UNICODE
+from liepoisson.model.system import System
+from liepoisson.report.describe import inspect
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.casimirs import shortage
+from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
+from liepoisson.structure.lie.defining_matrices import DefiningMatrices, defining_matrices
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import gl, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.trace import Trace, traces_in
+from liepoisson.structure.trace_casimirs import modulo_casimirs, replaces_search, trace_casimirs
 
 COMPLETE = {
     "so(3)": (so(3) @ trivial(), [2]),
@@ -156,7 +156,7 @@ def test_the_check_at_a_point_alone_refuses_a_wrong_matrix(monkeypatch):
     right = defining_matrices(su(3))
     first = {place: tuple((-q, a) for q, a in roots) for place, roots in right.matrices[0].items()}
     wrong = replace(right, matrices=(first, *right.matrices[1:]))
-    monkeypatch.setattr("liepoisson.exact.trace_casimirs.defining_matrices", lambda _: wrong)
+    monkeypatch.setattr("liepoisson.structure.trace_casimirs.defining_matrices", lambda _: wrong)
     monkeypatch.setattr(DefiningMatrices, "defect", lambda *_: "")
     assert trace_casimirs(su(3) @ trivial()) is None
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.exact.trace_values import TraceSum
+from liepoisson.model.trace_values import TraceSum
 
 BRACKETS = {
     "twisted": lp.so(3) @ lp.leibniz(3, "1/3"),

@@ -5,11 +5,11 @@ from collections import Counter
 import pytest
 import sympy as sp
 
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import crmhd, leibniz, semidirect
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import rank
-from liepoisson.exact.trace_words import balanced_combinations, canonical, leibniz_combinations, rotations
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.linear_algebra import rank
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import crmhd, leibniz, semidirect
+from liepoisson.structure.trace_words import balanced_combinations, canonical, leibniz_combinations, rotations
 
 epsilon = sp.Symbol("epsilon")
 

@@ -24,10 +24,10 @@ import atheris
 
 with atheris.instrument_imports(include=["liepoisson", "tomllib"]):
     from liepoisson.errors import ExpressionError, SystemFileError
-    from liepoisson.exact.expression import read_formula
-    from liepoisson.exact.formula.grammar import parse
-    from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.system_file_reader import parse_system_file
+    from liepoisson.formula.expression import read_formula
+    from liepoisson.formula.grammar import parse
+    from liepoisson.formula.scope import Scope
+    from liepoisson.model.system_file_reader import parse_system_file
 
 FORBIDDEN = (
     "import",

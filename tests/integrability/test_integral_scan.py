@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.deadline import Deadline
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability import integral_scan, scan_processes
 from liepoisson.integrability.integral_scan import scan_integrals
 from liepoisson.integrability.scan_points import PointSearch

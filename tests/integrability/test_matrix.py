@@ -5,7 +5,7 @@ import pytest
 from searched_systems import TOP
 
 import liepoisson as lp
-from liepoisson.exact.linear.linear_algebra import nullspace_mod
+from liepoisson.algebra.linear_algebra import nullspace_mod
 from liepoisson.integrability import matrix
 from liepoisson.integrability.derivation import derivation_of
 from liepoisson.integrability.matrix import ModularDerivation

@@ -7,9 +7,9 @@ from itertools import product
 import flint
 import pytest
 
-from liepoisson import deadline
-from liepoisson.deadline import Deadline
-from liepoisson.exact.polynomials.limits import Limits
+from liepoisson.algebra.ideals.limits import Limits
+from liepoisson.inputs import deadline
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability import parameter_cases
 from liepoisson.integrability.parameter_cases import Cases, CaseSplitting
 

@@ -60,7 +60,7 @@ def test_where_there_are_no_integrals_the_degree_is_said(system, verdict):
 
 
 def test_the_limit_of_time_is_kept(monkeypatch):
-    from liepoisson import deadline
+    from liepoisson.inputs import deadline
 
     n_asked = count()
     monkeypatch.setattr(deadline.time, "monotonic", lambda: 100.0 if next(n_asked) > 500 else 0.0)

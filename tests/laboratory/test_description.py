@@ -5,7 +5,7 @@ import json
 import pytest
 
 import liepoisson as lp
-from liepoisson.field import TapeField, TapeFunction, field_of
+from liepoisson.compile.field import TapeField, TapeFunction, field_of
 from liepoisson.laboratory.description import description_of
 
 

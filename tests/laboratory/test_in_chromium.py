@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import liepoisson as lp
-from liepoisson.field import QuadraticField
+from liepoisson.compile.field import QuadraticField
 
 WEB = Path(__file__).resolve().parents[2] / "web"
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")

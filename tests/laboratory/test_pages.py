@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.compile.field import QuadraticField, TapeFunction, field_of
 from liepoisson.errors import OutputError, ParameterError, ShapeError
-from liepoisson.field import QuadraticField, TapeFunction, field_of
 from liepoisson.laboratory import page_of, page_of_tops, write_page
 from liepoisson.laboratory.pages import MOST_BYTES, MOST_COMPONENTS, MOST_TERMS, as_data, unit_of
 from liepoisson.laboratory.pictures import N_POINTS, picture_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.field import TapeField, TapeFunction, field_of
+from liepoisson.compile.field import TapeField, TapeFunction, field_of
 from liepoisson.laboratory.presets import presets
 from liepoisson.laboratory.tops import PARAMETERS, description_of_tops
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.compile.field import QuadraticField
 from liepoisson.errors import LiePoissonError, MissingPackageError, ParameterError, ShapeError, UnknownNameError
-from liepoisson.field import QuadraticField
 from liepoisson.numeric.sampling import sample_tangents
 
 START = [1, 0.2, 0, 0, 0.6, 0.8, 0, 0, 1]

@@ -9,12 +9,12 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import so
-from liepoisson.tops import Top
+from liepoisson.model.tops import Top
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import so
 
 exactly = settings(deadline=None, max_examples=20, derandomize=True)
 
@@ -225,7 +225,7 @@ def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
 @exactly
 @given(tops)
 def test_matching_finds_the_parameters_again(top):
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
     again = System(top.bracket, top.hamiltonian)
     assert again.top_parameters == top.top_parameters

@@ -9,7 +9,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
-from liepoisson.phase_space.chart_orbit import chart_orbit
+from liepoisson.leaf.chart_orbit import chart_orbit
 
 # without shrinking: a counterexample in rational numbers is readable as it is found
 exactly = settings(deadline=None, max_examples=4, derandomize=True, phases=(Phase.generate,))

@@ -66,7 +66,7 @@ def test_a_result_can_be_pickled_and_copied(kind):
 def test_flint_s_numbers_are_copied_exactly():
     from flint import fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly, fmpz_mat, fmpz_poly
 
-    from liepoisson.exact.linear.flint_pickles import register
+    from liepoisson.algebra.flint_pickles import register
 
     register()
     context = fmpq_mpoly_ctx.get(["x", "y"], "degrevlex")

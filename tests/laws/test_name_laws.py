@@ -10,11 +10,11 @@ from hostile_names import FAMOUS, REFUSED, accepted
 import liepoisson as lp
 from liepoisson.cli.systems import with_settings
 from liepoisson.errors import LiePoissonError, ParameterError
-from liepoisson.exact.canonical_system import CanonicalSystem
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.names import CONSTANTS, FUNCTIONS, MAX_NAME
-from liepoisson.exact.system_file_reader import parse_system_file
+from liepoisson.inputs.names import CONSTANTS, FUNCTIONS, MAX_NAME
+from liepoisson.model.canonical_system import CanonicalSystem
+from liepoisson.model.system_file_reader import parse_system_file
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.sweeps.family import FileFamily
 from liepoisson.sweeps.spec import Axis, Starts, SweepSpec
 from liepoisson.sweeps.targets import evaluate_targets
@@ -310,7 +310,7 @@ def test_systems_with_one_text_have_different_records():
 
 @pytest.mark.parametrize("name", ["phi", "p_theta", "v", "eta", "q0", "X", "c_phi"])
 def test_charts_refuse_symbols_that_are_their_own(name):
-    from liepoisson.exact.charts.euler_chart import EulerChart
+    from liepoisson.model.charts.euler_chart import EulerChart
 
     with pytest.raises(ParameterError, match=f"{name} would be a parameter, and a coordinate or constant of a chart"):
         EulerChart(lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), b=(0, 0, 0), epsilon=name))

@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.alignment import FLOOR, _log_gali, _sali, alignment
+from liepoisson.indicators.alignment import FLOOR, _log_gali, _sali, alignment
 from liepoisson.numeric.sampling import sample_alignment_vectors
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()
@@ -87,7 +87,7 @@ def test_chaos_aligns_exponentially_at_the_difference_of_the_exponents():
 
 @pytest.mark.parametrize("within", ["leaf", "energy"])
 def test_vectors_start_tangent_to_leaf_and_energy_surface(within):
-    from liepoisson.numeric.alignment import _first_vectors
+    from liepoisson.indicators.alignment import _first_vectors
 
     x0 = lp.sample_states(CHAOTIC, 8, seed=4)
     vectors = _first_vectors(CHAOTIC, x0, sample_alignment_vectors(9, 8, 2, seed=1), within)

@@ -7,7 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError, UnknownNameError
-from liepoisson.numeric.finite_time_fit import EnsembleReduction, Resampling
+from liepoisson.indicators.finite_time_fit import EnsembleReduction, Resampling
 
 TOP = lp.Top.twisted_kovalevskaya()
 X0 = [0.1] * 9

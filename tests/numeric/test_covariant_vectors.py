@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.spectrum import lyapunov_spectrum
+from liepoisson.indicators.spectrum import lyapunov_spectrum
 
 TOP = lp.Top.twisted_kovalevskaya()
 INTERVAL = 2.0

@@ -5,8 +5,8 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.exact.lowering import lower, tape_of_bracket
-from liepoisson.field import QuadraticField, TapeField
+from liepoisson.compile.field import QuadraticField, TapeField
+from liepoisson.compile.lowering import lower, tape_of_bracket
 
 
 def twisted_top():
@@ -63,7 +63,7 @@ def test_a_hamiltonian_with_a_square_root_keeps_its_invariants():
 def test_a_trajectory_that_leaves_the_domain_is_an_outcome():
     """x' = -1/x from x = 1 is x = sqrt(1 - 2t): it ends at t = 1/2; its neighbour goes on."""
     x = sp.Symbol("x")
-    from liepoisson.exact.lowering import tape_of_equations
+    from liepoisson.compile.lowering import tape_of_equations
 
     orbit = lp.integrate(tape_of_equations((x,), (-1 / x,)), [[1.0], [2.0]], times=[0, 0.25, 1])
     assert list(orbit.outcome == "finished") == [False, True]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.finite_time_fit import (
+from liepoisson.indicators.finite_time_fit import (
     EnsembleReduction,
     Estimate,
     Resampling,

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.compile.field import QuadraticField, TapeFunction
 from liepoisson.errors import ShapeError, SurfaceWarning
-from liepoisson.field import QuadraticField, TapeFunction
 
 KOVALEVSKAYA = lp.catalog.system("kovalevskaya")
 TWISTED = lp.Top.twisted_kovalevskaya()

@@ -7,7 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.frequencies import frequency_drift, main_frequency
+from liepoisson.tori.frequencies import frequency_drift, main_frequency
 
 LAGRANGE = lp.Top.lagrange()
 CHAOTIC = lp.Top.twisted_kovalevskaya()

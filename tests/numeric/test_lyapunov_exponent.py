@@ -8,13 +8,13 @@ from scipy import stats
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.exponents_by_energy import exponents_by_energy
-from liepoisson.numeric.fit_goodness import _f_tail, fit_goodness
-from liepoisson.numeric.lyapunov_exponent import _is_done, lyapunov_exponent
-from liepoisson.numeric.mean_error import batch_errors, mean_error, n_longest_batches, student_quantile
-from liepoisson.numeric.proportions import proportion
+from liepoisson.indicators.exponents_by_energy import exponents_by_energy
+from liepoisson.indicators.fit_goodness import _f_tail, fit_goodness
+from liepoisson.indicators.lyapunov_exponent import _is_done, lyapunov_exponent
+from liepoisson.indicators.mean_error import batch_errors, mean_error, n_longest_batches, student_quantile
+from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.verdict import decide
 from liepoisson.numeric.time_scale import zero_threshold
-from liepoisson.numeric.verdict import decide
 
 TOP = lp.Top.twisted_kovalevskaya()
 FAST = lp.Taylor(tol=1e-9)

@@ -13,7 +13,7 @@ from scipy import stats
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.mean_error import mean_error, mean_interval, mean_over_starts, student_quantile
+from liepoisson.indicators.mean_error import mean_error, mean_interval, mean_over_starts, student_quantile
 
 TOP = lp.Top.twisted_kovalevskaya()
 CASES = 4000

@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.megno import _indicators, megno
+from liepoisson.indicators.megno import _indicators, megno
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()
 

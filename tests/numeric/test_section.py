@@ -8,9 +8,9 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
+from liepoisson.compile.field import TapeFunction, TopField
+from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
 from liepoisson.errors import DamagedFileError, ExpressionError, ParameterError, ShapeError, SurfaceWarning
-from liepoisson.exact.lowering import quadratic_of_equations, tape_of_equations
-from liepoisson.field import TapeFunction, TopField
 
 KOVALEVSKAYA = lp.catalog.system("kovalevskaya")
 TWISTED = lp.Top.twisted_kovalevskaya()
@@ -501,7 +501,7 @@ def test_going_on_with_another_surface_starts_on_no_side_of_it():
 @pytest.mark.parametrize("piece", [1, 2, 3, 100])
 def test_points_out_of_order_are_found_wherever_they_are(monkeypatch, piece):
     """Points are looked at in pieces: two neighbours that change places are found in a piece and between two."""
-    from liepoisson.numeric import section
+    from liepoisson.poincare import section
 
     monkeypatch.setattr(section, "_PIECE", piece)
     trajectory, time = np.repeat([0, 1, 2], [4, 0, 5])[:8], np.array([1.0, 2, 2, 3, -0.5, -1, -2, -3])

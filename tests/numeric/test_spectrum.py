@@ -8,11 +8,11 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.mean_error import batch_errors, mean_error
-from liepoisson.numeric.spectrum import lyapunov_spectrum
-from liepoisson.numeric.spectrum_check import RATIO_LIMIT
-from liepoisson.numeric.structural_zeros import keeps_volume, poisson_structure
-from liepoisson.numeric.tangent_frames import orthonormal_frames
+from liepoisson.indicators.mean_error import batch_errors, mean_error
+from liepoisson.indicators.spectrum import lyapunov_spectrum
+from liepoisson.indicators.spectrum_check import RATIO_LIMIT
+from liepoisson.indicators.structural_zeros import keeps_volume, poisson_structure
+from liepoisson.indicators.tangent_frames import orthonormal_frames
 
 TOP = lp.Top.twisted_kovalevskaya()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.numeric.tangent_frames import Clock, TangentFrames
+from liepoisson.indicators.tangent_frames import Clock, TangentFrames
 
 TOP = lp.Top.twisted_kovalevskaya()
 ROTOR = lp.System(lp.so(3) @ lp.semidirect(2), "sqrt(1 + dot(l, l)) + sin(alpha1)/(3 + alpha2) + exp(l3/5)")

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.numeric import averages, exponents_by_energy, megno, spectrum, time_scale
-from liepoisson.numeric.averages import average_drift
+from liepoisson.indicators import averages, exponents_by_energy, megno, spectrum
+from liepoisson.indicators.averages import average_drift
+from liepoisson.numeric import time_scale
 
 TOP = lp.Top.twisted_kovalevskaya()
 MANY = lp.sample_states(TOP, 1000, seed=1)  # four pieces of 256

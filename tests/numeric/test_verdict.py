@@ -7,8 +7,8 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.proportions import proportion
-from liepoisson.numeric.verdict import INDICATORS, Rule, agreement, decide
+from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.verdict import INDICATORS, Rule, agreement, decide
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()
 MIXED = lp.Top.heavy(inertia=(2, 2, 1.2), a=(-1, 0, 0))

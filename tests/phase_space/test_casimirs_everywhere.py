@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.cli.starts import find_start
 from liepoisson.errors import ParameterError
-from liepoisson.exact.charts.leaf_constants import LeafConstants
+from liepoisson.model.charts.leaf_constants import LeafConstants
 from liepoisson.sweeps.starts import TopRows, system_functions
 
 EPSILONS = st.one_of(

@@ -7,9 +7,9 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import MixingWarning
-from liepoisson.phase_space import chain_sampling
-from liepoisson.phase_space.chain_sampling import sample_by_chains
-from liepoisson.phase_space.top_sampling import Shell
+from liepoisson.leaf import chain_sampling
+from liepoisson.leaf.chain_sampling import sample_by_chains
+from liepoisson.leaf.top_sampling import Shell
 
 BODY = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6 + 3*l1/20")
 DEVIATIONS = 4.5

@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ChartError, ParameterError, ShapeError
-from liepoisson.phase_space.chart_orbit import chart_orbit
+from liepoisson.leaf.chart_orbit import chart_orbit
 
 GAUGES = ("e3, e1", "e1, e3", ((0.6, 0.8, 0), (0, 0, 1)))
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(0, 0, 1), epsilon=1)

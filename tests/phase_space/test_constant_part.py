@@ -5,10 +5,10 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
+from liepoisson.equilibrium.critical_points import HamiltonianFields
+from liepoisson.equilibrium.euler_characteristic import euler_characteristic
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.numeric.structural_zeros import poisson_structure
-from liepoisson.phase_space.critical_points import HamiltonianFields
-from liepoisson.phase_space.euler_characteristic import euler_characteristic
+from liepoisson.indicators.structural_zeros import poisson_structure
 
 K = np.array([1 / 2, 1 / 3, 1 / 4])
 CARRIER = lp.catalog.system("gyrostat")

@@ -5,10 +5,10 @@ import pytest
 import sympy
 
 import liepoisson as lp
-from liepoisson.phase_space import critical_points as newton
-from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
-from liepoisson.phase_space.equilibrium_search import EquilibriumSearch
-from liepoisson.phase_space.stability import integrals_of
+from liepoisson.equilibrium import critical_points as newton
+from liepoisson.equilibrium.equilibrium_list import Equilibria, signed_sum
+from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch
+from liepoisson.equilibrium.stability import integrals_of
 
 
 def searched(system, leaf, n_starts, seed=0):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.phase_space.euler_characteristic import euler_characteristic
+from liepoisson.equilibrium.euler_characteristic import euler_characteristic
 
 
 def quadratic(bracket):

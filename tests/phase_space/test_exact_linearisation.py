@@ -9,8 +9,8 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.phase_space.exact_linearisation import exact_linearisation
-from liepoisson.phase_space.linearisation import LinearFlow
+from liepoisson.equilibrium.exact_linearisation import exact_linearisation
+from liepoisson.equilibrium.linearisation import LinearFlow
 
 
 def _coefficient(draw):

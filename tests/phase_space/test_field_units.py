@@ -12,8 +12,8 @@ from sympy import Matrix, Rational, exp, sin, sqrt
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
+from liepoisson.leaf.field_units import field_units
 from liepoisson.phase_space import find_start
-from liepoisson.phase_space.field_units import field_units
 from liepoisson.sections import default_surface, section_starts, section_state
 
 UNITS = [(1e-3, 1.0), (1e-5, 1.0), (1e-10, 1.0), (1e4, 1.0), (1.0, 1e-9), (1e-7, 1e8), (1e-30, 1e30)]

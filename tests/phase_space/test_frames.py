@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.phase_space.frames import quaternion_of, rotation_matrix
+from liepoisson.rigid_body.frames import quaternion_of, rotation_matrix
 
 HEAVY = lp.Top.heavy(inertia=(2, 1.5, 1), a=(0.3, -0.4, 1))
 TWISTED = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.3, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError, ShapeError
-from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebra import LieAlgebra
 
 TWISTED = lp.Top(inertia=(2, "3/2", 1), a=(-1, "1/3", "1/5"), b=("1/5", "1/2", "-1/3"), epsilon=1)
 CHARGED = lp.Top(inertia=(2, "3/2", 1), a=(-1, "1/3", "1/5"), b=("1/5", "1/2", "-1/3"), epsilon=0)

@@ -10,9 +10,9 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.phase_space import leaf_sampling
-from liepoisson.phase_space.chain_sampling import N_CHAINS, sample_by_chains
-from liepoisson.phase_space.leaf_sampling import acceptance
+from liepoisson.leaf import leaf_sampling
+from liepoisson.leaf.chain_sampling import N_CHAINS, sample_by_chains
+from liepoisson.leaf.leaf_sampling import acceptance
 
 INERTIA, A, B = np.array([2, 1.5, 1]), np.array([-1, 0.25, 0.5]), np.array([0.25, 0.5, -0.125])
 TWISTED, CHARGED = (lp.Top(inertia=tuple(INERTIA), a=tuple(A), b=tuple(B), epsilon=epsilon) for epsilon in (1, 0))

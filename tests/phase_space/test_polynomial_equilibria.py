@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.exact.polynomials.limits import Limits
-from liepoisson.phase_space.equilibrium_search import EquilibriumSearch
-from liepoisson.phase_space.exact_top import exact_top
-from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
-from liepoisson.phase_space.top_equilibria import equilibria_of_top
+from liepoisson.algebra.ideals.limits import Limits
+from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch
+from liepoisson.equilibrium.exact_top import exact_top
+from liepoisson.equilibrium.polynomial_equilibria import polynomial_equilibria
+from liepoisson.equilibrium.top_equilibria import equilibria_of_top
 
 
 def ordered(states):

@@ -10,7 +10,7 @@ from scipy.special import ellipeinc, ellipj
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.phase_space.rod import loads
+from liepoisson.rigid_body.rod import loads
 
 ANISOTROPIC = lp.Top(inertia=(2, 1.5, 1), a=(0, 0, -0.7), b=(0, 0, 0.4), epsilon=0.8)
 LAGRANGE = lp.Top.twisted_lagrange(transverse=1, axial="2/3", a3=1, epsilon="1/2")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.phase_space.default_surface import unfolded_surface
-from liepoisson.phase_space.section_sheets import idle_components, section_axes
+from liepoisson.poincare.default_surface import unfolded_surface
+from liepoisson.poincare.section_sheets import idle_components, section_axes
 
 
 @pytest.mark.parametrize(

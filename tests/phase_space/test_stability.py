@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import liepoisson as lp
+from liepoisson.equilibrium.linearisation import LinearFlow, definite_combination
+from liepoisson.equilibrium.sleeping import sleeping_top
 from liepoisson.errors import ParameterError
-from liepoisson.phase_space.linearisation import LinearFlow, definite_combination
-from liepoisson.phase_space.sleeping import sleeping_top
 from liepoisson.plot.equilibria import sleeping_diagram
 
 TENTHS = st.integers(-30, 30).map(lambda n: Fraction(n, 10))

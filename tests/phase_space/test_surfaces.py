@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.phase_space.surfaces import section_state
+from liepoisson.poincare.surfaces import section_state
 
 TWISTED = lp.Top.twisted_kovalevskaya()
 SURFACE = lp.sections.good_surface(TWISTED)
@@ -132,7 +132,7 @@ def test_energies_and_surfaces_out_of_reach_are_refused():
 
 def test_starts_need_no_markov_chain(monkeypatch):
     """Six components: 24 starts took 3 to 12 s through the chain of `Leaf.sample`, and take 20 ms without."""
-    monkeypatch.setattr("liepoisson.phase_space.leaf_sampling.sample_by_chains", None)
+    monkeypatch.setattr("liepoisson.leaf.leaf_sampling.sample_by_chains", None)
     for name, surface in (("kovalevskaya", "l3"), ("manakov-so4", "M12")):
         system = lp.catalog.system(name)
         leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])

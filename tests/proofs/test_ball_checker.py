@@ -8,10 +8,10 @@ from flint import arb, arb_mat
 
 import liepoisson as lp
 from liepoisson.errors import EnclosureError, LiePoissonError
-from liepoisson.proofs import ball_checker
-from liepoisson.proofs.ball_checker import check_in_balls
-from liepoisson.proofs.ball_field import BallField, working
-from liepoisson.proofs.ball_sets import BallSet, _gradients
+from liepoisson.proofs.balls import checker as ball_checker
+from liepoisson.proofs.balls.checker import check_in_balls
+from liepoisson.proofs.balls.field import BallField, working
+from liepoisson.proofs.balls.sets import BallSet, _gradients
 from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.polynomial_field import polynomial_field
 

@@ -7,8 +7,8 @@ from flint import arb, arb_mat
 
 import liepoisson as lp
 from liepoisson.errors import EnclosureError, ParameterError
-from liepoisson.proofs.ball_field import BallField, as_column, working
-from liepoisson.proofs.ball_flow import Parallelepiped, advance, column, flow
+from liepoisson.proofs.balls.field import BallField, as_column, working
+from liepoisson.proofs.balls.flow import Parallelepiped, advance, column, flow
 from liepoisson.proofs.polynomial_field import polynomial_field
 
 GAMMA = (

@@ -9,7 +9,7 @@ from flint import arb
 
 import liepoisson as lp
 from liepoisson.errors import EnclosureError, ParameterError, ShapeError
-from liepoisson.proofs.ball_field import working
+from liepoisson.proofs.balls.field import working
 from liepoisson.proofs.rigorous import down, up
 
 

@@ -14,9 +14,9 @@ from liepoisson import catalog
 from liepoisson.cli.systems import read_system
 from liepoisson.errors import CertificateError, EnclosureError, LiePoissonError
 from liepoisson.orbits.level import level_of
-from liepoisson.proofs import ball_checker
-from liepoisson.proofs.ball_checker import check_in_balls
-from liepoisson.proofs.ball_field import working
+from liepoisson.proofs.balls import checker as ball_checker
+from liepoisson.proofs.balls.checker import check_in_balls
+from liepoisson.proofs.balls.field import working
 from liepoisson.proofs.certificate import load_covering_certificate, read_certificate
 from liepoisson.proofs.chain import HSet
 from liepoisson.proofs.float_check import points_of

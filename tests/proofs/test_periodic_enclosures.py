@@ -10,10 +10,10 @@ from flint import arb, ctx
 import liepoisson as lp
 from liepoisson import _core
 from liepoisson.errors import EnclosureError, ParameterError
-from liepoisson.proofs import ball_periodic
-from liepoisson.proofs.ball_field import BallField, working
-from liepoisson.proofs.ball_lohner import How
-from liepoisson.proofs.ball_periodic import Chain
+from liepoisson.proofs.balls import periodic as ball_periodic
+from liepoisson.proofs.balls.field import BallField, working
+from liepoisson.proofs.balls.lohner import How
+from liepoisson.proofs.balls.periodic import Chain
 from liepoisson.proofs.polynomial_field import field_of_formulas, polynomial_field
 
 ARITHMETICS = ("intervals", "balls")

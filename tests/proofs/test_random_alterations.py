@@ -14,7 +14,7 @@ from flint import arb, arb_mat, ctx, fmpq
 import liepoisson as lp
 from liepoisson.errors import CertificateError, DamagedFileError, EnclosureError
 from liepoisson.orbits.precise_flow import PreciseFlow, bits
-from liepoisson.proofs.ball_checker import check_in_balls
+from liepoisson.proofs.balls.checker import check_in_balls
 from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.interval_checker import check_in_intervals
 

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import pytest
 from small_study import SHORT, integrate, one_run
 
-from liepoisson.numeric.finite_time_fit import Estimate
+from liepoisson.indicators.finite_time_fit import Estimate
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.claims import CLAIMS, evaluate_claims
 from liepoisson.studies.twisted_top.claims.errata import TITLE

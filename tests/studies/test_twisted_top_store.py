@@ -13,7 +13,7 @@ from small_study import SMALL, integrate, one_run, stored_piece
 
 import liepoisson as lp
 from liepoisson.errors import OutputError, ParameterError
-from liepoisson.files import exclusive
+from liepoisson.io.files import exclusive
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.integration import Tracker, complete
 from liepoisson.studies.twisted_top.runs import Settings

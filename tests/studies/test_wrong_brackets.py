@@ -4,11 +4,11 @@ from functools import cache
 
 import pytest
 
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import so
+from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import so
 from liepoisson.studies.twisted_top.claims import CLAIMS, Context
 
 pytestmark = pytest.mark.thorough

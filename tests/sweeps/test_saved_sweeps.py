@@ -139,7 +139,7 @@ def test_a_store_or_a_file_that_was_altered_is_refused(tmp_path):
     path.write_text(path.read_text().replace("20.0", "40.0"))
     with pytest.raises(DamagedFileError, match="was changed"):
         lp.load(tmp_path / "sweep.zarr")
-    from liepoisson.dataset import dataset_of, save
+    from liepoisson.io.dataset import dataset_of, save
 
     whole = dataset_of(sweep)
     for k, part in enumerate(({"point": slice(0, 1)}, {"point": [2, 1, 0]}, {"member": [0]})):
@@ -230,7 +230,11 @@ def test_a_sweep_imports_no_code_without_consent(named_module):
 
 @pytest.mark.parametrize(
     "name",
-    ["liepoisson.files:os.abort", "liepoisson.repeat:import_module", "liepoisson.tops:Top.kovalevskaya.__call__"],
+    [
+        "liepoisson.io.files:os.abort",
+        "liepoisson.saved.rerun:import_module",
+        "liepoisson.model.tops:Top.kovalevskaya.__call__",
+    ],
 )
 def test_a_record_names_functions_of_this_package_alone(name):
     spec = lp.sweeps.SweepSpec(system=lp.Top.kovalevskaya, axes=(lp.sweeps.Axis("epsilon", (0.0, 1.0)),), t_end=1.0)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.compile.field import TopField
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.field import TopField
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.starts import TopRows, project, system_functions
 

@@ -14,7 +14,7 @@ import xarray as xr
 
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, OutputError
-from liepoisson.files import exclusive
+from liepoisson.io.files import exclusive
 from liepoisson.sweeps import store as store_module
 from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.run import sweep

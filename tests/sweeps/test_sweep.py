@@ -7,7 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.proportions import wilson_interval
+from liepoisson.indicators.proportions import wilson_interval
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.sweeps.lattice import Cell, split
 from liepoisson.sweeps.run import sweep

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.field import TapeField, TapeFunction, record_of
+from liepoisson.compile.field import TapeField, TapeFunction, record_of
 from liepoisson.laboratory.description import description_of, record_of_functions
 from liepoisson.numeric.systems import as_field
 

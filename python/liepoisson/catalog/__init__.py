@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from liepoisson._lazy import unknown
-from liepoisson.calls import explains_its_arguments
 from liepoisson.catalog.families import (
     euler_top_on,
     heavy_top_on,
@@ -27,11 +26,12 @@ from liepoisson.catalog.families import (
     zeitlin,
 )
 from liepoisson.errors import UnknownNameError, did_you_mean
+from liepoisson.inputs.calls import explains_its_arguments
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
-    from liepoisson.exact.system_file import SystemFile
-    from liepoisson.exact.values import GivenValue
+    from liepoisson.formula.values import GivenValue
+    from liepoisson.model.system import System
+    from liepoisson.model.system_file import SystemFile
 
 __all__ = [
     "entry",
@@ -101,7 +101,7 @@ def entry(name: str) -> SystemFile:
     Raises:
         UnknownNameError: there is none of this name.
     """
-    from liepoisson.exact.system_file_reader import read_system_file
+    from liepoisson.model.system_file_reader import read_system_file
 
     return read_system_file(path(name))
 

@@ -10,17 +10,17 @@ from itertools import combinations
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.wrong_values import not_a
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import not_a
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from liepoisson.arrays import Array
-    from liepoisson.exact.lie_algebra import LieAlgebra
-    from liepoisson.exact.parameters import Parameter
-    from liepoisson.exact.system import System
+    from liepoisson.formula.parameters import Parameter
+    from liepoisson.inputs.arrays import Array
+    from liepoisson.model.system import System
+    from liepoisson.structure.lie_algebra import LieAlgebra
 
 Pairs: TypeAlias = "Mapping[tuple[int, int], Any]"
 """Quadratic functions of the state by pairs of indices j < k, counted from 0."""
@@ -60,9 +60,9 @@ def manakov(n: int, J: Sequence[Parameter] | None = None) -> System:
 
     References: Manakov (1976); Ratiu (1980).
     """
-    from liepoisson.exact.extensions import trivial
-    from liepoisson.exact.lie_algebras import so
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
+    from liepoisson.structure.extensions import trivial
+    from liepoisson.structure.lie_algebras import so
 
     bracket = so(n) @ trivial().rename("M")
     moments = _moments(J, n, "J")
@@ -105,9 +105,9 @@ def su_top(n: int, J: Sequence[Parameter] | None = None) -> System:
 
     References: Mishchenko and Fomenko (1978).
     """
-    from liepoisson.exact.extensions import trivial
-    from liepoisson.exact.lie_algebras import su
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
+    from liepoisson.structure.extensions import trivial
+    from liepoisson.structure.lie_algebras import su
 
     bracket = su(n) @ trivial().rename("x")
     moments = _moments(J, n, "J")
@@ -148,11 +148,11 @@ def zeitlin(N: int) -> System:
     """
     from sympy import S
 
-    from liepoisson.exact.exact_numbers import to_sympy
-    from liepoisson.exact.extensions import trivial
-    from liepoisson.exact.lie.sine_algebra import sine_energy
-    from liepoisson.exact.lie_algebras import sine
-    from liepoisson.exact.system import System
+    from liepoisson.algebra.exact_numbers import to_sympy
+    from liepoisson.model.system import System
+    from liepoisson.structure.extensions import trivial
+    from liepoisson.structure.lie.sine_algebra import sine_energy
+    from liepoisson.structure.lie_algebras import sine
 
     bracket = sine(N) @ trivial().rename("w")
     terms = (to_sympy(h) * x**2 for h, x in zip(sine_energy(N), bracket.variables, strict=True))
@@ -190,10 +190,10 @@ def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
     """
     import numpy as np
 
-    from liepoisson.exact.formula.numbers import as_array
-    from liepoisson.exact.lie.sine_algebra import sine_modes
+    from liepoisson.formula.numbers import as_array
+    from liepoisson.formula.scalars import as_count
     from liepoisson.portable import elementary
-    from liepoisson.scalars import as_count
+    from liepoisson.structure.lie.sine_algebra import sine_modes
 
     n_points = as_count(n_points, "n_points", least=1)
     x = as_array(states, "states")
@@ -227,11 +227,11 @@ def reduced_mhd(N: int) -> System:
     """
     from sympy import S
 
-    from liepoisson.exact.exact_numbers import to_sympy
-    from liepoisson.exact.extensions import semidirect
-    from liepoisson.exact.lie.sine_algebra import sine_energy
-    from liepoisson.exact.lie_algebras import sine
-    from liepoisson.exact.system import System
+    from liepoisson.algebra.exact_numbers import to_sympy
+    from liepoisson.model.system import System
+    from liepoisson.structure.extensions import semidirect
+    from liepoisson.structure.lie.sine_algebra import sine_energy
+    from liepoisson.structure.lie_algebras import sine
 
     bracket = sine(N) @ semidirect(2).rename("w", "psi")
     weights = [to_sympy(h) for h in sine_energy(N)]
@@ -273,9 +273,9 @@ def leibniz_top(
 
     References: Thiffeault and Morrison (2000, 2001); Musso, Petrera, Ragnisco and Satta (2005).
     """
-    from liepoisson.exact.extensions import leibniz
-    from liepoisson.exact.lie_algebras import so
-    from liepoisson.given import sequence
+    from liepoisson.inputs.given import sequence
+    from liepoisson.structure.extensions import leibniz
+    from liepoisson.structure.lie_algebras import so
 
     given = sequence(vectors, "vectors", "vectors", "[[0, 0, 1]]")
     named = {f"vectors[{k}]": vector for k, vector in enumerate(given)}
@@ -303,7 +303,7 @@ def euler_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter]) -> Sys
 
     References: Arnold (1966).
     """
-    from liepoisson.exact.extensions import trivial
+    from liepoisson.structure.extensions import trivial
 
     return _top(_algebra(algebra) @ trivial(), inertia, {}, f"Euler top on {algebra}", _EULER)
 
@@ -319,7 +319,7 @@ def heavy_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter], a: Seq
         >>> top.is_constant("l3"), top.is_casimir("alpha1^2 + alpha2^2 - alpha3^2")
         (True, True)
     """
-    from liepoisson.exact.extensions import semidirect
+    from liepoisson.structure.extensions import semidirect
 
     return _top(_algebra(algebra) @ semidirect(2), inertia, {"a": a}, f"heavy top on {algebra}", _EXTENSIONS)
 
@@ -341,7 +341,7 @@ def twisted_top_on(
         >>> top.equations == lp.Top.twisted_kovalevskaya().equations
         True
     """
-    from liepoisson.exact.extensions import leibniz
+    from liepoisson.structure.extensions import leibniz
 
     vectors = {"a": a} if b is None else {"a": a, "b": b}
     return _top(_algebra(algebra) @ leibniz(3, epsilon), inertia, vectors, f"twisted top on {algebra}", _EXTENSIONS)
@@ -371,8 +371,8 @@ def toda(n: int, *, closed: bool = True) -> System:
 
     References: Toda (1967); [henon1974], [flaschka1974].
     """
-    from liepoisson.exact.canonical_bracket import canonical
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
+    from liepoisson.structure.canonical_bracket import canonical
 
     least = 3 if closed else 2
     if isinstance(n, bool) or not isinstance(n, Integral) or not least <= int(n) <= _MOST_PARTICLES:
@@ -443,8 +443,8 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
 
     References: Hénon and Heiles (1964); Conte, Musette and Verhoeven (2005), for the cases.
     """
-    from liepoisson.exact.canonical_bracket import canonical
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
+    from liepoisson.structure.canonical_bracket import canonical
 
     values = {"A": A, "B": B, "C": C}
     a, b, c = _numbers(list(values.values()), 3, "A, B, C")
@@ -463,12 +463,12 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
 
 def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
     if not isinstance(algebra, str):
-        from liepoisson.exact.lie_algebra import LieAlgebra
+        from liepoisson.structure.lie_algebra import LieAlgebra
 
         if not isinstance(algebra, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise not_a("a Lie algebra or its name", algebra, "algebra", 'write for example "so(3)"')
         return algebra
-    from liepoisson.exact.constructors import read_algebra
+    from liepoisson.model.constructors import read_algebra
 
     return read_algebra(algebra)
 
@@ -479,8 +479,8 @@ def _top(
     """The system with kinetic energy of the first field and constant vectors that couple to the next ones."""
     from sympy import S
 
-    from liepoisson.exact.hamiltonian import symbols_in
-    from liepoisson.exact.system import System
+    from liepoisson.model.hamiltonian import symbols_in
+    from liepoisson.model.system import System
 
     n, fields = bracket.algebra.dimension, list(bracket.fields.values())
     if len(vectors) >= len(fields):
@@ -523,9 +523,9 @@ def _moments(values: Sequence[Parameter] | None, n: int, name: str) -> list[Any]
 
 def _numbers(values: Sequence[Parameter], n: int, name: str, letter: str | None = None) -> list[Any]:
     """Exact numbers (or names), as SymPy expressions; labels are the letter with numbers from 1."""
-    from liepoisson.exact.exact_numbers import to_sympy
-    from liepoisson.exact.parameters import read_parameter
-    from liepoisson.given import listed
+    from liepoisson.algebra.exact_numbers import to_sympy
+    from liepoisson.formula.parameters import read_parameter
+    from liepoisson.inputs.given import listed
 
     items = listed(values, name, [f"{letter or name}{k + 1}" for k in range(n)])
     if items is None or len(items) != n:

@@ -28,7 +28,7 @@ def cite(
     ] = CitationFormat.TEXT,
 ) -> None:
     """Print how to cite liepoisson, and the works that describe what was used."""
-    from liepoisson import citing
+    from liepoisson.saved import citation as citing
 
     citation = citing.cite(*(_used(name) for name in used or ()))
     print(citation.text if format_ is CitationFormat.TEXT else citation.bibtex)
@@ -43,11 +43,11 @@ def _used(name: str) -> Any:
     if not name.strip():
         raise ParameterError("USED: wanted a name of the catalog or a file; got an empty text. Leave it out.")
     if name.endswith(".toml"):
-        from liepoisson.exact.system_file_reader import read_system_file
+        from liepoisson.model.system_file_reader import read_system_file
 
         return read_system_file(name)
     if name.endswith(".nc"):
-        from liepoisson.repeat import load
+        from liepoisson.saved.rerun import load
 
         return load(name)
     return name

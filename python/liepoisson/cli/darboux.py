@@ -70,9 +70,9 @@ def darboux(
 
 def latex_lines(found: DarbouxPolynomials) -> list[str]:
     """Two displayed equations for each polynomial, it and its rate, and what is proved, as a comment."""
-    from liepoisson.exact.printing import Formula
-    from liepoisson.exact.report.lines import Equation, Name
-    from liepoisson.exact.styles import LATEX
+    from liepoisson.formula.styles import LATEX
+    from liepoisson.report.lines import Equation, Name
+    from liepoisson.report.printing import Formula
 
     names = {f"{p.name} =" for p in found.found}
     lines = [f"% {line}" for line in str(found).splitlines() if not any(line.startswith(name) for name in names)]
@@ -85,7 +85,7 @@ def latex_lines(found: DarbouxPolynomials) -> list[str]:
 
 def record(found: DarbouxPolynomials) -> dict[str, Any]:
     """The polynomials and integrals as data that JSON can write."""
-    from liepoisson.exact.printing import Formula
+    from liepoisson.report.printing import Formula
 
     size = {"degree": found.degree} if found.weight is None else {"weight": found.weight, "weights": found.weights}
     return {

@@ -28,8 +28,8 @@ from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 
 if TYPE_CHECKING:
     from liepoisson.cli.starts import Starts
-    from liepoisson.exact.system import System
-    from liepoisson.numeric.verdict import Verdict
+    from liepoisson.indicators.verdict import Verdict
+    from liepoisson.model.system import System
 
 N_STARTS = 64
 _MOST_ROWS = 24
@@ -66,8 +66,8 @@ def decide(
 
     The exit code is 1 where no run finished.
     """
-    from liepoisson.numeric.verdict import TIME
-    from liepoisson.numeric.verdict import decide as find_verdicts
+    from liepoisson.indicators.verdict import TIME
+    from liepoisson.indicators.verdict import decide as find_verdicts
 
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())
@@ -99,7 +99,7 @@ def decide(
 
 def verdict_lines(system: System, drawn: Starts, verdict: Verdict) -> list[str]:
     """What the command prints: each kind with its count, its share and Wilson's interval, and the votes of a few."""
-    from liepoisson.numeric.verdict import KINDS
+    from liepoisson.indicators.verdict import KINDS
 
     finished = int((verdict.outcome == "finished").sum())
     names, counts = np.unique(verdict.outcome, return_counts=True)

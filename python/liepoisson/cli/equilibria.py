@@ -28,7 +28,7 @@ from liepoisson.cli.starts import (
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 
 if TYPE_CHECKING:
-    from liepoisson.phase_space.equilibrium_list import Equilibria
+    from liepoisson.equilibrium.equilibrium_list import Equilibria
 
 STATE_HELP = (
     "A state on the leaf that is meant: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
@@ -55,7 +55,7 @@ def equilibria(
 
     The leaf is that of --start, or of --leaf, or of member 0 of the random states.
     """
-    from liepoisson.phase_space.leaf_equilibria import equilibria as find_equilibria
+    from liepoisson.equilibrium.leaf_equilibria import equilibria as find_equilibria
 
     check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())

@@ -82,7 +82,7 @@ def _names(given: list[str] | None) -> list[str]:
 
 def latex_lines(found: IntegrableFamilies) -> list[str]:
     """One displayed line of conditions for each case, and what is proved, as a comment."""
-    from liepoisson.exact.printing import Formula
+    from liepoisson.report.printing import Formula
 
     lines = str(found).splitlines()
     last = lines[1 + max(1, len(found.cases)) :]
@@ -97,7 +97,7 @@ def latex_lines(found: IntegrableFamilies) -> list[str]:
 
 def record(found: IntegrableFamilies) -> dict[str, Any]:
     """The cases as data that JSON can write, expressions in the grammar of system files."""
-    from liepoisson.exact.printing import Formula
+    from liepoisson.report.printing import Formula
 
     return {
         "system": found.system.name,
@@ -118,7 +118,7 @@ def record(found: IntegrableFamilies) -> dict[str, Any]:
 
 
 def _case_record(case: ParameterCase) -> dict[str, Any]:
-    from liepoisson.exact.printing import Formula
+    from liepoisson.report.printing import Formula
 
     example = None if case.example is None else {str(p): str(value) for p, value in case.example.items()}
     return {

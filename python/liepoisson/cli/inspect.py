@@ -12,7 +12,7 @@ import typer
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
 
 if TYPE_CHECKING:
-    from liepoisson.exact.styles import Style
+    from liepoisson.formula.styles import Style
 
 
 REFUTED = 1
@@ -40,7 +40,7 @@ def inspect(
     The exit code is 1 where something that is claimed turns out to be false: the Jacobi identity, or an integral that
     the file gives.
     """
-    from liepoisson.exact.describe import inspect as inspect_system
+    from liepoisson.report.describe import inspect as inspect_system
 
     report = inspect_system(read_system(system, settings or ()))
     match format_:
@@ -57,7 +57,7 @@ def inspect(
 
 def terminal_style() -> Style:
     """Unicode where standard output can show it, else ASCII."""
-    from liepoisson.exact.styles import PLAIN, UNICODE
+    from liepoisson.formula.styles import PLAIN, UNICODE
 
     try:
         "α·β × ½ ₁² ∂ ⊗ ≠".encode(sys.stdout.encoding or "ascii")

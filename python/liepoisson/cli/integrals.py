@@ -53,9 +53,9 @@ def integrals(
 
 def latex_lines(found: FirstIntegrals) -> list[str]:
     """One displayed equation for each integral, and what is proved, as a comment."""
-    from liepoisson.exact.printing import Formula
-    from liepoisson.exact.report.lines import Equation, Name
-    from liepoisson.exact.styles import LATEX
+    from liepoisson.formula.styles import LATEX
+    from liepoisson.report.lines import Equation, Name
+    from liepoisson.report.printing import Formula
 
     equations = [Equation(Name(f.name), Formula(f.expression)).write(LATEX) for f in found.found]
     return [*(f"% {line}" for line in _summary(found)), *(f"\\[ {equation} \\]" for equation in equations)]

@@ -96,7 +96,7 @@ def _page(
 
 
 def _result(path: str) -> Any:
-    from liepoisson.repeat import load
+    from liepoisson.saved.rerun import load
 
     return load(path)
 

@@ -23,7 +23,7 @@ def check_limits(*, seed: int, time_limit: float, threads: int | None = None) ->
     Raises:
         ParameterError: one of them is out of its range.
     """
-    from liepoisson.scalars import MOST_THREADS
+    from liepoisson.formula.scalars import MOST_THREADS
 
     if seed < 0:
         raise ParameterError(f"--seed must be at least 0; got {seed}. Try 0.")

@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from liepoisson.numeric.estimates import FloatArray
-    from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
-    from liepoisson.numeric.spectrum import Spectrum
+    from liepoisson.indicators.estimates import FloatArray
+    from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
+    from liepoisson.indicators.spectrum import Spectrum
 
 N_STARTS = 64
 OUT_HELP = "Also write the result to this file: .nc (with the curves; it can be rerun) or .csv (a row for each run)."
@@ -127,17 +127,17 @@ def lyapunov(
 def _computed(spectrum: bool) -> Callable[..., FiniteTimeExponents | Spectrum]:
     """What is computed."""
     if spectrum:
-        from liepoisson.numeric.spectrum import lyapunov_spectrum
+        from liepoisson.indicators.spectrum import lyapunov_spectrum
 
         return lyapunov_spectrum
-    from liepoisson.numeric.finite_time_exponents import finite_time_exponents
+    from liepoisson.indicators.finite_time_exponents import finite_time_exponents
 
     return finite_time_exponents
 
 
 def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
     """The mean exponent against time, or the spectrum of the first orbit that finished."""
-    from liepoisson.numeric.spectrum import Spectrum
+    from liepoisson.indicators.spectrum import Spectrum
 
     if isinstance(result, Spectrum):
         from liepoisson.plot.spectrum import spectrum as draw
@@ -162,7 +162,7 @@ def summary(result: FiniteTimeExponents | Spectrum, words: str, unit: float, *, 
         unit: Natural unit of time of the median orbit.
         mixed: Whether the starts have different energies or leaves.
     """
-    from liepoisson.numeric.spectrum import Spectrum
+    from liepoisson.indicators.spectrum import Spectrum
 
     outcome = result.outcome
     method = f"{result.method}, order {result.order}, {result.field.kind} kernel"

@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import OFF
 from liepoisson.cli.ending import InterruptedCommandError, NobodyReadsError, end
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import OFF
 
 if TYPE_CHECKING:
     import typer

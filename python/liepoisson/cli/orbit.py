@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
     from liepoisson.numeric.integrate import Orbit
 
     FloatArray: TypeAlias = NDArray[np.float64]
@@ -122,7 +122,7 @@ def orbit(
 @np.errstate(all="ignore")
 def run_lines(system: System, run: Orbit) -> list[str]:
     """What the command prints about the run: the method, the outcome, the largest change of each invariant."""
-    from liepoisson.exact.casimirs import shortage
+    from liepoisson.structure.casimirs import shortage
 
     lines = [
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",

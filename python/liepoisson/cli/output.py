@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory, TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import OutputError, ParameterError
-from liepoisson.files import write_atomically, writing
+from liepoisson.io.files import write_atomically, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
     from liepoisson.proofs.theorem import ChaosProof
 
 CERTIFICATE_HELP = "Certificate to check, .json.  [default: the one that comes with the package]"

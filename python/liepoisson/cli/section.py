@@ -45,10 +45,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from liepoisson.exact.system import System
-    from liepoisson.numeric.section import Section
-    from liepoisson.phase_space.section_sheets import SectionAxes
-    from liepoisson.phase_space.starts import Start
+    from liepoisson.leaf.starts import Start
+    from liepoisson.model.system import System
+    from liepoisson.poincare.section import Section
+    from liepoisson.poincare.section_sheets import SectionAxes
 
     FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -133,7 +133,7 @@ def section(
     stem = figure_stem(plot, figure, f"{slug}-section")
     if stem is not None:
         _check_axes(chosen, x, y, keep)
-    from liepoisson.numeric.section_arguments import check_that_it_varies
+    from liepoisson.poincare.section_arguments import check_that_it_varies
 
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
     cut, reason = _surface(begin, surface, direction, seed, alone=bool(start))
@@ -191,7 +191,7 @@ def _surface(begin: Start, given: str | None, direction: Direction, seed: int, *
     """
     if given is not None:
         return given, "as given"
-    from liepoisson.phase_space.default_surface import chosen_surface, unfolded_surface
+    from liepoisson.poincare.default_surface import chosen_surface, unfolded_surface
 
     if alone:
         function, of = chosen_surface(begin.leaf)
@@ -234,7 +234,7 @@ def _times_reached(run: Section) -> tuple[str, str]:
 
 def why_nothing(run: Section) -> str:
     """Why a run has no crossings: only one that was seen whole to its end has none for certain."""
-    from liepoisson.numeric.section import as_percent
+    from liepoisson.poincare.section import as_percent
 
     finished = bool((run.outcome == "finished").all())
     if finished and not run.unseen_steps.any():
@@ -257,7 +257,7 @@ def why_nothing(run: Section) -> str:
 @np.errstate(all="ignore")
 def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     """What the command prints about the run."""
-    from liepoisson.numeric.section import as_percent
+    from liepoisson.poincare.section import as_percent
 
     names, counts = np.unique(run.outcome, return_counts=True)
     least, farthest = _times_reached(run)
@@ -326,8 +326,8 @@ def _check_axes(system: System, x: str | None, y: str | None, keep: Sequence[str
 
 def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None) -> SectionAxes:
     """The functions along the axes of the figure."""
-    from liepoisson.phase_space.section_coordinates import figure_axes
-    from liepoisson.phase_space.section_sheets import SectionAxes
+    from liepoisson.poincare.section_coordinates import figure_axes
+    from liepoisson.poincare.section_sheets import SectionAxes
 
     if keep or (x and y):
         across, up = (keep[0], keep[-1]) if keep else ("", "")
@@ -337,7 +337,7 @@ def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None
 
 
 def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> FloatArray:
-    from liepoisson.phase_space.surfaces import section_starts
+    from liepoisson.poincare.surfaces import section_starts
 
     return section_starts(
         begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
@@ -345,7 +345,7 @@ def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> 
 
 
 def _crossings(system: System, states: FloatArray, *, t_end: float, quiet: bool, **options: Any) -> Section:
-    from liepoisson.numeric.section import section as find_crossings
+    from liepoisson.poincare.section import section as find_crossings
 
     total = len(states) * abs(t_end)
     with progress_bar(quiet=quiet) as bar, warnings.catch_warnings():

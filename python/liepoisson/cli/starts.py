@@ -11,12 +11,12 @@ import numpy as np
 
 from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ParameterError
-from liepoisson.exact.formula.numbers import as_double
+from liepoisson.formula.numbers import as_double
 
 if TYPE_CHECKING:
-    from liepoisson.arrays import Array
-    from liepoisson.exact.system import System
-    from liepoisson.phase_space.starts import Start
+    from liepoisson.inputs.arrays import Array
+    from liepoisson.leaf.starts import Start
+    from liepoisson.model.system import System
 
 START_HELP = "Where the orbit begins: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
 GUESS_HELP = "Like --start, but it is moved onto --leaf and --energy.  [default: member 0 of the seed]"
@@ -43,12 +43,12 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
         ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
     file = with_settings(read_file(argument), settings)
-    from liepoisson.exact.exact_numbers import as_float, is_zero
-    from liepoisson.exact.names import MAX_TITLE
-    from liepoisson.exact.values import flattened
+    from liepoisson.algebra.exact_numbers import as_float, is_zero
+    from liepoisson.formula.values import flattened
+    from liepoisson.inputs.names import MAX_TITLE
 
     if file.symbols:
-        from liepoisson.exact.formula.scope import read_declaration
+        from liepoisson.formula.scope import read_declaration
 
         name, shape = read_declaration(file.symbols[0])
         value = ",".join("1" * shape[0]) if shape else "1"
@@ -85,7 +85,7 @@ def find_start(
         ShapeError: a state or a vector has another number of components.
         LeafError: no real state has these Casimirs and this energy, or the given start does not.
     """
-    from liepoisson.phase_space.starts import find
+    from liepoisson.leaf.starts import find
 
     component = system.component_names[0]
     return find(
@@ -217,7 +217,7 @@ def leaf_lines(system: System, start: Start) -> list[str]:
     lines += [f"         {leaf.caution}"] if leaf.caution else []
     lines.append(f"energy   H = {start.energy:.9g}")
     if system.top_parameters is not None and np.isfinite(start.energy):
-        from liepoisson.phase_space.orbit_bounds import bounds
+        from liepoisson.leaf.orbit_bounds import bounds
 
         try:
             limits = bounds(system, start.state)

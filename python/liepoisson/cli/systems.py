@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
-    from liepoisson.exact.system_file import SystemFile
-    from liepoisson.exact.values import Value
+    from liepoisson.formula.values import Value
+    from liepoisson.model.system import System
+    from liepoisson.model.system_file import SystemFile
 
 SYSTEM_HELP = "A name of the catalog (see `liepoisson catalog`) or the path of a system file (.toml)."
 SET_HELP = "A value for a parameter: --set epsilon=1/3 --set a=1,0,0.  Repeat it for more."
@@ -42,7 +42,7 @@ def read_file(argument: str) -> SystemFile:
         UnknownNameError: it is neither.
         SystemFileError: the file does not describe a system.
     """
-    from liepoisson.exact.system_file_reader import read_system_file
+    from liepoisson.model.system_file_reader import read_system_file
 
     if argument.endswith(".toml") or "/" in argument or "\\" in argument or Path(argument).is_file():
         return read_system_file(argument)
@@ -103,7 +103,7 @@ def setting_words(settings: Sequence[str]) -> str:
 
 
 def _read_setting(setting: str, file: SystemFile) -> tuple[str, Value]:
-    from liepoisson.exact.expression import constant
+    from liepoisson.formula.expression import constant
 
     name, sign, text = (part.strip() for part in setting.partition("="))
     if not (name and sign and text):

@@ -27,9 +27,10 @@ from itertools import combinations
 from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
-from liepoisson.deadline import checkpoint
+from liepoisson.algebra.coefficients import Element, check_degree
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Element, check_degree
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.derivation import (
     Derivation,
     Exponents,
@@ -37,12 +38,11 @@ from liepoisson.integrability.derivation import (
     derivation_of,
     derivation_of_rates,
 )
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _MOST_ROOTS = 5
 """Products of all subsets of more roots are not tested."""
@@ -317,7 +317,7 @@ class _Reader:
             self.relations.append(s**2 + c**2 - 1)
 
     def _written(self, form: Form) -> Any:
-        from liepoisson.exact.exact_numbers import to_sympy
+        from liepoisson.algebra.exact_numbers import to_sympy
 
         return sum(to_sympy(c) * x for c, x in zip(form, self.coordinates, strict=True))
 

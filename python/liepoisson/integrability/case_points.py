@@ -2,7 +2,7 @@ r"""Random points of a case of parameters: modulo a prime, and real ones.
 
 The free parameters of a case are drawn; where equations are left that no parameter is solved for, so many of their
 parameters are drawn that finitely many solutions are left, of which one is a point of the case. Modulo a prime it is a
-root of the equation for a linear form (`liepoisson.exact.polynomials.solutions`).
+root of the equation for a linear form (`liepoisson.algebra.ideals.solutions`).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 
 from flint import arb, fmpq, nmod_poly
 
-from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
-from liepoisson.exact.polynomials.lifting import primes
-from liepoisson.exact.polynomials.limits import NotDecidedError
-from liepoisson.exact.polynomials.operations import in_context
-from liepoisson.exact.polynomials.solutions import Solutions, solutions
+from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+from liepoisson.algebra.ideals.lifting import primes
+from liepoisson.algebra.ideals.limits import NotDecidedError
+from liepoisson.algebra.ideals.operations import in_context
+from liepoisson.algebra.ideals.solutions import Solutions, solutions
 from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly
 
 _MOST_DRAWS = 60

@@ -10,19 +10,19 @@ from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
-from liepoisson.files import read_text, write_atomically
-from liepoisson.formats import another_format
-from liepoisson.given import by_name, named
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import by_name, named
+from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability import checker
 from liepoisson.integrability.polynomial_integrals import functions_by_name
-from liepoisson.wrong_values import not_a, shown
+from liepoisson.io.files import read_text, write_atomically
+from liepoisson.io.formats import another_format
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 FORMAT = checker.FORMAT
 MOST_BYTES = 100_000_000

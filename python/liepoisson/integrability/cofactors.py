@@ -21,12 +21,12 @@ from itertools import islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from liepoisson.deadline import checkpoint
+from liepoisson.algebra.coefficients import Element
+from liepoisson.algebra.ideals.limits import NotDecidedError
+from liepoisson.algebra.linear_algebra import nullspace_mod
+from liepoisson.algebra.residues import PRIME
 from liepoisson.errors import TimeLimitError
-from liepoisson.exact.linear.coefficients import Element
-from liepoisson.exact.linear.linear_algebra import nullspace_mod
-from liepoisson.exact.linear.residues import PRIME
-from liepoisson.exact.polynomials.limits import NotDecidedError
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.exact_numbers import to_sympy
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import nullspace
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.completeness import fields_rank
 from liepoisson.integrability.derivation import Polynomial
@@ -24,7 +24,7 @@ from liepoisson.integrability.search import times
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _MOST_GENERATORS = 15
 _MOST_TERMS = 3000

@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.exact_numbers import to_sympy
-from liepoisson.exact.linear.coefficients import Coefficients, check_degree
-from liepoisson.exact.linear.linear_algebra import rank_mod, solve
+from liepoisson.algebra.coefficients import Coefficients, check_degree
+from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.linear_algebra import rank_mod, solve
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import level_of
@@ -34,7 +34,7 @@ from liepoisson.integrability.search import point_on_level, times
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _MOST_PRIMES = 2
 """Primes of which one may be unlucky: modulo it a rank drops."""
@@ -112,7 +112,7 @@ def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -
     """The integrals, if they are closed under the bracket and as many as the theorem wants."""
     from sympy import Symbol
 
-    from liepoisson.exact.trace import traces_in
+    from liepoisson.structure.trace import traces_in
 
     # Casimirs that are traces of matrices are left out: written out they are long
     names, casimirs = list(integrals), [c for c in system.bracket.casimirs() if not traces_in(c)]

@@ -14,11 +14,11 @@ from itertools import chain, count
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
-from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.display import as_text
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.printing import Formula
+from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, over
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -34,13 +34,13 @@ from liepoisson.integrability.polynomial_integrals import (
 )
 from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
 from liepoisson.integrability.square_roots import element, field_of
-from liepoisson.scalars import as_count, as_deadline
-from liepoisson.wrong_values import shown
+from liepoisson.io.display import as_text
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 1000
 """Monomials of the largest search that is begun; the systems of equations contain the cofactor as parameters."""

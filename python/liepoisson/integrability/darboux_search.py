@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
+from liepoisson.algebra.residues import Residues
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Coefficients, Element
-from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod
-from liepoisson.exact.linear.residues import Residues
 from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, homogeneous_parts

@@ -1,7 +1,7 @@
 r"""The equations of motion as a derivation of polynomials, $D = \sum_k \dot x_k\,\partial/\partial x_k$, exactly.
 
 A polynomial is a dictionary from exponents to coefficients, which are elements of the exact field that the coefficients
-of the equations generate (`liepoisson.exact.linear.coefficients`).
+of the equations generate (`liepoisson.algebra.coefficients`).
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.deadline import checkpoint
+from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import ParameterError
-from liepoisson.exact.exact_numbers import Exact
-from liepoisson.exact.linear.coefficients import Coefficients, Element
-from liepoisson.wrong_values import shown
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.refusals import shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Exponents: TypeAlias = tuple[int, ...]
 Polynomial: TypeAlias = dict[Exponents, Element]

@@ -14,10 +14,10 @@ from itertools import chain
 from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.exact.printing import Formula
-from liepoisson.given import texts
+from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.given import texts
 from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
@@ -34,12 +34,12 @@ from liepoisson.integrability.polynomial_integrals import (
     zeros_on_level,
 )
 from liepoisson.integrability.search import Generator, Search
-from liepoisson.scalars import as_count, as_deadline
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 3000
 _MOST_EXAMPLES = 200
@@ -97,8 +97,8 @@ class ParameterCase:
         Raises:
             ParameterError: a parameter of the conditions has no value.
         """
-        from liepoisson.exact.exact_numbers import to_sympy
-        from liepoisson.exact.values import read_values
+        from liepoisson.algebra.exact_numbers import to_sympy
+        from liepoisson.formula.values import read_values
 
         at = {name: to_sympy(cast("Any", v)) for name, v in read_values(values).items()}
         missing = {str(s) for c in (*self.conditions, *self.nonzero) for s in c.free_symbols} - at.keys()
@@ -413,8 +413,8 @@ class _Members:
         return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
 
     def _member(self, example: Mapping[Any, Any]) -> System:
-        from liepoisson.exact.hamiltonian import symbols_in
-        from liepoisson.exact.system import System
+        from liepoisson.model.hamiltonian import symbols_in
+        from liepoisson.model.system import System
 
         values = {str(s): Fraction(int(v.p), int(v.q)) for s, v in example.items()}
         energy = cast("Expr", self.system.hamiltonian.xreplace(dict(example)))

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Any
 
-from liepoisson.deadline import Deadline
-from liepoisson.exact.polynomials.limits import NotDecidedError
+from liepoisson.algebra.ideals.limits import NotDecidedError
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.further_integrals import Comparison, IntegralsAtPoints, ParameterPolynomial
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
-from liepoisson.exact.linear.linear_algebra import nullspace_mod, rank_mod
-from liepoisson.exact.linear.residues import Residues
+from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
+from liepoisson.algebra.residues import Residues
 from liepoisson.integrability.case_points import value_mod
 from liepoisson.integrability.derivation import Exponents
 from liepoisson.integrability.level import Level

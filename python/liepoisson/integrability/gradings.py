@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, lcm
 
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 
 MODULI = (2, 3)

@@ -10,26 +10,26 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.errors import ParameterError
-from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.exact_numbers import is_sympy
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.echelon import Echelon
-from liepoisson.exact.linear.linear_algebra import nullspace
-from liepoisson.exact.names import check_name
-from liepoisson.exact.printing import Formula
-from liepoisson.exact.system import System
-from liepoisson.given import is_named, listed, sequence
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import is_named, listed, sequence
+from liepoisson.inputs.names import check_name
+from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability.derivation import Exponents, polynomial_terms
 from liepoisson.integrability.monomials import n_monomials, of_degree
-from liepoisson.scalars import as_count
-from liepoisson.wrong_values import not_a, shown
+from liepoisson.model.system import System
+from liepoisson.report.printing import Formula
+from liepoisson.structure.bracket import Bracket
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.exact_numbers import Exact
+    from liepoisson.algebra.exact_numbers import Exact
 
 Symmetry: TypeAlias = "Mapping[str, str | Expr] | str | Expr"
 

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.exact.printing import Formula
-from liepoisson.files import exclusive
-from liepoisson.given import listed, named
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.given import listed, named
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.derivation import Derivation, derivation_of
 from liepoisson.integrability.families import check_parameters
 from liepoisson.integrability.level import level_of
@@ -40,15 +40,15 @@ from liepoisson.integrability.polynomial_integrals import (
 from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family
 from liepoisson.integrability.scan_processes import results
 from liepoisson.integrability.scan_store import ScanStore
-from liepoisson.result import Result, labelled, names_along, recorded
-from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
-from liepoisson.wrong_values import shown
+from liepoisson.io.files import exclusive
+from liepoisson.io.result import Result, labelled, names_along, recorded
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from xarray import DataArray
 
-    from liepoisson.exact.parameters import Parameter
-    from liepoisson.exact.system import System
+    from liepoisson.formula.parameters import Parameter
+    from liepoisson.model.system import System
 
 MOST_POINTS = 1_000_000
 _LARGEST_PIECE = 16
@@ -224,7 +224,7 @@ def scan_integrals(
 
 
 def _rationals() -> Any:
-    from liepoisson.exact.linear.coefficients import Coefficients
+    from liepoisson.algebra.coefficients import Coefficients
 
     return Coefficients()
 
@@ -259,7 +259,7 @@ def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, li
 
 def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """The values of the parameters as texts of fractions."""
-    from liepoisson.exact.parameters import read_parameter
+    from liepoisson.formula.parameters import read_parameter
 
     given = named(axes, "axes")
     if given is None or set(given) != set(names):

@@ -18,16 +18,16 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.deadline import checkpoint
+from liepoisson.algebra.coefficients import check_degree
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import check_degree
-from liepoisson.exact.printing import Formula
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.linear.coefficients import Coefficients
+    from liepoisson.algebra.coefficients import Coefficients
 
 
 def order(monomial: Exponents) -> tuple[int, ...]:
@@ -170,8 +170,8 @@ def _as_rational(value: Any) -> Fraction | None:
 def _over_the_rationals(generators: Sequence[Mapping[Exponents, Fraction]]) -> list[dict[Exponents, Fraction]]:
     from flint import fmpq
 
-    from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
-    from liepoisson.exact.polynomials.limits import NotDecidedError
+    from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+    from liepoisson.algebra.ideals.limits import NotDecidedError
 
     context = rational_context([f"x{k}" for k in range(len(next(iter(generators[0]))))])
     given = [context.from_dict({m: fmpq(c.numerator, c.denominator) for m, c in g.items()}) for g in generators]

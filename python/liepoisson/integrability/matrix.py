@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.linear.residues import Residues
+from liepoisson.algebra.residues import Residues
 from liepoisson.integrability.derivation import Derivation, Exponents
 
 if TYPE_CHECKING:

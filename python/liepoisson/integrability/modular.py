@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from random import Random
 
+from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.residues import Residues
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Coefficients, Element
-from liepoisson.exact.linear.residues import Residues
 from liepoisson.integrability.derivation import Exponents, Polynomial
 
 Modular = dict[Exponents, int]

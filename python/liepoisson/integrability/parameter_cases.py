@@ -3,7 +3,7 @@ r"""For which parameters does a linear system have more solutions than it has in
 The matrix has polynomials in the parameters for entries. Entries that cannot vanish are eliminated; where none is left,
 the simplest other entry is assumed not to vanish, and then, factor by factor, to vanish. An equation is solved for a
 parameter that occurs in it with degree one; several that are not are taken apart by
-`liepoisson.exact.polynomials.components`, and entries are reduced by their Gröbner basis. A case ends where the rank is
+`liepoisson.algebra.ideals.components`, and entries are reduced by their Gröbner basis. A case ends where the rank is
 so large that there are no further solutions, or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only
@@ -23,15 +23,15 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from liepoisson.deadline import checkpoint, has_passed
+from liepoisson.algebra.ideals.buchberger import remainder
+from liepoisson.algebra.ideals.certified_roots import real_roots
+from liepoisson.algebra.ideals.components import Assumptions, components
+from liepoisson.algebra.ideals.groebner import GroebnerBasis
+from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
+from liepoisson.algebra.ideals.operations import radical_contains
+from liepoisson.algebra.ideals.signs import vanishing_parts
 from liepoisson.errors import TimeLimitError
-from liepoisson.exact.polynomials.buchberger import remainder
-from liepoisson.exact.polynomials.certified_roots import real_roots
-from liepoisson.exact.polynomials.components import Assumptions, components
-from liepoisson.exact.polynomials.groebner import GroebnerBasis
-from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
-from liepoisson.exact.polynomials.operations import radical_contains
-from liepoisson.exact.polynomials.signs import vanishing_parts
+from liepoisson.inputs.deadline import checkpoint, has_passed
 
 Poly: TypeAlias = Any
 """A polynomial in the parameters, flint.fmpq_mpoly."""

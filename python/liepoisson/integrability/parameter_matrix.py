@@ -11,9 +11,9 @@ from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.echelon import Echelon
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import gradings
 from liepoisson.integrability.level import Level

@@ -7,27 +7,27 @@ from dataclasses import dataclass, field
 from itertools import chain, count
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.algebra.exact_numbers import is_sympy, to_sympy
 from liepoisson.errors import ParameterError
-from liepoisson.exact.exact_numbers import is_sympy, to_sympy
-from liepoisson.exact.names import check_title
-from liepoisson.exact.parameters import read_parameter
-from liepoisson.exact.printing import Formula
-from liepoisson.given import by_name, listed, named
+from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.given import by_name, listed, named
+from liepoisson.inputs.names import check_title
+from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of, real_points, squarefree
 from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
-from liepoisson.scalars import as_count
-from liepoisson.wrong_values import not_a, shown
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.parameters import Parameter
-    from liepoisson.exact.system import System
+    from liepoisson.formula.parameters import Parameter
+    from liepoisson.model.system import System
 
 Equations: TypeAlias = "str | Expr | Sequence[str | Expr] | Mapping[str, Parameter]"
 """Equations of a level set: texts or functions that vanish, one or several, or values by name."""
@@ -352,7 +352,7 @@ def zeros_on_level(system: System, on: Equations) -> list[Expr]:
 
 def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
     """The known integrals, traces of products of matrices written out; those of a higher degree are not needed."""
-    from liepoisson.exact.trace import traces_in
+    from liepoisson.structure.trace import traces_in
 
     used: dict[str, Expr] = {}
     for name, f in known.items():

@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.linear.linear_algebra import rank_mod
+from liepoisson.algebra.linear_algebra import rank_mod
 from liepoisson.integrability.darboux_search import DarbouxSearch, Factor
 from liepoisson.integrability.modular import gradient_at, modular, value_at
 from liepoisson.integrability.search import Search

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.printing import Formula
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from liepoisson import _core
-from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.deadline import Deadline
 from liepoisson.errors import OutputError, ParameterError, TimeLimitError
-from liepoisson.exact.printing import Formula
-from liepoisson.exact.system_text import system_text
-from liepoisson.files import write_atomically
+from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.deadline import Deadline
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.certificates import certificate, unknown_casimirs
 from liepoisson.integrability.commuting_combinations import commuting_combinations
 from liepoisson.integrability.completeness import (
@@ -27,15 +26,16 @@ from liepoisson.integrability.completeness import (
 from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named, search_record
-from liepoisson.scalars import as_count, as_deadline
-from liepoisson.wrong_values import shown
+from liepoisson.io.files import write_atomically
+from liepoisson.model.system_text import system_text
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
     from liepoisson.integrability.galois.obstruction import GaloisObstruction
     from liepoisson.integrability.painleve.singularity_analysis import PainleveTest
+    from liepoisson.model.system import System
 
 FORMAT = "liepoisson report of integrability/1"
 _GROWTH = 12.0
@@ -315,8 +315,8 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
 
 
 def _without_quadratures(system: System, notes: list[str]) -> System:
-    from liepoisson.exact.hamiltonian import symbols_in
-    from liepoisson.exact.system import System
+    from liepoisson.model.hamiltonian import symbols_in
+    from liepoisson.model.system import System
 
     if len(system.variables) == len(system.bracket.variables):
         return system

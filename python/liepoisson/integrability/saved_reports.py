@@ -7,12 +7,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
-from liepoisson.exact.exact_numbers import is_zero
-from liepoisson.exact.system_text import read_system_text
-from liepoisson.files import read_text
-from liepoisson.formats import another_format
+from liepoisson.formula.scalars import as_count, as_time_limit
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import MOST_BYTES, certificate
 from liepoisson.integrability.completeness import (
@@ -26,13 +25,14 @@ from liepoisson.integrability.painleve.singularity_analysis import PainleveTest,
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
-from liepoisson.scalars import as_count, as_time_limit
-from liepoisson.wrong_values import shown
+from liepoisson.io.files import read_text
+from liepoisson.io.formats import another_format
+from liepoisson.model.system_text import read_system_text
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 TOLD = "note of the file: "
 """Stands before what a file notes."""

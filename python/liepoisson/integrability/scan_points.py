@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level

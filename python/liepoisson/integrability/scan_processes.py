@@ -20,8 +20,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from liepoisson.deadline import Deadline
 from liepoisson.errors import TimeLimitError
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.scan_points import PointResult, PointSearch
 
 Piece: TypeAlias = "Mapping[int, Sequence[Fraction]]"

@@ -16,10 +16,10 @@ from typing import Any
 from zlib import crc32
 
 from liepoisson.errors import DamagedFileError, OutputError
-from liepoisson.files import write_atomically, writing
-from liepoisson.formats import another_format
 from liepoisson.integrability.checker import number
 from liepoisson.integrability.scan_points import OUTCOMES, PointResult
+from liepoisson.io.files import write_atomically, writing
+from liepoisson.io.formats import another_format
 
 FORMAT = "liepoisson integral scan 2"
 _FILE = "points.jsonl"

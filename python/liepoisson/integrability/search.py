@@ -18,11 +18,11 @@ from functools import cached_property
 from itertools import count
 from typing import Any
 
-from liepoisson.deadline import checkpoint
+from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
+from liepoisson.algebra.residues import Residues
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.echelon import Echelon
-from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod, rank_mod
-from liepoisson.exact.linear.residues import Residues
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order

@@ -9,7 +9,7 @@ from itertools import combinations
 from math import isqrt, prod
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.algebra.coefficients import Coefficients
 
 if TYPE_CHECKING:
     from sympy import Expr

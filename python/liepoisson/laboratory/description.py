@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from liepoisson.compile.field import TapeFunction, record_of
 from liepoisson.errors import LiePoissonError
-from liepoisson.field import TapeFunction, record_of
 from liepoisson.numeric.systems import (
     as_field,
     component_names,

@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.calls import explains_its_arguments, explains_its_methods
+from liepoisson.algebra.exact_numbers import is_sympy
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
-from liepoisson.exact.exact_numbers import is_sympy
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.files import write_atomically
-from liepoisson.given import sequence
+from liepoisson.formula.numbers import as_array
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
+from liepoisson.inputs.given import sequence
+from liepoisson.io.files import write_atomically
 from liepoisson.laboratory.description import description_of, record_of_functions
 from liepoisson.laboratory.pictures import picture_of
 from liepoisson.laboratory.saved import saved_of
@@ -30,8 +30,8 @@ from liepoisson.numeric.systems import as_field, component_names, has_bracket, r
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from liepoisson.arrays import Array
-from liepoisson.wrong_values import shown
+    from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import shown
 
 VERSION = 1
 """Of the description of a page, which the page looks at."""
@@ -278,8 +278,8 @@ def _default_surface(system: Any, start: Array) -> tuple[str, str]:
     if not has_bracket(system):
         return names[0], names[0]
     bracketed: Any = system
-    from liepoisson.phase_space.default_surface import chosen_surface
-    from liepoisson.phase_space.starts import find
+    from liepoisson.leaf.starts import find
+    from liepoisson.poincare.default_surface import chosen_surface
 
     try:
         leaf = find(bracketed, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
@@ -330,7 +330,7 @@ def _check_size(system: Any, n: int, terms: int) -> None:
 
 def _terms(field: Any) -> int:
     """As the page counts them: entries and the numbers in them."""
-    from liepoisson.field import record_of
+    from liepoisson.compile.field import record_of
 
     total = 0
     for part in record_of(field).values():

@@ -29,7 +29,7 @@ def picture_of(system: Any) -> dict[str, Any] | None:
     n = _truncation(system)
     if n is None:
         return None
-    from liepoisson.exact.lie.sine_algebra import sine_modes
+    from liepoisson.structure.lie.sine_algebra import sine_modes
 
     at = 2 * math.pi * np.arange(N_POINTS) / N_POINTS
     waves = [np.cos(k * at) for k in range(n // 2 + 1)] + [np.sin(k * at) for k in range(1, n // 2 + 1)]

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.arrays import Array
 from liepoisson.laboratory.description import record_of_functions
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.methods import Taylor
-from liepoisson.numeric.section import Section
 from liepoisson.numeric.systems import as_field
+from liepoisson.poincare.section import Section
 
 MOST_NUMBERS = 8_000
 """Of the states that a page carries; of more, every second, third, ... is kept."""

@@ -10,10 +10,10 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import OutputError
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.laboratory.pages import Page
-from liepoisson.scalars import as_count
 
 HOST = "127.0.0.1"
 _POLICY = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import by_name, listed, named
+from liepoisson.formula.numbers import as_array
+from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.laboratory.pages import LARGEST, exact_text
 from liepoisson.laboratory.presets import presets
 from liepoisson.laboratory.tops import PARAMETERS

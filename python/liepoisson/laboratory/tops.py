@@ -19,9 +19,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.lowering import tape_of_equations, tape_of_functions
-from liepoisson.field import record_of
-from liepoisson.tops import Top
+from liepoisson.compile.field import record_of
+from liepoisson.compile.lowering import tape_of_equations, tape_of_functions
+from liepoisson.model.tops import Top
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -106,8 +106,8 @@ def description_of_tops() -> dict[str, Any]:
     from sympy import Integer
 
     from liepoisson import __version__
-    from liepoisson.exact.expression import read_expression
-    from liepoisson.exact.formula.scope import Scope
+    from liepoisson.formula.expression import read_expression
+    from liepoisson.formula.scope import Scope
 
     general = families()[0].top
     names = [*general.component_names, *PARAMETERS]

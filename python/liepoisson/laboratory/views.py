@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import MissingPackageError, ParameterError
-from liepoisson.given import by_name
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import by_name
 from liepoisson.laboratory.pages import Page, page_of
 from liepoisson.laboratory.saved import checked_trajectory
 from liepoisson.laboratory.states import HORIZON
 from liepoisson.numeric.integrate import Orbit
-from liepoisson.numeric.section import Section
-from liepoisson.phase_space.rod import Rod
+from liepoisson.poincare.section import Section
+from liepoisson.rigid_body.rod import Rod
 from liepoisson.sweeps.result import Sweep
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.laboratory.addresses import Addresses
 from liepoisson.laboratory.pages import Page, as_data
 from liepoisson.laboratory.states import LONGEST_MESSAGE, State, parts_of
-from liepoisson.tops import Top
+from liepoisson.model.tops import Top
 
 _PLACE = 'const PAGE = "";'
 """In the script of the widget; the page of the wheel is put there."""

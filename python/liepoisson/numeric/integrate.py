@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson import _core
-from liepoisson.arrays import Array
-from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.compile.field import TopField
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.field import TopField
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_threads, as_time, as_time_limit
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.io.result import labelled, pieces
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
 from liepoisson.numeric.systems import HasField, as_field, component_names, core_field, without_value
-from liepoisson.result import labelled, pieces
-from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time, as_time_limit
 
 _N_TIMES = 1001
 """Times of a run of which only the end is given."""

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, read_only
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.arrays import Array, read_only
 from liepoisson.numeric.systems import has_invariants
 
 

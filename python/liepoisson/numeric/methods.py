@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson import _core
-from liepoisson.arrays import Array
-from liepoisson.calls import explains_its_methods
+from liepoisson.compile.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.field import Field, PiecesField, QuadraticField, TopField
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.systems import TOP_COMPONENTS, has_pieces
-from liepoisson.scalars import as_count, as_number
-from liepoisson.wrong_values import shown
 
 ROUND_OFF = 2.0**-53
 SINGLE_TOLERANCE = 2.0**-20

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array
+from liepoisson.inputs.arrays import Array
 
 
 def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:

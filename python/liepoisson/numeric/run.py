@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.compile.field import Field, field_of, record_of
 from liepoisson.errors import ParameterError
-from liepoisson.field import Field, field_of, record_of
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.result import Result, labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, method_of, method_record
 from liepoisson.numeric.systems import HasField, component_names
-from liepoisson.result import Result, labelled, names_along, recorded
-from liepoisson.wrong_values import shown
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,14 +8,14 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import check_memory
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import UnknownNameError, did_you_mean
+from liepoisson.formula.scalars import MOST, as_count
+from liepoisson.inputs.arrays import check_memory
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.systems import HasField, as_field, vector_length
 from liepoisson.portable import linear
-from liepoisson.scalars import MOST, as_count
 from liepoisson.streams import Purpose, Random, stream
-from liepoisson.wrong_values import shown
 
 BLOCK = 256
 """Members that share a stream; a member's numbers depend on the seed and on its own number only."""

@@ -8,10 +8,10 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import is_data_set, is_named, is_several, labelled, listed
+from liepoisson.formula.numbers import as_array
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"

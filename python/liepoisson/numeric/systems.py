@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array
+from liepoisson.compile.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
 from liepoisson.errors import ParameterError
-from liepoisson.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
-from liepoisson.wrong_values import not_a_system, shown
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import not_a_system, shown
 
 TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 

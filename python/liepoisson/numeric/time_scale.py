@@ -20,15 +20,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
-from liepoisson.calls import explains_its_arguments
-from liepoisson.field import Field, PiecesField
+from liepoisson.compile.field import Field, PiecesField
+from liepoisson.formula.scalars import TIME_LIMIT, as_time_limit
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.portable import elementary, linear
-from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
 N_POINTS = 8
 """Points of the orbit at which the derivative of the field is taken: those of a stretch of some 32 natural times."""

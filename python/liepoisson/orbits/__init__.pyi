@@ -1,8 +1,8 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.leaf.chart_orbit import chart_orbit as chart_orbit
 from liepoisson.numeric.integrate import integrate as integrate
 from liepoisson.numeric.time_scale import time_scale as time_scale
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits as symmetric_homoclinic_orbits
 from liepoisson.orbits.symmetric_orbits import symmetric_periodic_orbits as symmetric_periodic_orbits
-from liepoisson.phase_space.chart_orbit import chart_orbit as chart_orbit
-from liepoisson.phase_space.frames import attitude as attitude
-from liepoisson.phase_space.rod import rod as rod
+from liepoisson.rigid_body.frames import attitude as attitude
+from liepoisson.rigid_body.rod import rod as rod

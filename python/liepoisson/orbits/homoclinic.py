@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from liepoisson.arrays import Array
-from liepoisson.calls import shows_progress
-from liepoisson.deadline import has_passed
 from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import has_passed
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
 from liepoisson.orbits.level import Level
@@ -27,13 +28,12 @@ from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis, n_times_o
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
 from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
 from liepoisson.portable import elementary, linear
-from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
-    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.equilibrium.stability import Equilibrium
+    from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
-    from liepoisson.phase_space.stability import Equilibrium
 
 MEETS = 1e-9
 """Largest distance of a midpoint from the fixed set, in units of the level; 1e-12 is usual (see `unstable`)."""

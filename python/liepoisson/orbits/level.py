@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.algebra.exact_numbers import Exact, to_sympy
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.exact.exact_numbers import Exact, to_sympy
-from liepoisson.exact.parameters import read_parameter
-from liepoisson.exact.phase_functions import PhaseFunction
-from liepoisson.given import named
-from liepoisson.phase_space._checks import are_equal, as_energy, as_system
-from liepoisson.phase_space.casimir_names import by_name
-from liepoisson.phase_space.leaf import Leaf
+from liepoisson.formula.parameters import read_parameter
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.given import named
+from liepoisson.inputs.refusals import shown
+from liepoisson.leaf._checks import are_equal, as_energy, as_system
+from liepoisson.leaf.casimir_names import by_name
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import linear
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _MOST_STEPS = 60
 _ON_LEVEL = 1e-13

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.inputs.arrays import Array
 from liepoisson.portable import linear
 
 ComplexArray = NDArray[np.complex128]

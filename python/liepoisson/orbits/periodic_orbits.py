@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays
-from liepoisson.calls import explains_its_methods
-from liepoisson.display import as_line, as_table
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.io.display import as_line, as_table
+from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import ComplexArray, kind_of
 from liepoisson.portable import elementary, linear
-from liepoisson.scalars import as_count
-from liepoisson.tables import Tabular
 
 if TYPE_CHECKING:
-    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
-    from liepoisson.exact.system import System
+    from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.model.system import System
     from liepoisson.orbits.polish import PreciseSegment
 
 _CLOSED = 1e-9

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import OrbitError
+from liepoisson.formula.scalars import as_count
 from liepoisson.orbits.precise_flow import (
     Ball,
     Matrix,
@@ -18,11 +19,10 @@ from liepoisson.orbits.precise_flow import (
     solved,
 )
 from liepoisson.orbits.shooting import fixed_basis, mirror_basis
-from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
-    from liepoisson.arrays import Array
-    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.inputs.arrays import Array
+    from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.orbits.level import Level
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.errors import OrbitError, ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 from liepoisson.orbits.polish import (
     MOST_DIGITS,
@@ -37,10 +38,9 @@ from liepoisson.orbits.precise_flow import (
 )
 from liepoisson.orbits.shooting import mirror_basis
 from liepoisson.portable import linear
-from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
-    from liepoisson.arrays import Array
+    from liepoisson.inputs.arrays import Array
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
 
 _MOST_STEPS = 15

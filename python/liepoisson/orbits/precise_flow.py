@@ -14,12 +14,12 @@ from fractions import Fraction
 from math import ceil, log
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.algebra.exact_numbers import Exact, to_sympy
 from liepoisson.errors import OrbitError, ParameterError
-from liepoisson.exact.exact_numbers import Exact, to_sympy
-from liepoisson.wrong_values import shown
+from liepoisson.inputs.refusals import shown
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Ball: TypeAlias = Any
 """A number of python-flint's `arb`."""

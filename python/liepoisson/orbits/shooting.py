@@ -19,17 +19,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, check_memory
-from liepoisson.deadline import checkpoint
 from liepoisson.errors import TimeLimitError
+from liepoisson.formula.scalars import MOST, TIME_LIMIT
+from liepoisson.inputs.arrays import Array, check_memory
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
 from liepoisson.portable import linear
-from liepoisson.scalars import MOST, TIME_LIMIT
 
 if TYPE_CHECKING:
-    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
-    from liepoisson.exact.system import System
+    from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.model.system import System
     from liepoisson.orbits.level import Level
 
 TOGETHER = 16

@@ -14,12 +14,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from liepoisson.arrays import Array
-from liepoisson.calls import shows_progress
-from liepoisson.deadline import checkpoint, has_passed
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.exact.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
-from liepoisson.given import sequence
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import checkpoint, has_passed
+from liepoisson.inputs.given import sequence
+from liepoisson.inputs.refusals import shown
+from liepoisson.leaf._checks import are_equal
+from liepoisson.model.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.time_scale import natural_duration
@@ -27,15 +30,12 @@ from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import loop_spectrum
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits
 from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis, n_times_of
-from liepoisson.phase_space._checks import are_equal
 from liepoisson.portable import linear
-from liepoisson.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
 from liepoisson.streams import Purpose, stream
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
-    from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.leaf.leaf import Leaf
+    from liepoisson.model.system import System
 
 CLOSES = 1e-12
 """Largest residual of an orbit, in units of the level; longer orbits that are too unstable for it are not kept."""

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import LeafError, ParameterError
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import HYPERBOLIC, transversal_basis
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 from liepoisson.orbits.shooting import Flow
-from liepoisson.phase_space.stability import Equilibrium
 from liepoisson.portable import elementary, linear
 
 AMPLITUDE = 1e-4

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.given import listed
+from liepoisson.formula.scalars import as_number
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import listed
 from liepoisson.plot.style import FIRST_FIELD, INK, SEQUENCE, axes_or_new, house_style
-from liepoisson.scalars import as_number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

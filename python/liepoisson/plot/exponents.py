@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ShapeError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import listed, sequence
-from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.indicators.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import listed, sequence
+from liepoisson.inputs.refusals import not_a
 from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style
-from liepoisson.scalars import as_count, as_number
-from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

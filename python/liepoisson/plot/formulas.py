@@ -9,7 +9,7 @@ from liepoisson.errors import ExpressionError
 from liepoisson.plot.labels import LONGEST, label, plain, symbol, upright
 
 if TYPE_CHECKING:
-    from liepoisson.exact.formula.grammar import Node, Product
+    from liepoisson.formula.grammar import Node, Product
 
 _SUM, _PRODUCT, _POWER, _ATOM = range(4)
 """How tightly a part holds together: one that stands where a tighter one is wanted has brackets."""
@@ -22,7 +22,7 @@ def formula(text: str) -> str:
     """A formula as mathematical text; as plain text where it is not in the language, or too long to be drawn."""
     from matplotlib.mathtext import MathTextParser
 
-    from liepoisson.exact.formula.grammar import parse
+    from liepoisson.formula.grammar import parse
 
     if len(text) > LONGEST or text.isidentifier():
         return label(text)
@@ -43,7 +43,7 @@ def number(value: float, digits: int = 4) -> str:
 
 def _written(node: Node, text: str) -> tuple[str, int]:  # noqa: PLR0911  # a line for each kind
     """A part of a formula, and how tightly it holds together."""
-    from liepoisson.exact.formula.grammar import Call, Component, Name, Negative, Number, Power, Product, Sum
+    from liepoisson.formula.grammar import Call, Component, Name, Negative, Number, Power, Product, Sum
 
     match node:
         case Number():
@@ -78,7 +78,7 @@ def _within(node: Node, text: str, wanted: int) -> str:
 
 def _product(node: Product, text: str) -> tuple[str, int]:
     """Factors with a thin space between them; a first factor -1 is a sign."""
-    from liepoisson.exact.formula.grammar import Negative, Number
+    from liepoisson.formula.grammar import Negative, Number
 
     factors = [*zip(node.operators, node.children, strict=True)]
     sign = ""

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.given import sequence, texts
+from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import sequence, texts
+from liepoisson.inputs.refusals import shown
 from liepoisson.plot.exponents import time_axis
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
-from liepoisson.scalars import as_count, as_number
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from liepoisson.numeric.verdict import Rule
+    from liepoisson.indicators.verdict import Rule
 
 # The axes of growth and MEGNO are linear up to here, so that ln t and 2 can be read, and logarithmic beyond.
 _LINEAR_TO = 10.0
@@ -114,7 +114,7 @@ def indicators(
         top.plot(torus_time, np.log(torus_time / first), label=r"$\ln(t/t_0)$", **reference)
         middle.axhline(2.0, **reference)
         low.axhline(1e-16, **reference)
-        from liepoisson.numeric.verdict import Rule
+        from liepoisson.indicators.verdict import Rule
 
         chosen_rule = Rule() if rule is None else rule
         for ax, thresholds in ((middle, chosen_rule.megno), (low, chosen_rule.sali)):

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.given import at_times, by_name
+from liepoisson.formula.numbers import as_array
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import at_times, by_name
+from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants
 from liepoisson.plot.labels import label, name_of_system, plain, vector_of, vector_symbol
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
-from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
 from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, plain
@@ -19,8 +21,6 @@ from liepoisson.plot.section import section
 from liepoisson.plot.spectrum import spectrum
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, SEQUENCE, axes_or_new, house_style
 from liepoisson.plot.sweep import sweep
-from liepoisson.result import Result
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

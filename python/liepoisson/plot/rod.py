@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.plot.style import (
     ANGULAR_MOMENTUM,
     CENTRE_OF_MASS,

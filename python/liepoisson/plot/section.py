@@ -11,29 +11,29 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.exact.names import ANGLE
-from liepoisson.given import as_scalar, listed
-from liepoisson.numeric.section_axes import default_axes
+from liepoisson.formula.numbers import as_array
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import as_scalar, listed
+from liepoisson.inputs.names import ANGLE
+from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.systems import has_functions
-from liepoisson.phase_space.section_coordinates import component_axes, figure_axes
-from liepoisson.phase_space.section_levels import levels_of
-from liepoisson.phase_space.section_sheets import DIRECTION
 from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
-from liepoisson.wrong_values import not_a
+from liepoisson.poincare.section_axes import default_axes
+from liepoisson.poincare.section_coordinates import component_axes, figure_axes
+from liepoisson.poincare.section_levels import levels_of
+from liepoisson.poincare.section_sheets import DIRECTION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-    from liepoisson.exact.system import System
-    from liepoisson.numeric.section import Section as SectionResult
-    from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.leaf.leaf import Leaf
+    from liepoisson.model.system import System
+    from liepoisson.poincare.section import Section as SectionResult
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -177,7 +177,7 @@ def titled_section(
         energy: That of the orbits, if it is one.
         sheets: What tells two sheets apart, which are drawn side by side (`SectionAxes`).
     """
-    from liepoisson.exact.casimirs import shortage
+    from liepoisson.structure.casimirs import shortage
 
     system = leaf.system
     with house_style():
@@ -266,7 +266,7 @@ def _is_angle(system: System, k: int, states: FloatArray) -> bool:
 
 def _is_angle_formula(text: str) -> bool:
     """Whether a formula is the angle of two functions, and nothing else."""
-    from liepoisson.exact.formula.grammar import Call, parse
+    from liepoisson.formula.grammar import Call, parse
 
     if ANGLE not in text:
         return False

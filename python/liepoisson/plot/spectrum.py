@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.plot.labels import plain
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style, new_figure
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from liepoisson.numeric.spectrum import Spectrum
+    from liepoisson.indicators.spectrum import Spectrum
 
 
 @explains_its_arguments
@@ -44,7 +44,7 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
     Raises:
         ParameterError: no spectrum, no such trajectory, or it did not finish.
     """
-    from liepoisson.numeric.spectrum import Spectrum
+    from liepoisson.indicators.spectrum import Spectrum
 
     if not isinstance(result, Spectrum):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"result: wanted what lyapunov_spectrum returns; got {shown(result)}; call it first")

@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.given import listed
-from liepoisson.wrong_values import not_a
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import listed
+from liepoisson.inputs.refusals import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

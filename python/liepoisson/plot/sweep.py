@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.plot.labels import label, with_formulas
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, as_colour, axes_or_new, house_style
 

@@ -11,13 +11,13 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays
-from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.exact.parameters import read_parameter
-from liepoisson.given import ordered
-from liepoisson.wrong_values import shown
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.parameters import read_parameter
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.given import ordered
+from liepoisson.inputs.refusals import shown
 
 BoxLike: TypeAlias = "Box | tuple[ArrayLike, ArrayLike] | ArrayLike"
 """A box, its lower and upper bounds as a pair, or one point."""

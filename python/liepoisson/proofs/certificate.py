@@ -23,11 +23,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError
-from liepoisson.files import read_text
-from liepoisson.formats import another_format
-from liepoisson.wrong_values import shown
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.files import read_text
+from liepoisson.io.formats import another_format
 
 FORMAT = "liepoisson certificate of covering relations/1"
 

@@ -28,9 +28,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import OrbitError
-from liepoisson.exact.system_text import formula_text
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.model.system_text import formula_text
 from liepoisson.orbits.homoclinic import lengthened
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import transversal_basis

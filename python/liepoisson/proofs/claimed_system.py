@@ -8,10 +8,10 @@ from itertools import chain, repeat
 from typing import Any, cast
 
 from liepoisson.errors import CertificateError, ExpressionError
-from liepoisson.exact.expression import read_expression
-from liepoisson.exact.formula.scope import Scope
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
+from liepoisson.inputs.refusals import shown
 from liepoisson.proofs.polynomial_field import PolynomialField, rational_terms
-from liepoisson.wrong_values import shown
 
 _LEFT_SIDE = re.compile(r"^\s*(?:d\s*)?([A-Za-z]\w*?)\s*(?:'|/\s*dt|_dot|\.)?\s*=")
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import acb_mat, arb_mat
 
-from liepoisson.arrays import Array
 from liepoisson.errors import EnclosureError
+from liepoisson.inputs.arrays import Array
 from liepoisson.proofs.box import Box
 from liepoisson.proofs.rigorous import down, up
 

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.arrays import ReadOnlyArrays
-from liepoisson.calls import shows_progress
 from liepoisson.errors import EnclosureError, ParameterError
-from liepoisson.numeric.section_arguments import as_direction
+from liepoisson.formula.scalars import TIME_LIMIT
+from liepoisson.inputs.arrays import ReadOnlyArrays
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.refusals import shown
+from liepoisson.poincare.section_arguments import as_direction
 from liepoisson.proofs.box import Box, BoxLike, interval_text
 from liepoisson.proofs.interval_checker import core_terms
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms, rational_terms, value
@@ -30,13 +32,11 @@ from liepoisson.proofs.rigorous import (
     positive,
     rounded,
 )
-from liepoisson.scalars import TIME_LIMIT
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from flint import arb, arb_mat
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _BACK = "for the flow backward in time enclose that of the system with the opposite Hamiltonian"
 _FIRST_STEP, _LOOKS = 1e-3, 100_000
@@ -207,8 +207,8 @@ def around_midpoint(box: Box) -> tuple[Any, Any, Any, Any]:
 
 
 def _flow_in_balls(field: PolynomialField, box: Box, time: float, means: Means) -> tuple[Box, Box, Box, Box]:
-    from liepoisson.proofs.ball_field import BallField, working
-    from liepoisson.proofs.ball_lohner import Carried, carry
+    from liepoisson.proofs.balls.field import BallField, working
+    from liepoisson.proofs.balls.lohner import Carried, carry
 
     n = len(field.names)
     with working(means.precision):
@@ -318,8 +318,8 @@ def _affine(system: System | PolynomialField, field: PolynomialField, surface: o
     if not isinstance(surface, str):
         raise ParameterError(f'surface: wanted a formula such as "{field.names[0]} - 1/2"; got {shown(surface)}')
     if isinstance(system, PolynomialField):
-        from liepoisson.exact.expression import read_expression
-        from liepoisson.exact.formula.scope import Scope
+        from liepoisson.formula.expression import read_expression
+        from liepoisson.formula.scope import Scope
 
         expression, x = read_expression(surface, Scope(symbols=field.names)), [Symbol(name) for name in field.names]
     else:
@@ -433,8 +433,8 @@ def _section_in_intervals(
 def _section_in_balls(
     field: PolynomialField, box: Box, section: Terms, time: float, means: Means
 ) -> tuple[tuple[float, float], Box, Box, tuple[float, float], _Steps]:
-    from liepoisson.proofs.ball_field import BallField, ball, working
-    from liepoisson.proofs.ball_section import Hyperplane, section_map
+    from liepoisson.proofs.balls.field import BallField, ball, working
+    from liepoisson.proofs.balls.section import Hyperplane, section_map
 
     n = len(field.names)
     with working(means.precision):
@@ -461,7 +461,7 @@ def _is_first(
     either: bool,
 ) -> bool:
     """Whether orbits of the box provably cross the section not before, after they have left the box; or in no sense."""
-    from liepoisson.proofs.ball_field import BallField, working
+    from liepoisson.proofs.balls.field import BallField, working
 
     with working():
         evaluated = BallField(PolynomialField(field.names, (*field.rates,), {"s": section}, ()))

@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.arrays import Array, ReadOnlyArrays
-from liepoisson.calls import shows_progress
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.portable import linear
 from liepoisson.proofs.box import Box, BoxLike
 from liepoisson.proofs.interval_checker import core_terms
@@ -36,15 +37,14 @@ from liepoisson.proofs.rigorous import (
     name_of,
     one_state,
 )
-from liepoisson.scalars import TIME_LIMIT, as_count
 from liepoisson.streams import generator
 
 if TYPE_CHECKING:
     from flint import arb, arb_mat
     from numpy.typing import NDArray
 
-    from liepoisson.exact.system import System
-    from liepoisson.proofs.ball_field import BallField
+    from liepoisson.model.system import System
+    from liepoisson.proofs.balls.field import BallField
 
 _NEWTON_STEPS = 30
 _RADII = tuple(10.0**-k for k in range(1, 15))
@@ -267,7 +267,7 @@ class _Problem:
     """Zeros of F = (P f, C - c)."""
 
     def __init__(self, field: PolynomialField, values: Mapping[str, Fraction], means: Means) -> None:
-        from liepoisson.proofs.ball_field import BallField, working
+        from liepoisson.proofs.balls.field import BallField, working
 
         self.field, self.values, self.means, self.n = field, values, means, len(field.names)
         self.casimirs = [field.constants[name] for name in values]
@@ -290,7 +290,7 @@ class _Problem:
 
     def _directions_at(self, state: Array) -> NDArray[np.int64]:
         """P for the surroundings of a state: nearly tangent to the level."""
-        from liepoisson.proofs.ball_field import working
+        from liepoisson.proofs.balls.field import working
 
         if not self.values:
             return self.directions
@@ -303,7 +303,7 @@ class _Problem:
         """Newton's method, without proof, from a guess; the directions follow it."""
         from flint import arb, arb_mat
 
-        from liepoisson.proofs.ball_field import as_column, working
+        from liepoisson.proofs.balls.field import as_column, working
 
         state = guess
         with working(self.means.precision):
@@ -337,7 +337,7 @@ class _Problem:
         return (*along, *off)
 
     def _system(self) -> BallField:
-        from liepoisson.proofs.ball_field import BallField
+        from liepoisson.proofs.balls.field import BallField
 
         return BallField(PolynomialField(self.field.names, self.rows(), {}, ()))
 
@@ -351,8 +351,8 @@ class _Problem:
     def zeros(self, box: Box, most: int) -> tuple[list[tuple[Box, Box]], list[Box]]:
         """Narrow boxes with one zero each and the boxes in which it is alone; and boxes of which nothing is known."""
         if self.means.arithmetic == "balls":
-            from liepoisson.proofs.ball_field import working
-            from liepoisson.proofs.ball_zeros import zeros
+            from liepoisson.proofs.balls.field import working
+            from liepoisson.proofs.balls.zeros import zeros
 
             with working(self.means.precision):
                 return zeros(self._system(), box, most, _CUT, self.means)
@@ -373,7 +373,7 @@ class _Problem:
 
     def may_be_at_rest(self, box: Box) -> bool:
         """Whether no component of f and no Casimir rules out an equilibrium of the level in a box."""
-        from liepoisson.proofs.ball_field import ball, working
+        from liepoisson.proofs.balls.field import ball, working
 
         with working(self.means.precision):
             x = _wide(box)
@@ -389,7 +389,7 @@ class _Problem:
 
     def is_certain(self, box: Box) -> bool:
         """Whether zeros of F in a box are equilibria."""
-        from liepoisson.proofs.ball_field import working
+        from liepoisson.proofs.balls.field import working
 
         with working(self.means.precision):
             try:
@@ -402,7 +402,7 @@ class _Problem:
         """What was proved, with the eigenvalues."""
         from flint import arb_mat
 
-        from liepoisson.proofs.ball_field import working
+        from liepoisson.proofs.balls.field import working
         from liepoisson.proofs.eigenvalue_boxes import eigenvalue_boxes
 
         d = self.dimension

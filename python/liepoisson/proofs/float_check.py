@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.arrays import Array
+from liepoisson.inputs.arrays import Array
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import linear
 from liepoisson.streams import Random, generator

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.arrays import Array, ReadOnlyArrays
-from liepoisson.calls import shows_progress
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.portable import linear
 from liepoisson.proofs.box import Box, BoxLike, interval_text
 from liepoisson.proofs.enclosures import around_midpoint
@@ -33,12 +34,11 @@ from liepoisson.proofs.rigorous import (
     positive,
     rounded,
 )
-from liepoisson.scalars import TIME_LIMIT, as_count
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _REACH = 1e-3
 """How far charts reach along the gradients of the constants of motion, in units of the state."""
@@ -270,7 +270,7 @@ def _sections(
 
 def _steepest(field: PolynomialField, state: Array) -> float:
     """The largest component of a gradient of a constant of motion."""
-    from liepoisson.proofs.ball_field import BallField, working
+    from liepoisson.proofs.balls.field import BallField, working
 
     if not field.constants:
         return 1.0
@@ -319,8 +319,8 @@ def _in_balls(
     states, times, reach = chain.states, chain.times, chain.reach
     from flint import arb
 
-    from liepoisson.proofs.ball_field import BallField, ball, working
-    from liepoisson.proofs.ball_periodic import Chain
+    from liepoisson.proofs.balls.field import BallField, ball, working
+    from liepoisson.proofs.balls.periodic import Chain
     from liepoisson.proofs.eigenvalue_boxes import eigenvalue_boxes
 
     n, d = len(field.names), len(field.names) - 1 - len(values)

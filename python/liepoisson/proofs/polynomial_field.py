@@ -12,15 +12,15 @@ from math import prod
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.expression import read_expression
-from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.printing import Formula
-from liepoisson.wrong_values import shown
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
+from liepoisson.inputs.refusals import shown
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Terms: TypeAlias = "dict[tuple[int, ...], Fraction]"
 """A polynomial: exponents -> coefficient, none of which is zero."""

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms, derivative
 
 

@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
-from liepoisson.arrays import Array
 from liepoisson.errors import EnclosureError, ParameterError, ShapeError
-from liepoisson.exact.parameters import read_parameter
-from liepoisson.given import as_scalar, by_name
-from liepoisson.phase_space._checks import as_system
-from liepoisson.proofs.ball_lohner import How
+from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.scalars import as_count, as_number, as_time_limit
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.given import as_scalar, by_name
+from liepoisson.inputs.refusals import shown
+from liepoisson.leaf._checks import as_system
+from liepoisson.proofs.balls.lohner import How
 from liepoisson.proofs.box import Box, BoxLike, as_box
 from liepoisson.proofs.polynomial_field import PolynomialField, along, equations_of, polynomial_field, value
-from liepoisson.scalars import as_count, as_number, as_time_limit
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from flint import arb
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Arithmetic: TypeAlias = Literal["intervals", "balls"]
 ARITHMETICS = ("intervals", "balls")

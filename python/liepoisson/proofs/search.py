@@ -13,29 +13,29 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.calls import explains_its_methods, shows_progress
+from liepoisson.equilibrium.leaf_equilibria import equilibria
 from liepoisson.errors import EnclosureError, LeafError, OrbitError, ParameterError
-from liepoisson.files import write_json
+from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.inputs.calls import explains_its_methods, shows_progress
+from liepoisson.io.files import write_json
+from liepoisson.leaf._checks import as_system
 from liepoisson.numeric.progress import part_of
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import reversers_of, symmetric_periodic_orbits
-from liepoisson.phase_space._checks import as_system
-from liepoisson.phase_space.leaf_equilibria import equilibria
 from liepoisson.portable import linear
 from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.chain import Chain, ChainMaker, with_polished_ends
 from liepoisson.proofs.float_check import FloatCheck, float_check
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
-from liepoisson.scalars import as_count, as_number
 
 if TYPE_CHECKING:
-    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
-    from liepoisson.exact.system import System
+    from liepoisson.leaf.leaf import Leaf
+    from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.model.system import System
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
-    from liepoisson.phase_space.leaf import Leaf
 
 _MOST_ORBITS, _MOST_HOMOCLINIC, _COMPARED = 4, 12, 6
 """Periodic orbits that are tried, homoclinic orbits to each, and among how many of these the best is taken."""

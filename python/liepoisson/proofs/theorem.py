@@ -8,21 +8,21 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.errors import CertificateError, EnclosureError, ParameterError
-from liepoisson.exact.polynomials.limits import NotDecidedError
-from liepoisson.given import texts
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import texts
+from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate, read_certificate
 from liepoisson.proofs.claimed_system import compare_equations
 from liepoisson.proofs.margins import Margins
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
 from liepoisson.proofs.regularity import is_regular
 from liepoisson.proofs.search import CertificateCandidate
-from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
-    from liepoisson.exact.bracket import Bracket
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
+    from liepoisson.structure.bracket import Bracket
 
 ARITHMETICS = ("intervals", "balls")
 SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
@@ -217,7 +217,7 @@ _NAMES = {"balls": "Arb balls", "intervals": "intervals"}
 
 
 def _checkers() -> dict[str, Callable[[CoveringCertificate, PolynomialField, Callable[[float], Any]], Margins]]:
-    from liepoisson.proofs.ball_checker import check_in_balls
+    from liepoisson.proofs.balls.checker import check_in_balls
     from liepoisson.proofs.interval_checker import check_in_intervals
 
     return {"balls": check_in_balls, "intervals": check_in_intervals}

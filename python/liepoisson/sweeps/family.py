@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
-from liepoisson.arrays import Array
+from liepoisson.compile.field import Field, TopField
 from liepoisson.errors import InertiaWarning, ParameterError
-from liepoisson.field import Field, TopField
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.systems import HasField
 from liepoisson.sweeps.identity import is_system_file
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system_file import SystemFile
+    from liepoisson.model.system_file import SystemFile
 
 Shape: TypeAlias = tuple[int, ...]
 _SYMPY = RLock()
@@ -118,8 +118,8 @@ class FileFamily(Family):
 
     @cached_property
     def _file(self) -> SystemFile:
-        from liepoisson.exact.formula.toml_text import TomlText
-        from liepoisson.exact.system_file_reader import read_tables
+        from liepoisson.formula.toml_text import TomlText
+        from liepoisson.model.system_file_reader import read_tables
 
         return read_tables(TomlText(self._path, "", self._tables))
 
@@ -155,9 +155,9 @@ class FileFamily(Family):
         """Inertia, a, b and epsilon as functions of all components of all parameters; None if it is no top."""
         from sympy import Symbol
 
-        from liepoisson.exact.exact_numbers import to_sympy
-        from liepoisson.exact.private_symbols import numpy_function
-        from liepoisson.exact.values import component_name
+        from liepoisson.algebra.exact_numbers import to_sympy
+        from liepoisson.compile.private_symbols import numpy_function
+        from liepoisson.formula.values import component_name
 
         with _SYMPY:
             declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())
@@ -230,7 +230,7 @@ def as_family(system: Any) -> Family:
         return FileFamily(cast("Mapping[str, Any]", system), "the system of the sweep")
     if isinstance(system, (str, Path)):
         from liepoisson import catalog
-        from liepoisson.exact.formula.toml_text import read_toml
+        from liepoisson.formula.toml_text import read_toml
 
         text = str(system)
         path = Path(text) if is_system_file(text) else catalog.path(text)
@@ -256,7 +256,7 @@ def _floats(value: Any) -> Array:
 
 @lru_cache(maxsize=256)
 def _top_of(top: TopField, name: str) -> Any:
-    from liepoisson.tops import Top
+    from liepoisson.model.tops import Top
 
     with _SYMPY, warnings.catch_warnings():
         warnings.simplefilter("ignore", InertiaWarning)

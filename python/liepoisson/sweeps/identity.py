@@ -38,7 +38,7 @@ def system_tables(system: Any) -> Any:
     """
     if not isinstance(system, (str, Path)) or not is_system_file(str(system)):
         return system
-    from liepoisson.exact.formula.toml_text import read_toml
+    from liepoisson.formula.toml_text import read_toml
 
     return read_toml(Path(system)).tables
 
@@ -140,7 +140,7 @@ def system_record(system: Any) -> dict[str, str]:
     """
     from sympy import srepr
 
-    from liepoisson.exact.exact_numbers import to_sympy
+    from liepoisson.algebra.exact_numbers import to_sympy
 
     entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in system.bracket.entries()]
     coordinates = ", ".join(map(str, system.bracket.variables))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from liepoisson.arrays import Array
+from liepoisson.inputs.arrays import Array
 from liepoisson.portable import elementary
 
 if TYPE_CHECKING:

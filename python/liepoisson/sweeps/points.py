@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson import __version__
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.verdict import as_rule
+from liepoisson.indicators.verdict import as_rule
 from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, system_and_starts
 
 if TYPE_CHECKING:
-    from liepoisson.arrays import Array
+    from liepoisson.inputs.arrays import Array
     from liepoisson.sweeps.result import Sweep
 
 

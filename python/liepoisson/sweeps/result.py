@@ -11,20 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import __version__
-from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.estimates import as_confidence
-from liepoisson.numeric.mean_error import student_quantile
-from liepoisson.numeric.proportions import wilson_interval
-from liepoisson.numeric.verdict import as_rule
-from liepoisson.result import Result, labelled, recorded
+from liepoisson.indicators.estimates import as_confidence
+from liepoisson.indicators.mean_error import student_quantile
+from liepoisson.indicators.proportions import wilson_interval
+from liepoisson.indicators.verdict import as_rule
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.result import Result, labelled, recorded
 from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Place
 from liepoisson.sweeps.spec import SweepSpec
 from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, NO_SYSTEM, NOT_COMPUTED, OUTCOMES
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -113,7 +113,7 @@ class Sweep(Result):
         Raises:
             OutputError: The name does not end in .nc, or the file cannot be written.
         """
-        from liepoisson.dataset import dataset_of, save
+        from liepoisson.io.dataset import dataset_of, save
 
         return save(dataset_of(self), path)
 

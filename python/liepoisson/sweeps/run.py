@@ -14,13 +14,14 @@ from typing import Any, cast
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.arrays import Array
-from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.files import exclusive
-from liepoisson.given import labelled
-from liepoisson.numeric.verdict import as_rule
-from liepoisson.scalars import MOST_THREADS, as_count, as_number
+from liepoisson.formula.scalars import MOST_THREADS, as_count, as_number
+from liepoisson.indicators.verdict import as_rule
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.given import labelled
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.files import exclusive
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Lattice, Place, split
@@ -31,7 +32,6 @@ from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
 from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
-from liepoisson.wrong_values import shown
 
 PIECE_TIME = 1e6
 """Orbits times their time in a piece: 0.3 s of a core at 3.5e6 a second (tops, default method). A worker adds 3 ms."""

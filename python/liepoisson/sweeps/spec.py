@@ -17,19 +17,19 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.exact.names import check_name, check_title
-from liepoisson.exact.system_file_reader import parse_system_file
-from liepoisson.given import as_scalar, listed, named
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_count, as_number, as_time
+from liepoisson.indicators.verdict import Rule, as_rule, rule_of
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.given import as_scalar, listed, named
+from liepoisson.inputs.names import check_name, check_title
+from liepoisson.inputs.refusals import shown
+from liepoisson.model.system_file_reader import parse_system_file
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
-from liepoisson.numeric.verdict import Rule, as_rule, rule_of
 from liepoisson.portable import elementary
-from liepoisson.scalars import as_count, as_number, as_time
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
-from liepoisson.wrong_values import shown
 
 Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
 """A number, a formula in the names of the axes, or a list of them."""
@@ -66,7 +66,7 @@ class Axis:
         label: How figures call it; mathematical text in dollar signs is set as such.
 
     Raises:
-        ParameterError: the name is none that a user may choose (`liepoisson.exact.names`), or the values are not finite
+        ParameterError: the name is none that a user may choose (`liepoisson.inputs.names`), or the values are not finite
             and strictly monotonic.
     """
 
@@ -465,7 +465,7 @@ def _owned(value: Any) -> Any:
 
 
 def _varies(value: Value, axes: Sequence[Axis]) -> bool:
-    from liepoisson.exact.formula.grammar import names_in, parse
+    from liepoisson.formula.grammar import names_in, parse
 
     items = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
     names = {name for item in items if isinstance(item, str) for name in names_in(parse(item))}

@@ -41,11 +41,11 @@ from pathlib import Path
 from typing import Any, cast
 
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
-from liepoisson.exact.formula.toml_text import TomlText, read_toml
+from liepoisson.formula.toml_text import TomlText, read_toml
+from liepoisson.indicators.verdict import Rule
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import METHODS, Method
-from liepoisson.numeric.verdict import Rule
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
-from liepoisson.wrong_values import shown
 
 _KEYS = (
     "name", "system", "axes", "parameters", "starts", "n_starts", "t_end", "quantity", "rule", "method", "seed",
@@ -209,7 +209,7 @@ class _Reader:
 
     def real(self, keys: Sequence[str | int], given: object) -> float:
         """A number, or a formula without names, such as "pi/2"."""
-        from liepoisson.exact.expression import constant
+        from liepoisson.formula.expression import constant
 
         if isinstance(given, str):
             return self.made(keys, lambda: float(constant(given)))

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.compile.field import TopField
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.field import TopField
+from liepoisson.inputs.arrays import Array
 from liepoisson.portable import linear
 from liepoisson.sweeps.family import Family, NumericTop
 
@@ -86,7 +86,7 @@ class TopRows:
 
 def is_top(system: Any) -> bool:
     """Whether this is known to be a top, so that `TopRows` has its energy and Casimirs."""
-    from liepoisson.tops import Top
+    from liepoisson.model.tops import Top
 
     return isinstance(system, (NumericTop, Top))
 
@@ -134,7 +134,7 @@ def meaning(system: Any) -> Meaning:
     """What the names C1, C2, ... mean for a system."""
     if is_top(system):
         return (3, 3), (3, 6), (6, 6)
-    from liepoisson.exact.casimirs import leading_monomials
+    from liepoisson.structure.casimirs import leading_monomials
 
     return leading_monomials(system.bracket) if hasattr(system, "bracket") else ()
 
@@ -282,7 +282,7 @@ def liouville(system: Any, n: int, seed: int, casimirs: dict[str, float], energy
     Raises:
         ParameterError: a Casimir has no value.
     """
-    from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.leaf.leaf import Leaf
 
     try:
         return Leaf(system, casimirs).sample(n, seed=seed, energy=energy)

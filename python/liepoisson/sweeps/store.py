@@ -31,10 +31,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import __version__
-from liepoisson.arrays import Array
 from liepoisson.errors import DamagedFileError, LiePoissonError, OutputError
-from liepoisson.files import writing
-from liepoisson.formats import another_format
+from liepoisson.inputs.arrays import Array
+from liepoisson.io.files import writing
+from liepoisson.io.formats import another_format
 from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, PieceResult
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.arrays import Array
 from liepoisson.errors import ExpressionError, ParameterError
-from liepoisson.exact.values import Shape, component_name
+from liepoisson.formula.values import Shape, component_name
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import shown
 from liepoisson.sweeps.spec import CASIMIR, COMPONENT
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.family import Family
@@ -108,9 +108,9 @@ def _values(value: Value, columns: Mapping[str, Array], name: str, used: set[str
 def _formula(text: str, columns: Mapping[str, Array], name: str, used: set[str]) -> Array:
     from sympy import Symbol
 
-    from liepoisson.exact.expression import read_expression
-    from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.private_symbols import numpy_function
+    from liepoisson.compile.private_symbols import numpy_function
+    from liepoisson.formula.expression import read_expression
+    from liepoisson.formula.scope import Scope
 
     try:
         expression = read_expression(text, Scope(symbols=tuple(columns)))

@@ -12,20 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import __version__, _core
-from liepoisson.arrays import Array
+from liepoisson.compile.field import QuadraticField, TopField
 from liepoisson.errors import LiePoissonError, ParameterError
-from liepoisson.exact.formula.numbers import as_array
-from liepoisson.field import QuadraticField, TopField
-from liepoisson.numeric.finite_time_exponents import exponents_of_many, finite_time_exponents
+from liepoisson.formula.numbers import as_array
+from liepoisson.indicators.finite_time_exponents import exponents_of_many, finite_time_exponents
+from liepoisson.indicators.verdict import METHOD as DEFAULT_OF_VERDICTS
+from liepoisson.indicators.verdict import Rule, decide
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.sampling import sample_states, sample_tangents
-from liepoisson.numeric.verdict import METHOD as DEFAULT_OF_VERDICTS
-from liepoisson.numeric.verdict import Rule, decide
 from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.spec import Starts

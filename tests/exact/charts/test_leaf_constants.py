@@ -6,7 +6,7 @@ import pytest
 from sympy import symbols
 
 import liepoisson as lp
-from liepoisson.exact.charts.leaf_constants import LeafConstants
+from liepoisson.model.charts.leaf_constants import LeafConstants
 
 TOP = lp.Top.twisted_kovalevskaya()
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from liepoisson.errors import ExpressionError, ParameterError
-from liepoisson.exact.formula.grammar import (
+from liepoisson.formula.grammar import (
     MAX_CHARACTERS,
     MAX_NESTING,
     Call,

@@ -5,10 +5,10 @@ from fractions import Fraction
 
 import pytest
 
-from liepoisson.exact.lie.defining_matrices import defining_matrices
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import affine, gl, heisenberg, se, sine, sl, so, su
-from liepoisson.exact.trace_casimirs import summands
+from liepoisson.structure.lie.defining_matrices import defining_matrices
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import affine, gl, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.trace_casimirs import summands
 
 ALGEBRAS = [so(3), so(2, 1), so(1, 2), so(4), so(3, 1), so(2, 2), so(5), so(6), so(3, 3), so(7), su(2), su(3), su(5)]
 ALGEBRAS += [sl(2), sl(3), sl(4), gl(1), gl(2), gl(3), sine(3), sine(5)]

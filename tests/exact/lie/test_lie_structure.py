@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import abelian, affine, gl, heisenberg, se, sl, so, su
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import abelian, affine, gl, heisenberg, se, sl, so, su
 
 
 def test_the_killing_form_of_so3_is_minus_two():

@@ -7,9 +7,9 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.lie.sine_algebra import sine_names
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import sine, sine_energy, sine_modes
+from liepoisson.structure.lie.sine_algebra import sine_names
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import sine, sine_energy, sine_modes
 
 
 @pytest.mark.parametrize("N", [3, 5, pytest.param(7, marks=pytest.mark.thorough)])

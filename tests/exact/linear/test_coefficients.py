@@ -3,7 +3,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.algebra.coefficients import Coefficients
 
 s, t = sp.symbols("s t")
 VALUES = {

@@ -6,7 +6,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.linear.cyclotomic import CyclotomicField, cyclotomic_images
+from liepoisson.algebra.cyclotomic import CyclotomicField, cyclotomic_images
 
 exactly = settings(deadline=None, max_examples=50, derandomize=True)
 

@@ -4,8 +4,8 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.echelon import Echelon
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.echelon import Echelon
 
 exactly = settings(deadline=None, max_examples=40, derandomize=True)
 

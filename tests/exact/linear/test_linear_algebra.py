@@ -7,10 +7,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.linear import linear_algebra
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import echelon_columns, nullspace, nullspace_mod, rank, rank_mod, solve
-from liepoisson.exact.linear.residues import PRIME
+from liepoisson.algebra import linear_algebra
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.linear_algebra import echelon_columns, nullspace, nullspace_mod, rank, rank_mod, solve
+from liepoisson.algebra.residues import PRIME
 
 if linear_algebra._has_core():
     import numpy as np  # noqa: F401  # the core is asked for small matrices where NumPy is there already

@@ -5,8 +5,8 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from liepoisson.algebra.real_fields import Rationals, Surd, real_field
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.real_fields import Rationals, Surd, real_field
 
 Q = Rationals()
 positive = st.fractions(min_value=Fraction(1, 50), max_value=50, max_denominator=50)

@@ -1,8 +1,8 @@
 import pytest
 import sympy as sp
 
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.residues import Residues
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.residues import Residues
 
 e = sp.Symbol("e")
 

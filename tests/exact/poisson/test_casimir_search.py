@@ -5,10 +5,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.extensions import leibniz, trivial
-from liepoisson.exact.lie_algebras import se, sl, so
-from liepoisson.exact.poisson.casimir_search import CasimirSearch, n_independent, products_of_degree
-from liepoisson.exact.poisson.polynomials import expression_of, multiply
+from liepoisson.structure.extensions import leibniz, trivial
+from liepoisson.structure.lie_algebras import se, sl, so
+from liepoisson.structure.poisson.casimir_search import CasimirSearch, n_independent, products_of_degree
+from liepoisson.structure.poisson.polynomials import expression_of, multiply
 
 BRACKETS = {"twisted": so(3) @ leibniz(3), "se(3)": se(3) @ trivial(), "sl(2)": sl(2) @ leibniz(2)}
 

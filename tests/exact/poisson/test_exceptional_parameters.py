@@ -3,8 +3,8 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.poisson.exceptional_parameters import special_values
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.structure.poisson.exceptional_parameters import special_values
 
 a, b = sp.symbols("a b")
 PLANE, LINE = Coefficients.containing([a, b]), Coefficients.containing([a])

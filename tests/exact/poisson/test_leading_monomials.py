@@ -4,10 +4,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.extensions import leibniz
-from liepoisson.exact.lie_algebras import so
-from liepoisson.exact.poisson.casimir_search import CasimirSearch
-from liepoisson.exact.poisson.leading_monomials import leading, monic, place, size
+from liepoisson.structure.extensions import leibniz
+from liepoisson.structure.lie_algebras import so
+from liepoisson.structure.poisson.casimir_search import CasimirSearch
+from liepoisson.structure.poisson.leading_monomials import leading, monic, place, size
 
 L1, L2, ALPHA1, ALPHA2, BETA1, BETA2 = 0, 1, 3, 4, 6, 7
 

@@ -3,10 +3,10 @@ from itertools import combinations
 import pytest
 import sympy as sp
 
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebras import so
-from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
-from liepoisson.exact.poisson.polynomials import expression_of
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebras import so
+from liepoisson.structure.poisson.pfaffians import PfaffianIdeal
+from liepoisson.structure.poisson.polynomials import expression_of
 
 
 @pytest.mark.parametrize("size", [2, 4])

@@ -5,9 +5,9 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.extensions import leibniz, semidirect, trivial
-from liepoisson.exact.lie_algebras import se, sine, so, su
-from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+from liepoisson.structure.extensions import leibniz, semidirect, trivial
+from liepoisson.structure.lie_algebras import se, sine, so, su
+from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
 
 # Brackets and the ranks of their generic leaves: dimension minus number of Casimirs.
 RANKS = {

@@ -1,6 +1,6 @@
 """Polynomial systems whose number of solutions is known."""
 
-from liepoisson.exact.polynomials.groebner import rational_context
+from liepoisson.algebra.ideals.groebner import rational_context
 
 
 def cyclic(n):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
 
-from liepoisson.exact.polynomials.certified_roots import (
+from liepoisson.algebra.ideals.certified_roots import (
     UndecidedError,
     ball,
     enclosures,

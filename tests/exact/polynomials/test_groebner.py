@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from known_systems import cyclic, katsura
 
-from liepoisson.exact.linear.residues import PRIME
-from liepoisson.exact.polynomials import groebner
-from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
-from liepoisson.exact.polynomials.lifting import Residues, primes, residues_of
-from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
-from liepoisson.exact.polynomials.monomial_ideals import degree, dimension, standard_monomials
+from liepoisson.algebra.ideals import groebner
+from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+from liepoisson.algebra.ideals.lifting import Residues, primes, residues_of
+from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
+from liepoisson.algebra.ideals.monomial_ideals import degree, dimension, standard_monomials
+from liepoisson.algebra.residues import PRIME
 
 X, Y, Z = symbols = sp.symbols("x y z")
 CONTEXT = rational_context(["x", "y", "z"])

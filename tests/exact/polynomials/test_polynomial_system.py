@@ -7,11 +7,11 @@ import sympy as sp
 from flint import arb
 from known_systems import cyclic, katsura
 
+from liepoisson.algebra.ideals.certified_roots import precision
+from liepoisson.algebra.ideals.groebner import rational_context
+from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
 from liepoisson.errors import ParameterError
-from liepoisson.exact.polynomials.certified_roots import precision
-from liepoisson.exact.polynomials.groebner import rational_context
-from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
-from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
 
 X, Y, Z, A = sp.symbols("x y z a")
 

@@ -2,12 +2,12 @@
 
 import time
 
-from liepoisson.exact.describe import inspect
-from liepoisson.exact.extensions import leibniz, trivial
-from liepoisson.exact.lie_algebras import abelian, so
-from liepoisson.exact.report import limits
-from liepoisson.exact.styles import PLAIN
-from liepoisson.exact.system import System
+from liepoisson.formula.styles import PLAIN
+from liepoisson.model.system import System
+from liepoisson.report import limits
+from liepoisson.report.describe import inspect
+from liepoisson.structure.extensions import leibniz, trivial
+from liepoisson.structure.lie_algebras import abelian, so
 
 
 def test_many_coordinates():

@@ -3,9 +3,8 @@
 import pytest
 import sympy as sp
 
-from liepoisson.exact.locus import Locus
-from liepoisson.exact.printing import Formula
-from liepoisson.exact.report.lines import (
+from liepoisson.formula.styles import LATEX, PLAIN, UNICODE
+from liepoisson.report.lines import (
     Column,
     Conditions,
     Equation,
@@ -18,7 +17,8 @@ from liepoisson.exact.report.lines import (
     joined,
     write_line,
 )
-from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
+from liepoisson.report.printing import Formula
+from liepoisson.structure.locus import Locus
 
 NAMES = (frozenset({"l", "alpha", "beta", "x"}), frozenset({"epsilon", "l1"}))
 

@@ -5,13 +5,13 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import se, so, su
-from liepoisson.exact.printing import Cross, Gradient
-from liepoisson.exact.report.vector_equations import vector_equations
-from liepoisson.exact.styles import NAMES
+from liepoisson.formula.styles import NAMES
+from liepoisson.report.printing import Cross, Gradient
+from liepoisson.report.vector_equations import vector_equations
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.lie_algebras import se, so, su
 
 inertia, a, b = sp.symbols("I1:4"), sp.Matrix(sp.symbols("a1:4")), sp.Matrix(sp.symbols("b1:4"))
 

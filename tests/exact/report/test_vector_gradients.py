@@ -5,12 +5,12 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebras import so
-from liepoisson.exact.report import vector_gradients
-from liepoisson.exact.report.vector_gradients import vector_gradient
-from liepoisson.exact.report.vector_notation import VectorNotation
-from liepoisson.exact.styles import UNICODE
+from liepoisson.formula.styles import UNICODE
+from liepoisson.report import vector_gradients
+from liepoisson.report.vector_gradients import vector_gradient
+from liepoisson.report.vector_notation import VectorNotation
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebras import so
 
 BRACKET = so(3) @ semidirect(2)
 NOTATION = VectorNotation(BRACKET)

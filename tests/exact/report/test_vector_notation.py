@@ -5,10 +5,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.exact.extensions import leibniz, semidirect
-from liepoisson.exact.lie_algebras import abelian, heisenberg, se, sl, so, su
-from liepoisson.exact.report.vector_notation import VectorNotation, _Recognition, invariant_metric
-from liepoisson.exact.styles import PLAIN
+from liepoisson.formula.styles import PLAIN
+from liepoisson.report.vector_notation import VectorNotation, _Recognition, invariant_metric
+from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.lie_algebras import abelian, heisenberg, se, sl, so, su
 
 BRACKET = so(3) @ leibniz(3, "epsilon")
 NOTATION = VectorNotation(BRACKET)

@@ -5,10 +5,10 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from liepoisson.exact.printing import Formula
-from liepoisson.exact.report.lines import Column, Equation, Name
-from liepoisson.exact.report.wrapping import breakable, wrapped
-from liepoisson.exact.styles import PLAIN, UNICODE
+from liepoisson.formula.styles import PLAIN, UNICODE
+from liepoisson.report.lines import Column, Equation, Name
+from liepoisson.report.printing import Formula
+from liepoisson.report.wrapping import breakable, wrapped
 
 x = sp.symbols("x1:13")
 

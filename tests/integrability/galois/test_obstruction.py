@@ -202,7 +202,7 @@ def test_no_solution_is_an_open_end():
 @pytest.mark.parametrize("n", [60, 90, 120])
 def test_short_time_is_an_open_end(monkeypatch, n):
     """The deadline passes when it is asked for it the n-th time."""
-    from liepoisson import deadline
+    from liepoisson.inputs import deadline
 
     system, n_asked = lp.catalog.system("henon-heiles"), count()
     monkeypatch.setattr(deadline.time, "monotonic", lambda: 100.0 if next(n_asked) > n else 0.0)

@@ -8,8 +8,8 @@ import sympy as sp
 from flint import fmpq, fmpq_poly
 
 import liepoisson as lp
-from liepoisson.exact.polynomials.components import Component
-from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
+from liepoisson.algebra.ideals.components import Component
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
 from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.painleve.coefficient_fields import (
     NumberField,

@@ -429,7 +429,7 @@ def test_what_the_time_did_not_suffice_for_is_named():
 @pytest.mark.thorough
 def test_balances_in_a_subspace_decide_where_not_all_are_found(monkeypatch):
     """A top with two fields and no symmetry is too much for little work; the heavy top in it, beta = 0, fails."""
-    from liepoisson import deadline
+    from liepoisson.inputs import deadline
 
     monkeypatch.setattr(deadline.time, "monotonic", lambda: 0.0)
     found = painleve_test(top((2, 3, 4), (3, 0, 4), (0, 1, 0), 1), time_limit=2)
@@ -440,7 +440,7 @@ def test_balances_in_a_subspace_decide_where_not_all_are_found(monkeypatch):
 
 
 def test_balances_that_are_left_are_named(monkeypatch):
-    from liepoisson import deadline
+    from liepoisson.inputs import deadline
 
     n_asked = count()
     monkeypatch.setattr(deadline.time, "monotonic", lambda: 100.0 if next(n_asked) > 60 else 0.0)

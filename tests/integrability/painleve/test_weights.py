@@ -6,8 +6,8 @@ from itertools import product
 import pytest
 
 import liepoisson as lp
-from liepoisson.deadline import Deadline
 from liepoisson.errors import TimeLimitError
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
 

@@ -155,7 +155,7 @@ export class Core {
     this.outcomes = this.text(this.call("lp_outcomes")).split("\n");
   }
 
-  /** @param {FieldDescription | string} description as `liepoisson.field.record_of` makes it, or its JSON */
+  /** @param {FieldDescription | string} description as `liepoisson.compile.field.record_of` makes it, or its JSON */
   field(description) {
     return new Field(this, this.described("lp_field", description));
   }

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.algebra.exact_numbers import is_sympy
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.exact_numbers import is_sympy
-from liepoisson.given import listed, texts
-from liepoisson.wrong_values import shown
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import listed, texts
+from liepoisson.inputs.refusals import shown
 
 if TYPE_CHECKING:
     from sympy import Matrix, Symbol
@@ -219,10 +219,10 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
     """
     from sympy import Symbol
 
-    from liepoisson.exact.exact_numbers import as_expression
-    from liepoisson.exact.expression import read_expression
-    from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.hamiltonian import with_exact_numbers
+    from liepoisson.algebra.exact_numbers import as_expression
+    from liepoisson.formula.expression import read_expression
+    from liepoisson.formula.scope import Scope
+    from liepoisson.model.hamiltonian import with_exact_numbers
 
     if isinstance(given, str):
         read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))

@@ -24,12 +24,12 @@ from functools import cached_property
 from math import frexp
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments
-from liepoisson.deadline import checkpoint
 from liepoisson.errors import EnclosureError, ParameterError
-from liepoisson.given import sequence
-from liepoisson.scalars import as_count
-from liepoisson.wrong_values import shown
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.given import sequence
+from liepoisson.inputs.refusals import shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -207,7 +207,7 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -
     """
     from flint import ctx
 
-    from liepoisson.exact.linear.flint_pickles import register
+    from liepoisson.algebra.flint_pickles import register
 
     register()  # a result keeps its balls
 

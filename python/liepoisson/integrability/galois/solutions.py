@@ -24,18 +24,18 @@ from itertools import chain, combinations, count, islice, product
 from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.calls import explains_its_arguments
-from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.printing import Formula
-from liepoisson.given import is_data_set, is_named, listed
-from liepoisson.scalars import as_count
-from liepoisson.wrong_values import shown
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.given import is_data_set, is_named, listed
+from liepoisson.inputs.refusals import shown
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 MOST_COORDINATES = 12
 """Of systems with more, coordinate planes are not searched: there are 2^N."""
@@ -194,7 +194,7 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
     They are the coordinate planes and the fixed sets of those symmetries that are signed permutations and keep the
     direction of time.
     """
-    from liepoisson.exact.discrete_symmetries import discrete_symmetries
+    from liepoisson.model.discrete_symmetries import discrete_symmetries
 
     n = len(system.variables)
     found: dict[tuple[tuple[int, ...], ...], str] = {}

@@ -23,14 +23,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import not_a
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction, from_polynomial
 from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution
-from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 _MOST_UNKNOWNS = 600
 """Of the search for rational solutions."""

@@ -7,13 +7,13 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.lie.defining_matrices import defining_matrices
-from liepoisson.wrong_values import shown
+from liepoisson.inputs.refusals import shown
+from liepoisson.structure.lie.defining_matrices import defining_matrices
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Linear: TypeAlias = dict[tuple[int, ...], Fraction]
 """A polynomial in the coordinates by its exponents."""

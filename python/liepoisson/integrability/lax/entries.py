@@ -13,18 +13,18 @@ from dataclasses import dataclass
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from liepoisson.algebra.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
-from liepoisson.exact.bracket_scope import scope_of
-from liepoisson.exact.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
-from liepoisson.exact.hamiltonian import read_expression_in, with_exact_numbers
-from liepoisson.exact.names import check_name
-from liepoisson.given import listed
-from liepoisson.wrong_values import shown
+from liepoisson.inputs.given import listed
+from liepoisson.inputs.names import check_name
+from liepoisson.inputs.refusals import shown
+from liepoisson.model.hamiltonian import read_expression_in, with_exact_numbers
+from liepoisson.structure.bracket_scope import scope_of
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Element: TypeAlias = Any
 """A polynomial of FLINT, or a SymPy expression."""
@@ -124,8 +124,8 @@ class _Reader:
     def _text(self, text: str, further: tuple[str, ...]) -> Expr:
         from sympy import I, Symbol
 
-        from liepoisson.exact.expression import read_expression
-        from liepoisson.exact.formula.grammar import parse
+        from liepoisson.formula.expression import read_expression
+        from liepoisson.formula.grammar import parse
 
         parse(text)  # what is no formula is refused as it was written
         scope = scope_of(self.system.symbolic_bracket, self.system.values, (*self.declared, *further))
@@ -160,7 +160,7 @@ class EntryArithmetic:
         from flint import Ordering, fmpq_mpoly_ctx
         from sympy import I
 
-        from liepoisson.exact.linear.flint_pickles import register
+        from liepoisson.algebra.flint_pickles import register
 
         register()  # pairs keep their entries
         expanded = [e.expand() for e in expressions]
@@ -206,7 +206,7 @@ class EntryArithmetic:
     def vanishes(self, element: Element) -> bool:
         """Whether an element is zero."""
         if not self.is_rational:
-            from liepoisson.exact.exact_numbers import is_zero
+            from liepoisson.algebra.exact_numbers import is_zero
 
             return is_zero(element)
         return not self.canonical(element)

@@ -11,22 +11,22 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.errors import ParameterError
-from liepoisson.exact.polynomials.groebner import rational_context
-from liepoisson.exact.printing import Formula
+from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.lax.search import MOST_DEGREE, linear_system, member, new_vectors, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
-from liepoisson.scalars import as_count, as_deadline
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.deadline import Deadline
-    from liepoisson.exact.system import System
+    from liepoisson.inputs.deadline import Deadline
+    from liepoisson.model.system import System
 
 
 @dataclass(frozen=True)
@@ -233,8 +233,8 @@ class _Splitting:
 
     def _pair(self, values: dict[str, Fraction], b: tuple[Fraction, ...]) -> LaxPair | None:
         """The pair of lowest degree at values of the parameters that has integrals."""
-        from liepoisson.exact.hamiltonian import symbols_in
-        from liepoisson.exact.system import System
+        from liepoisson.model.hamiltonian import symbols_in
+        from liepoisson.model.system import System
 
         given, at = self.ansatz.system, {s: _sympy(values[str(s)]) for s in self.ansatz.parameters}
         bracket = given.bracket.substitute({s: v for s, v in values.items() if s in given.bracket.symbols})

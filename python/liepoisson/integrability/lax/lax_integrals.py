@@ -13,17 +13,17 @@ from dataclasses import dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.printing import Formula
-from liepoisson.exact.trace import traces_in
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.completeness import are_in_involution, as_polynomials, fields_rank
 from liepoisson.integrability.level import level_of
+from liepoisson.report.printing import Formula
+from liepoisson.structure.trace import traces_in
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
     from liepoisson.integrability.lax.pair import LaxPair
+    from liepoisson.model.system import System
 
 
 @dataclass(frozen=True)
@@ -149,8 +149,8 @@ def lax_integrals(pair: LaxPair) -> LaxIntegrals:
 
 def _with_single_exponentials(system: System) -> System:
     """The system with exp(x)*exp(-y) for exp(x - y), so that all functions are in the same exponentials."""
-    from liepoisson.exact.hamiltonian import symbols_in
-    from liepoisson.exact.system import System
+    from liepoisson.model.hamiltonian import symbols_in
+    from liepoisson.model.system import System
 
     if system.hamiltonian.is_polynomial(*system.variables):
         return system

@@ -14,21 +14,21 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments, explains_its_methods
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError
-from liepoisson.exact.exact_numbers import to_sympy
-from liepoisson.exact.printing import Formula
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients, commutator
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
-from liepoisson.wrong_values import shown
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from liepoisson.exact.lie_algebra import LieAlgebra
-    from liepoisson.exact.system import System
     from liepoisson.integrability.lax.lax_integrals import LaxIntegrals
     from liepoisson.integrability.lax.spectral_curve import SpectralCurve
+    from liepoisson.model.system import System
+    from liepoisson.structure.lie_algebra import LieAlgebra
 
 _MOST_SHOWN = 400
 """Characters of a residual in a message."""

@@ -25,18 +25,18 @@ from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import nullspace
-from liepoisson.exact.polynomials.groebner import rational_context
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.ideals.groebner import rational_context
+from liepoisson.algebra.linear_algebra import nullspace
+from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
-from liepoisson.scalars import as_count, as_deadline
 
 if TYPE_CHECKING:
-    from liepoisson.deadline import Deadline
-    from liepoisson.exact.system import System
+    from liepoisson.inputs.deadline import Deadline
+    from liepoisson.model.system import System
 
 MOST_DEGREE = 8
 _SAMPLES = tuple(map(Fraction, ("2", "3", "5", "1", "-1", "0", "-2", "1/2", "-1/2", "3/4", "4/3")))

@@ -17,14 +17,14 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.errors import ParameterError
-from liepoisson.exact.exact_numbers import to_sympy
-from liepoisson.exact.parameters import read_parameter
-from liepoisson.given import listed, named
+from liepoisson.formula.parameters import read_parameter
+from liepoisson.inputs.given import listed, named
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -18,8 +18,8 @@ from typing import Any, Protocol, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from liepoisson.exact.polynomials.components import irreducible_factors
-from liepoisson.exact.polynomials.groebner import rational_context
+from liepoisson.algebra.ideals.components import irreducible_factors
+from liepoisson.algebra.ideals.groebner import rational_context
 
 Element: TypeAlias = Any
 

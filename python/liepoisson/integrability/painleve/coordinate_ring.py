@@ -12,11 +12,11 @@ from typing import Any
 
 from flint import fmpq
 
+from liepoisson.algebra.ideals.buchberger import Poly
+from liepoisson.algebra.ideals.groebner import GroebnerBasis
+from liepoisson.algebra.ideals.limits import Budget
+from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.errors import LiePoissonError
-from liepoisson.exact.polynomials.buchberger import Poly
-from liepoisson.exact.polynomials.groebner import GroebnerBasis
-from liepoisson.exact.polynomials.limits import Budget
-from liepoisson.exact.polynomials.operations import radical_contains
 from liepoisson.integrability.painleve.coefficient_fields import Element, as_fmpq, polynomial_at
 
 

@@ -19,7 +19,7 @@ from fractions import Fraction
 from math import lcm
 from typing import Protocol
 
-from liepoisson.deadline import checkpoint
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
 from liepoisson.integrability.painleve.exponents import Exponents

@@ -17,7 +17,7 @@ from typing import Any, cast
 
 from flint import acb, acb_poly, fmpq_poly
 
-from liepoisson.exact.polynomials.certified_roots import ball, precision
+from liepoisson.algebra.ideals.certified_roots import ball, precision
 from liepoisson.integrability.painleve.coefficient_fields import (
     Element,
     Field,

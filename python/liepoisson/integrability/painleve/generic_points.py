@@ -19,12 +19,12 @@ from typing import Any
 
 from flint import fmpq, fmpq_poly
 
-from liepoisson.exact.polynomials.buchberger import Poly, leading
-from liepoisson.exact.polynomials.components import Assumptions, Component, components, irreducible_factors
-from liepoisson.exact.polynomials.groebner import GroebnerBasis, groebner_basis, rational_context
-from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
-from liepoisson.exact.polynomials.operations import eliminated, in_context, radical_contains, saturation
-from liepoisson.exact.polynomials.solutions import solutions
+from liepoisson.algebra.ideals.buchberger import Poly, leading
+from liepoisson.algebra.ideals.components import Assumptions, Component, components, irreducible_factors
+from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, rational_context
+from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
+from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
+from liepoisson.algebra.ideals.solutions import solutions
 from liepoisson.integrability.painleve.coefficient_fields import (
     Element,
     Field,

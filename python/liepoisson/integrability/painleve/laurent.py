@@ -16,10 +16,12 @@ import numpy as np
 from flint import acb, fmpq
 from numpy.typing import NDArray
 
+from liepoisson.algebra.ideals.groebner import groebner_basis
+from liepoisson.algebra.ideals.limits import Limits
+from liepoisson.algebra.ideals.solutions import solutions
 from liepoisson.errors import ParameterError
-from liepoisson.exact.polynomials.groebner import groebner_basis
-from liepoisson.exact.polynomials.limits import Limits
-from liepoisson.exact.polynomials.solutions import solutions
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.painleve.coefficient_fields import (
     Element,
     Field,
@@ -30,8 +32,6 @@ from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, Ri
 from liepoisson.integrability.painleve.expansion import Expansion, Polynomial
 from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
-from liepoisson.scalars import as_count
-from liepoisson.wrong_values import shown
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from liepoisson.deadline import checkpoint
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field
 
 Matrix = list[list[Element]]

@@ -13,9 +13,9 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from liepoisson.exact.polynomials.buchberger import Poly
-from liepoisson.exact.polynomials.groebner import rational_context
-from liepoisson.exact.polynomials.polynomial_system import polynomial
+from liepoisson.algebra.ideals.buchberger import Poly
+from liepoisson.algebra.ideals.groebner import rational_context
+from liepoisson.algebra.ideals.polynomial_system import polynomial
 from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field, as_fmpq, polynomial_at, total
 from liepoisson.integrability.painleve.linear import Matrix

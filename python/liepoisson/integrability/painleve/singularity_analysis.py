@@ -15,15 +15,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.display import as_text
+from liepoisson.algebra.ideals.components import Assumptions, Component, components
+from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
+from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.errors import ParameterError, TimeLimitError
-from liepoisson.exact.parameters import read_parameter
-from liepoisson.exact.polynomials.components import Assumptions, Component, components
-from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
-from liepoisson.exact.polynomials.operations import radical_contains
-from liepoisson.exact.printing import Formula
-from liepoisson.given import listed, named
+from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.scalars import MOST, as_deadline
+from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.given import listed, named
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.derivation import Derivation, derivation_of_rates
 from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
@@ -35,13 +35,13 @@ from liepoisson.integrability.painleve.linear import characteristic_polynomial
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
 from liepoisson.integrability.painleve.resolvent import Resolvent
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
-from liepoisson.scalars import MOST, as_deadline
-from liepoisson.wrong_values import shown
+from liepoisson.io.display import as_text
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.exact.system import System
+    from liepoisson.model.system import System
 
 Verdict: TypeAlias = Literal["passes", "passes weakly", "fails", "undecided", "no balances"]
 

@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
-from liepoisson.deadline import checkpoint
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation
 
 _MOST_NODES = 200_000

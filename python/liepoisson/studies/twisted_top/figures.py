@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.numeric.finite_time_fit import FiniteTimeFit
+from liepoisson.indicators.finite_time_fit import FiniteTimeFit
 from liepoisson.plot.exponents import convergence, draw_fit, exponent_distribution, time_axis, window_scan
 from liepoisson.plot.style import (
     ANGULAR_MOMENTUM,

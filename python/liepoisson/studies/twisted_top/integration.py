@@ -16,7 +16,7 @@ from liepoisson.studies.twisted_top.store import MEMBER_ARRAYS, AnyArray, RunSto
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
+    from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
 
 
 class Progress(Protocol):
@@ -91,7 +91,7 @@ def complete(store: RunStore, threads: int | None, tracker: Tracker) -> Members:
 
 
 def _integrate_piece(store: RunStore, first: int, count: int, threads: int | None, tracker: Tracker) -> None:
-    from liepoisson.numeric.finite_time_exponents import finite_time_exponents
+    from liepoisson.indicators.finite_time_exponents import finite_time_exponents
     from liepoisson.numeric.methods import Taylor
     from liepoisson.numeric.sampling import sample_states
 
@@ -116,7 +116,7 @@ def _integrate_piece(store: RunStore, first: int, count: int, threads: int | Non
 
 def _join(store: RunStore) -> tuple[FiniteTimeExponents, float]:
     """All pieces of a run as one growth of all members, and the seconds that they took."""
-    from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
+    from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
     from liepoisson.numeric.methods import Taylor
 
     run, top = store.run, store.run.top()

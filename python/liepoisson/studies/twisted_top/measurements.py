@@ -42,7 +42,7 @@ from typing import Any
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.numeric.finite_time_fit import (
+from liepoisson.indicators.finite_time_fit import (
     EnsembleReduction,
     Estimate,
     FiniteTimeFit,

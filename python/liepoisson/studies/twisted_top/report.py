@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.numeric.finite_time_fit import Estimate, FiniteTimeFit, LogFit
+from liepoisson.indicators.finite_time_fit import Estimate, FiniteTimeFit, LogFit
 from liepoisson.studies.twisted_top.claims.errata import KINDS, TITLE, count_verdicts, mistakes
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS
 from liepoisson.studies.twisted_top.front_page import front_page

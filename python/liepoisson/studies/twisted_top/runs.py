@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.scalars import MOST_THREADS
+from liepoisson.formula.scalars import MOST_THREADS
 
 if TYPE_CHECKING:
-    from liepoisson.tops import Top
+    from liepoisson.model.tops import Top
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Moments: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -130,7 +130,7 @@ class Run:
 
     def top(self) -> Top:
         """The top that is run."""
-        from liepoisson.tops import Top
+        from liepoisson.model.tops import Top
 
         return Top(inertia=self.inertia, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=self.epsilon)
 

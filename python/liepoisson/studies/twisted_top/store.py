@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, ParameterError
-from liepoisson.files import remove_partials, write_atomically, write_json, writing
-from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
+from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
+from liepoisson.io.files import remove_partials, write_atomically, write_json, writing
 from liepoisson.studies.twisted_top.runs import Run, Settings, plan
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ class RunStore:
         Raises:
             OutputError: a file could not be written.
         """
-        from liepoisson.netcdf import netcdf
+        from liepoisson.io.netcdf import netcdf
 
         content = netcdf(growth.dataset)
         write_atomically(self.data, content)
@@ -196,7 +196,7 @@ class RunStore:
         Raises:
             DamagedFileError: the file was altered.
         """
-        from liepoisson.repeat import load
+        from liepoisson.saved.rerun import load
 
         record = self._read_manifest()[self.run.name]
         try:

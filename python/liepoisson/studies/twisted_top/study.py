@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from liepoisson.files import exclusive, write_atomically, write_json, writing
-from liepoisson.numeric.finite_time_fit import Estimate
+from liepoisson.indicators.finite_time_fit import Estimate
+from liepoisson.io.files import exclusive, write_atomically, write_json, writing
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
 from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.exact.charts.euler_angles import EulerAngles
+from liepoisson.model.charts.euler_angles import EulerAngles
 from liepoisson.studies.twisted_top.claims.canonical_coordinates import CanonicalChart
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict

@@ -1,6 +1,6 @@
 r"""The paper's map from canonical coordinates to a leaf, with its square root as a symbol, for exact proofs.
 
-The Euler angles and their momenta are those of `liepoisson.exact.charts.euler_angles`.
+The Euler angles and their momenta are those of `liepoisson.model.charts.euler_angles`.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from liepoisson.exact.charts.euler_angles import EulerAngles
-from liepoisson.exact.parameters import Column
+from liepoisson.formula.parameters import Column
+from liepoisson.model.charts.euler_angles import EulerAngles
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from liepoisson.errors import LiePoissonError
-from liepoisson.exact.system import System
+from liepoisson.model.system import System
 from liepoisson.proofs.margins import Margins
 from liepoisson.proofs.theorem import ChaosProof, prove_chaos
 from liepoisson.studies.twisted_top.claims.evidence import Evidence

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.exact.known_integrals import known_integrals
-from liepoisson.exact.locus import Locus
-from liepoisson.exact.top_parameters import TopParameters
+from liepoisson.model.known_integrals import known_integrals
+from liepoisson.model.top_parameters import TopParameters
+from liepoisson.structure.locus import Locus
 from liepoisson.studies.twisted_top.claims.common import (
     casimir_identities,
     complete_integrability,

@@ -15,9 +15,9 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
 from liepoisson.studies.twisted_top.claims.typography import typeset
 
 if TYPE_CHECKING:
-    from liepoisson.exact.bracket import Bracket
-    from liepoisson.exact.locus import Locus
-    from liepoisson.exact.strata import Stratum
+    from liepoisson.structure.bracket import Bracket
+    from liepoisson.structure.locus import Locus
+    from liepoisson.structure.strata import Stratum
 
 _SUBSCRIPTS = "₁₂₃"
 _CASIMIR_DEGREE = 3
@@ -116,8 +116,8 @@ def strata_steps(evidence: Evidence, bracket: Bracket, wanted: dict[Locus, int])
         bracket: The bracket.
         wanted: Rank for each locus, from the open stratum down.
     """
-    from liepoisson.exact.report.lines import Conditions
-    from liepoisson.exact.styles import UNICODE
+    from liepoisson.formula.styles import UNICODE
+    from liepoisson.report.lines import Conditions
 
     strata = bracket.strata()
     for stratum in strata:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from liepoisson.exact.extensions import semidirect
-from liepoisson.exact.system import System
 from liepoisson.integrability.families import integrable_families
 from liepoisson.integrability.galois.obstruction import galois_obstruction
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
+from liepoisson.model.system import System
+from liepoisson.structure.extensions import semidirect
 from liepoisson.studies.twisted_top.claims.common import complete_integrability
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict

@@ -10,7 +10,7 @@ from liepoisson.studies.twisted_top.claims.model import Ruling, Verdict
 from liepoisson.studies.twisted_top.claims.steps import Step, StepKind
 
 if TYPE_CHECKING:
-    from liepoisson.exact.bracket import Bracket
+    from liepoisson.structure.bracket import Bracket
 
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -49,8 +49,8 @@ def show(expression: object) -> str:
 
 def written(expression: Any, bracket: Bracket) -> str:
     """A function on the phase space of a bracket in vector notation, for example "2ε a·(α × β)"."""
-    from liepoisson.exact.report.vector_notation import VectorNotation
-    from liepoisson.exact.styles import UNICODE
+    from liepoisson.formula.styles import UNICODE
+    from liepoisson.report.vector_notation import VectorNotation
 
     expanded, notation = expression.expand(), VectorNotation(bracket)
     write = notation.formula if expanded.count_ops() < _MOST_OPERATIONS else notation.components
@@ -231,7 +231,7 @@ class Evidence:
 def _entries(value: Any) -> Iterable[Any]:
     from sympy.matrices import MatrixBase
 
-    from liepoisson.exact.exact_numbers import as_expression
+    from liepoisson.algebra.exact_numbers import as_expression
 
     if isinstance(value, MatrixBase):
         return list(value.flat())

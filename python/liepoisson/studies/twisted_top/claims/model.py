@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from liepoisson.exact.extension import Extension
-from liepoisson.exact.extensions import leibniz
-from liepoisson.exact.lie_algebras import so
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.extensions import leibniz
+from liepoisson.structure.lie_algebras import so
 from liepoisson.studies.twisted_top.claims.steps import Step, certificate
 
 if TYPE_CHECKING:
-    from liepoisson.exact.bracket import Bracket
-    from liepoisson.exact.parameters import Parameter
+    from liepoisson.formula.parameters import Parameter
+    from liepoisson.structure.bracket import Bracket
 
 Ruling: TypeAlias = Literal[
     "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled", "not run"

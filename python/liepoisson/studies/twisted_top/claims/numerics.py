@@ -356,7 +356,7 @@ def _how(runs: Mapping[str, Any], run: str, fit: Any) -> str:
 
 def _pm(value: float, error: float) -> str:
     """Value and error, both to the place of the error's second digit."""
-    from liepoisson.numeric.finite_time_fit import Estimate
+    from liepoisson.indicators.finite_time_fit import Estimate
 
     return f"{Estimate(value, error, value, value)}"
 

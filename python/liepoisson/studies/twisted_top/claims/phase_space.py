@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.parameters import Column, Parameter
+from liepoisson.formula.parameters import Column, Parameter
 from liepoisson.studies.twisted_top.claims.model import Context
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.bracket import Bracket
+    from liepoisson.structure.bracket import Bracket
 
 # A point at which nothing special happens: small integers without relations between the three vectors.
 GENERIC_POINT = (1, 2, -1, 3, 1, 2, 2, -1, 1)
@@ -69,8 +69,8 @@ def symbolic_top(
     epsilon: Parameter = "epsilon",
 ) -> SymbolicTop:
     """A top with the bracket of the context; parameters are names (kept symbolic) or exact numbers."""
-    from liepoisson.exact.exact_numbers import to_sympy
-    from liepoisson.exact.parameters import read_parameter
+    from liepoisson.algebra.exact_numbers import to_sympy
+    from liepoisson.formula.parameters import read_parameter
 
     moments, mass, charge = (
         column(*(to_sympy(read_parameter(v, "parameter")) for v in vector)) for vector in (inertia, a, b)

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from liepoisson.exact.system import System
 from liepoisson.integrability.painleve.balance import Balance
 from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
+from liepoisson.model.system import System
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import symbolic_top

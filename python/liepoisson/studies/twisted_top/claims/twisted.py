@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.extension import Extension
+from liepoisson.structure.extension import Extension
 from liepoisson.studies.twisted_top.claims.common import casimir_identities, poisson_identities
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
@@ -19,7 +19,7 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
 )
 
 if TYPE_CHECKING:
-    from liepoisson.exact.bracket import Bracket
+    from liepoisson.structure.bracket import Bracket
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def _square_completed(evidence: Evidence) -> None:
 
 def _structure(bracket: Bracket) -> list[list[list[Any]]]:
     """The structure constants of the Lie algebra, from the linear Poisson tensor, J_ij = -c_ij^k x_k."""
-    from liepoisson.exact.exact_numbers import to_sympy
+    from liepoisson.algebra.exact_numbers import to_sympy
 
     n = bracket.dimension
     c: list[list[list[Any]]] = [[[0] * n for _ in range(n)] for _ in range(n)]
@@ -197,7 +197,7 @@ def equations(context: Context) -> Verdict:
 
 def _in_vector_notation(evidence: Evidence, top: SymbolicTop) -> None:
     """The equations as the library derives and prints them."""
-    from liepoisson.exact.report.vector_equations import vector_equations
+    from liepoisson.report.vector_equations import vector_equations
 
     found = vector_equations(top.bracket, top.hamiltonian)
     rows = found.rows if found is not None else ()

@@ -1,0 +1,1 @@
+"""Exact algebra without physics: number fields, polynomials, elimination."""

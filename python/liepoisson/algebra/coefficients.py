@@ -1,0 +1,212 @@
+r"""The exact field that given coefficients generate: structure constants, entries of matrices, terms of a bracket.
+
+* rational numbers: $\mathbb Q$, its elements are Fractions;
+* numbers such as $\sin(2\pi/7)$ or $\sqrt 2$, times one common power of pi: a cyclotomic field.  The power is set
+  aside as a scale: ranks, Casimirs, ideals and the Jacobi identity do not change when all structure constants are
+  multiplied by a number, and what is homogeneous in them is written with its power of the scale;
+* other algebraic numbers, and symbols: a SymPy domain such as $\mathbb Q(\sqrt[3]{2})$ or $\mathbb Q(\epsilon)$.
+  Symbols are generic.
+
+In these equality is decided exactly, and so it is with one number such as pi or log(2).  Beyond them (functions of
+symbols, several logarithms) SymPy is asked to simplify, which may fail to see that a number vanishes; `decides` says
+so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from liepoisson.algebra.cyclotomic import CyclotomicField, cyclotomic_images
+from liepoisson.algebra.exact_numbers import MAX_DEGREE, Exact, irrational_parts, is_zero, largest_degree, to_sympy
+from liepoisson.algebra.residues import Residues
+from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Element: TypeAlias = Any
+"""A Fraction, a CyclotomicNumber or an element of a SymPy domain; + - * / are exact, and it is true if nonzero."""
+
+_NO_TABLE: dict[Any, Element] = {}
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    r"""A field that contains given values.
+
+    Attributes:
+        domain: None for $\mathbb Q$, else a CyclotomicField or a SymPy domain.
+        scale: What the given values were divided by, a power of pi.
+        table: The elements that stand for the given values.
+    """
+
+    domain: Any = None
+    scale: Exact = Fraction(1)
+    table: Mapping[Any, Element] = field(default_factory=_NO_TABLE.copy, repr=False)
+
+    @classmethod
+    def containing(cls, values: Iterable[Exact]) -> Coefficients:
+        """The smallest such field that contains the values."""
+        given = list(dict.fromkeys(values))
+        if all(isinstance(value, Fraction) for value in given):
+            return cls()
+        expressions = list(dict.fromkeys(to_sympy(value) for value in given))
+        if not any(e.free_symbols for e in expressions):
+            if all(e.is_Rational for e in expressions):
+                return cls()
+            if found := cls._cyclotomic(expressions):
+                return found
+        domain, elements = _domain(expressions)
+        return cls(domain, table=dict(zip(expressions, elements, strict=True)))
+
+    @classmethod
+    def _cyclotomic(cls, expressions: list[Any]) -> Coefficients | None:
+        """The values without their common power of pi, if they are cyclotomic numbers then."""
+        from sympy import S, pi, tan
+
+        irrational = list(irrational_parts(expressions))
+        if len(irrational) == 1 and isinstance(irrational[0], tan):
+            return None  # a tangent alone is written as it is
+        powers = {e.as_powers_dict().get(pi, S.Zero) for e in expressions if e != 0}
+        if len(powers) != 1:
+            return None
+        scale = pi ** powers.pop()
+        images = cyclotomic_images([e / scale for e in expressions])
+        if images is None:
+            return None
+        domain = next(iter(images.values())).field
+        return cls(domain, scale, {e: images[e / scale] for e in expressions})
+
+    @property
+    def is_rational(self) -> bool:
+        r"""Whether this is $\mathbb Q$."""
+        return self.domain is None
+
+    @property
+    def is_cyclotomic(self) -> bool:
+        """Whether this is a cyclotomic field."""
+        return isinstance(self.domain, CyclotomicField)
+
+    @property
+    def parameters(self) -> tuple[Expr, ...]:
+        """The symbols of a field of rational functions; they are taken as generic."""
+        return tuple(self.domain.symbols) if getattr(self.domain, "is_FractionField", False) else ()
+
+    @cached_property
+    def decides(self) -> bool:
+        """Whether an element that is not found zero is certainly not zero: no relations hide in the field.
+
+        They do between generators such as sin(a) and cos(a), which SymPy takes for independent.  One transcendental
+        number beside symbols has none.
+        """
+        others = [s for s in self.parameters if not s.is_Symbol]
+        return not getattr(self.domain, "is_EX", False) and len(others) <= 1 and all(map(_is_transcendental, others))
+
+    @property
+    def one(self) -> Element:
+        """The number one."""
+        return Fraction(1) if self.is_rational else self.domain.one
+
+    def read(self, value: Exact) -> Element:
+        """The element for one of the given values, divided by the scale.
+
+        Over Q, and over SymPy domains, for any other value in the field as well.
+        """
+        if self.is_rational:
+            rational: Any = value
+            return value if isinstance(value, Fraction) else Fraction(int(rational.p), int(rational.q))
+        expression = to_sympy(value)
+        if expression in self.table or self.is_cyclotomic:
+            return self.table[expression]
+        return self.domain.from_sympy(expression)
+
+    def number(self, value: Fraction | int) -> Element:
+        """The element for a rational number."""
+        if self.is_rational:
+            return Fraction(value)
+        if self.is_cyclotomic:
+            return self.domain.rational(value.numerator, value.denominator)
+        return self.domain.from_sympy(to_sympy(Fraction(value)))
+
+    def write(self, element: Element, degree: int = 0) -> Exact:
+        r"""The exact value of an element that is homogeneous of a degree in the given values; a Fraction over Q."""
+        if self.is_rational:
+            return Fraction(element)
+        return self.domain.to_sympy(element) * to_sympy(self.scale) ** degree
+
+    def to_sympy(self, element: Element, degree: int = 0) -> Expr:
+        """The exact value (see `write`) as an expression."""
+        return to_sympy(self.write(element, degree))
+
+    def vanishes(self, element: Element) -> bool:
+        """Whether an element is zero; where the field does not decide, SymPy is asked to simplify it."""
+        return not element or (not self.decides and is_zero(self.to_sympy(element)))
+
+    def residues(self, seed: int, skipped: int = 0) -> Residues | None:
+        """A homomorphism to the integers modulo a large prime; parameters go to random residues.
+
+        None for domains in which SymPy only simplifies expressions.
+
+        Args:
+            seed: Of the random residues.
+            skipped: How many primes to pass over: those modulo which a coefficient is not defined, say.
+        """
+        if self.is_rational:
+            return Residues.of_rationals(skipped)
+        if self.is_cyclotomic:
+            return Residues.of_cyclotomic(self.domain.order, skipped)
+        return Residues.of_domain(self.domain, seed, skipped)
+
+
+def _is_transcendental(number: Any) -> bool:
+    """Whether a number certainly is, by the theorem of Hermite and Lindemann."""
+    from sympy import E, atan, cos, cosh, exp, log, pi, sin, sinh, tan, tanh
+
+    if isinstance(number, (exp, log, sin, cos, tan, sinh, cosh, tanh, atan)):
+        x: Any = number.args[0]
+        return bool(x.is_Rational and x != 0 and not (isinstance(number, log) and x == 1))
+    return number in {pi, E}
+
+
+def check_degree(expressions: Iterable[Expr]) -> None:
+    """Refuse numbers whose field may be of so large a degree that SymPy does not find it in any time.
+
+    Raises:
+        ParameterError: they are such numbers.
+    """
+    given = list(expressions)
+    if (degree := largest_degree(given)) > MAX_DEGREE:
+        shown = ", ".join(sorted(map(str, irrational_parts(given))))
+        raise ParameterError(
+            f"wanted algebraic numbers in a field of degree at most {MAX_DEGREE}; got {shown:.200}, whose field may "
+            f"have the degree {degree}. Give rational numbers in the place of some, or names."
+        )
+
+
+def _domain(expressions: list[Any]) -> tuple[Any, list[Element]]:
+    """The SymPy domain that the expressions generate, and their elements.
+
+    For roots times symbols these are rational functions over the roots, which SymPy alone does not find.
+    """
+    from sympy import QQ, CoercionFailed, Pow, Symbol
+    from sympy.polys.constructor import construct_domain
+
+    if not any(e.free_symbols for e in expressions):  # with symbols SymPy looks for no such field
+        check_degree(expressions)
+    constructed: Any = construct_domain(expressions, field=True, extension=True)
+    symbols = sorted({s for e in expressions for s in e.free_symbols}, key=str)
+    roots = sorted({r for e in expressions for r in e.atoms(Pow) if r.is_number and r.is_algebraic}, key=str)
+    if not constructed[0].is_EX or not symbols or not roots or not all(isinstance(s, Symbol) for s in symbols):
+        return constructed
+    if not all(isinstance(part, Pow) for part in irrational_parts(expressions)):
+        return constructed  # whether a sine lies in the field of the roots, SymPy may ask for ever
+    check_degree(roots)
+    functions: Any = QQ.algebraic_field(*roots).frac_field(*symbols)
+    try:
+        return functions, [functions.from_sympy(expression) for expression in expressions]
+    except (CoercionFailed, ValueError):  # one of both, after the kind of expression that does not fit
+        return constructed

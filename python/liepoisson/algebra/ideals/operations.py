@@ -1,0 +1,93 @@
+r"""What Gröbner bases say about ideals: elimination, saturation, and membership in the radical."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+from liepoisson.algebra.ideals.buchberger import Poly
+from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, rational_context
+from liepoisson.algebra.ideals.limits import Budget
+
+
+def in_context(p: Poly, context: Any) -> Poly:
+    """The polynomial in another context that has all variables that occur in it, by name."""
+    names, places = p.context().names(), context.names()
+    where = [places.index(name) if name in places else -1 for name in names]
+    terms: dict[tuple[int, ...], Any] = {}
+    for monomial, c in p.terms():
+        powers = [0] * len(places)
+        for place, k in zip(where, monomial, strict=True):
+            if k:
+                powers[place] = int(k)
+        terms[tuple(powers)] = c
+    return context.from_dict(terms)
+
+
+def new_name(names: Collection[str]) -> str:
+    """A name that no variable has."""
+    name = "t"
+    while name in names:
+        name += "t"
+    return name
+
+
+def radical_contains(basis: GroebnerBasis, p: Poly, budget: Budget) -> bool:
+    """Whether a polynomial vanishes at all complex zeros of an ideal: I and $1 - tp$ have no zero in common."""
+    if basis.is_one or basis.contains(p):
+        return True
+    t = new_name(basis.names)
+    wider = rational_context((*basis.names, t))
+    inverse = 1 - wider.gens()[-1] * in_context(p, wider)
+    return groebner_basis([*(in_context(q, wider) for q in basis.polynomials), inverse], budget).is_one
+
+
+def saturation(basis: GroebnerBasis, p: Poly, budget: Budget) -> GroebnerBasis:
+    r"""The ideal $I : p^\infty$ of what vanishes on the zeros of I at which p does not.
+
+    With a variable z for p, and all made homogeneous, z is last in the order: then an element of a Gröbner basis is
+    divisible by z if its leading monomial is, and the quotients generate the saturation [bayer1987].
+    """
+    z, h = new_name(basis.names), new_name((*basis.names, new_name(basis.names)))
+    wider = rational_context((*basis.names, z))
+    with_z = groebner_basis(
+        [*(in_context(q, wider) for q in basis.polynomials), wider.gens()[-1] - in_context(p, wider)], budget
+    )
+    both = rational_context((*basis.names, h, z))
+    homogeneous: list[Poly] = []
+    for q in with_z.polynomials:
+        total = int(q.total_degree())
+        terms = {(*m[:-1], total - sum(m), m[-1]): c for m, c in _terms(q)}
+        homogeneous.append(both.from_dict(terms))
+    context, one = basis.context, basis.context.constant(1)
+    found: list[Poly] = []
+    for q in groebner_basis(homogeneous, budget).polynomials:
+        least = min(m[-1] for m, _ in _terms(q))
+        total = one * 0
+        for m, c in _terms(q):
+            total = total + context.from_dict({m[:-2]: c}) * p ** (m[-1] - least)
+        found.append(total)
+    return groebner_basis(found or [one * 0], budget)
+
+
+def _terms(p: Poly) -> list[tuple[tuple[int, ...], Any]]:
+    return [(tuple(int(k) for k in m), c) for m, c in p.terms()]
+
+
+def eliminated(generators: Sequence[Poly], names: Collection[str], budget: Budget) -> GroebnerBasis:
+    """The polynomials of an ideal without some variables: the closure of the projection of its complex zeros.
+
+    By a basis in lexicographic order, with these variables first.
+
+    Args:
+        generators: Generators, at least one.
+        names: The variables that are eliminated.
+        budget: Where the work is accounted.
+    """
+    given = generators[0].context().names()
+    kept = [name for name in given if name not in names]
+    order = rational_context((*(name for name in given if name in names), *kept), lexicographic=True)
+    lexicographic = groebner_basis([in_context(g, order) for g in generators], budget)
+    rest = rational_context(kept)
+    without = [p for p in lexicographic.polynomials if not any(p.degrees()[: len(given) - len(kept)])]
+    return groebner_basis([in_context(p, rest) for p in without] or [rest.constant(0)], budget)

@@ -1,0 +1,1 @@
+"""A system as plain data for the core."""

@@ -1,0 +1,1 @@
+"""Equilibria, relative equilibria and their stability."""

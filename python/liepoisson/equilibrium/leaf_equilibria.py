@@ -1,0 +1,292 @@
+r"""Equilibria on symplectic leaves and relative equilibria: by algebra where it decides, else by a search.
+
+An equilibrium of a Lie-Poisson system is a relative equilibrium of the system that it was reduced from: a steady
+rotation, for a top. It is a critical point of H on its leaf, $\nabla H = \sum_k\lambda_k\nabla C_k$. With a further
+integral K (such as $\ell_3$ of a Lagrange top) there are critical points of H on the common level set,
+$\nabla H = \sum_k\lambda_k\nabla C_k + \Omega\nabla K$: the motion there is that of $\Omega K$ alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.equilibrium.critical_points import HamiltonianFields, critical_points, residuals
+from liepoisson.equilibrium.equilibrium_list import Equilibria, signed_sum
+from liepoisson.equilibrium.equilibrium_search import NEAR, EquilibriumSearch, is_critical
+from liepoisson.equilibrium.euler_characteristic import euler_characteristic
+from liepoisson.equilibrium.exact_top import exact_top
+from liepoisson.equilibrium.flat_parts import flat_part_at
+from liepoisson.equilibrium.polynomial_equilibria import polynomial_equilibria
+from liepoisson.equilibrium.soft_zeros import SoftZero, may_mislead, settled, zero_near
+from liepoisson.equilibrium.stability import Equilibrium, analysis, integrals_of, not_tiny
+from liepoisson.equilibrium.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_number
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.given import named
+from liepoisson.inputs.refusals import shown
+from liepoisson.leaf._checks import are_equal, as_system
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.numeric.sampling import as_seed
+from liepoisson.portable import linear
+
+if TYPE_CHECKING:
+    from liepoisson.leaf.leaf_in_units import LeafInUnits
+    from liepoisson.model.phase_functions import PhaseFunction
+    from liepoisson.model.system import System
+
+_MOST, _ONCE = 16, 4
+"""The search takes at most this many times `n_starts`, unless the caller says otherwise: where the check fails, and
+where an equilibrium was met once only."""
+
+
+@explains_its_arguments
+def equilibria(
+    system: System,
+    leaf: Leaf | Mapping[str, float],
+    *,
+    along: Sequence[str] = (),
+    values: Mapping[str, float] | None = None,
+    n_starts: int = 200,
+    most_starts: int | None = None,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+) -> Equilibria:
+    r"""The equilibria on a leaf: all of them for a top, elsewhere those that a search finds, with a check.
+
+    **Tops** with rational parameters (doubles are rational): the equations are polynomial, and their real solutions are
+    computed with a proof that there are no others, isolated ones and families. `proved` is then true. Heavy tops of six
+    components, on so(3) @ semidirect(2), and free rigid bodies on so(3) are tops, too, by whatever name.
+
+    **Other polynomial systems** with rational numbers, on regular leaves: the same, where the equations have finitely
+    many solutions, complex ones too, and are solved within limits of about three seconds.
+
+    **Other systems**, relative equilibria (`along`), families, and leaves of tops on which the algebra does not decide
+    whether an isolated equilibrium is one or two: Newton's method from random starts, and from what the algebra
+    found. What is found are equilibria; that there are no others is not proved. There is one check: where H is proper
+    on the leaf, the sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf
+    (a family counts with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of
+    starts is doubled, up to `most_starts`, and up to four times `n_starts` while an equilibrium was met from one
+    start only.
+    `completeness` says which of these is the case, and so does the printed result. The starts
+    depend on the values of the Casimirs and the seed; the state from which a regular leaf was made does not matter.
+
+    Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each connected
+    family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
+    energy apart by looking for a path of equilibria from one to the other; one that crosses or touches itself may be
+    listed by pieces.
+
+    Example:
+        >>> system = lp.catalog.system("lagrange")
+        >>> len(lp.equilibria(system, lp.Leaf(system, {"C1": "1/5", "C2": 1})))
+        2
+
+    Args:
+        system: A system whose parameters are all numbers.
+        leaf: The leaf, or the values of the Casimirs by name.
+        along: Integrals, by their names in `system.invariants` or as formulas, for relative equilibria.
+        values: Their values, by name.
+        n_starts: Number of starts of a search, random states projected to the leaf.
+        most_starts: What it may be doubled to; 16 times `n_starts` by default.
+        seed: Draws them.
+        time_limit: Seconds after which the search ends with what it has found, and `is_cut_short` is true.
+
+    Returns:
+        The equilibria by increasing energy, a sequence that knows what is proved about it.
+
+    Raises:
+        LeafError: the Casimirs have no state, or the equations of the leaf are not known.
+        ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs; `values` does not name the
+            integrals of `along`; one of these is not constant, or has no motion of its own; or `n_starts`,
+            `most_starts` or `seed` is no whole number.
+        TimeLimitError: the time limit passes before the search begins.
+
+    References: [holm1985], for the equations; [milnor1963], for the sum.
+    """
+    system = as_system(system)
+    leaf = _leaf(system, leaf)
+    n_starts, seed = as_count(n_starts, "n_starts", least=1), as_seed(seed)
+    most = _MOST * n_starts if most_starts is None else as_count(most_starts, "most_starts", least=1)
+    integrals = integrals_of(system, along)
+    wanted = _level(integrals, values, None)
+    with as_deadline(time_limit).running():
+        return _equilibria(leaf, integrals, wanted, n_starts=n_starts, most=most, seed=seed)
+
+
+def _equilibria(
+    leaf: Leaf, integrals: Mapping[str, PhaseFunction], wanted: Array, *, n_starts: int, most: int, seed: int
+) -> Equilibria:
+    """As `equilibria`, before the deadline of the call."""
+    seeds: Array = np.zeros((0, len(leaf.state)))
+    if not integrals:
+        found, seeds = _by_algebra(leaf)
+        if found is not None:
+            return found
+    expected = None if integrals else euler_characteristic(leaf)
+    search = EquilibriumSearch(leaf, integrals, wanted, seed)
+    if len(seeds):
+        search.add_from(seeds)
+    search.extend(n_starts)
+    search.until_all_were_met_again(min(most, _ONCE * n_starts))
+    search.until_the_sum_is(expected, most)
+    total = None if integrals else search.signed_sum()  # with integrals it would belong to another space
+    return Equilibria(
+        leaf,
+        tuple(search.found),
+        False,
+        expected,
+        total,
+        search.n_starts,
+        n_undecided=search.n_undecided,
+        is_cut_short=search.is_cut_short,
+    )
+
+
+def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:
+    """All equilibria with a proof, or None: also where their signs do not sum to the Euler characteristic.
+
+    The sum is independent of the proof. If it is wrong, the proof has a gap or a state was rounded to another sign, and
+    a search answers instead, with what it cannot prove in words; it may start from the states in the second place.
+    """
+    if leaf.rank == 0:
+        return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0), leaf.state[None]
+    top = exact_top(leaf.system)
+    if top is None:
+        return _by_elimination(leaf)
+    by_algebra, is_all = equilibria_of_top(leaf, top)
+    states = np.array([one.state for one in by_algebra]).reshape(-1, len(leaf.state))
+    if not is_all:
+        return None, states
+    units = natural_units(leaf, top, by_algebra)
+    found = [_with_family(analysis(leaf, one.state, {}, units), one.kind) for one in by_algebra]
+    found.sort(key=lambda e: e.energy)
+    expected, total = euler_characteristic_of_leaf(leaf, top), signed_sum(found)
+    if expected is not None and total is not None and total != expected:
+        return None, states
+    return Equilibria(leaf, tuple(found), True, expected, total, 0), states
+
+
+def _by_elimination(leaf: Leaf) -> tuple[Equilibria | None, Array]:
+    """The same for a polynomial system that is no top."""
+    proved = polynomial_equilibria(leaf)
+    if proved is None:
+        return None, np.zeros((0, len(leaf.state)))
+    found = sorted((_with_family(analysis(leaf, x, {}), "point") for x in proved.states), key=lambda e: e.energy)
+    expected, total = euler_characteristic(leaf), signed_sum(found)
+    if expected is not None and total is not None and total != expected:
+        return None, proved.states
+    return Equilibria(leaf, tuple(found), True, expected, total, 0, proved.degree), proved.states
+
+
+def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:
+    return replace(equilibrium, family="degenerate" if kind == "point" and equilibrium.nullity else kind)
+
+
+def _leaf(system: System, given: Any) -> Leaf:
+    if isinstance(given, Leaf):
+        if not are_equal(given.system, system):
+            raise ParameterError(
+                f"leaf must be one of {shown(system)}; got one of {given.system.name!r}. Make it with "
+                "Leaf.through(system, state) or Leaf(system, casimirs)."
+            )
+        return given
+    if (casimirs := named(given, "leaf")) is None:
+        raise ParameterError(
+            f"leaf must be a Leaf, or values of the Casimirs by name; got {shown(given)}. Write for example "
+            "Leaf.through(system, state)."
+        )
+    return Leaf(system, casimirs)
+
+
+@explains_its_arguments
+def equilibrium_near(
+    system: System,
+    guess: ArrayLike,
+    *,
+    along: Sequence[str] = (),
+    values: Mapping[str, float] | None = None,
+) -> Equilibrium:
+    r"""The relative equilibrium that Newton's method reaches from a guess.
+
+    A critical point of H on the leaf of the guess and on the level set of the integrals,
+    $f_H = \sum_j\Omega_j f_{K_j}$; without integrals an equilibrium.
+
+    Example:
+        >>> top = lp.catalog.system("lagrange")
+        >>> found = lp.phase_space.equilibrium_near(top, [0.1, 0, 2, 0.3, 0, 0.9], along=("l3",))  # a steady precession
+        >>> found.linear_stability, round(found.omega["l3"], 6)  # it turns about its own axis at this rate
+        ('stable spectrum', 3.384308)
+
+    Args:
+        system: A system whose parameters are all numbers.
+        guess: One state, shape (N,); its leaf is kept.
+        along: The integrals, by their names in `system.invariants` or as formulas; `along=("l3",)` for the steady
+            precessions of a Lagrange top.
+        values: Their values, by name; by default those of the guess.
+
+    Raises:
+        ParameterError: there is none near the guess, the guess is too near zero, an integral is not constant or has no
+            motion of its own, or `values` does not name them.
+        LeafError: the equations of the leaf are not known.
+        ShapeError: `guess` is not one state.
+    """
+    leaf = not_tiny(Leaf.through(system, guess), "guess")
+    integrals = integrals_of(system, along)
+    view = leaf.in_units()
+    functions = view.system.functions
+    fields = HamiltonianFields(view.system, [functions.energy, *map(functions.of, integrals.values())])
+    level = _level(integrals, values, leaf.state)
+    states, residual = critical_points(view, fields, view.state[None], level)
+    zero = SoftZero(states[0]) if len(states) else None
+    reached = f"a relative residual of {residual[0]:.1e}" if len(states) else "no state where H has finite derivatives"
+    if zero is not None and may_mislead(functions.energy) and is_critical(fields, view, states, residual, NEAR)[0]:
+        zero = zero_near(view, fields, level, zero.state) or _in_flat_part(view, fields, level, zero.state)
+        reached = f"{reached}, where H becomes flat, and no critical point was found there" if zero is None else reached
+    elif zero is not None and is_critical(fields, view, states, residual)[0]:
+        zero = settled(view, fields, level, zero.state)
+    if zero is not None:
+        states = zero.state[None]
+        residual = residuals(view, fields, states, level)
+    if zero is None or not is_critical(fields, view, states, residual)[0]:
+        checkpoint("Newton's method for an equilibrium")
+        raise ParameterError(
+            f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with "
+            f"{reached}. Search with equilibria(system, leaf, along=..., values=...)."
+        )
+    return analysis(leaf, zero.state * view.units, integrals, is_flat=zero.is_flat)
+
+
+def _in_flat_part(view: LeafInUnits, fields: HamiltonianFields, level: Array, state: Array) -> SoftZero | None:
+    """The nearest of the critical points that doubles do not tell apart at a state."""
+    part = flat_part_at(view, fields, level, state)
+    zeros = () if part is None else part.zeros
+    return min(zeros, key=lambda zero: float(linear.norm(zero.state - state)), default=None)
+
+
+def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None, x: Array | None) -> Array:
+    """The values of the integrals that are asked for, or those at x."""
+    if values is None and x is not None:
+        return np.array([float(f(x)) for f in integrals.values()])
+    asked: Any = {} if values is None else values
+    given = named(asked, "values")
+    if given is None or set(given) != set(integrals):
+        given = None
+    numbers = {name: as_number(given[name], f"values[{name!r}]", "a finite number") for name in integrals if given}
+    if given is None or not np.isfinite([*numbers.values()]).all():
+        example = f"Write for example values={dict.fromkeys(integrals, 0.5)}." if integrals else "Leave values out."
+        raise ParameterError(
+            f"values must give a finite number for each integral of along, {', '.join(integrals) or 'none'}; "
+            f"got {shown(asked)}. {example}"
+        )
+    return np.array([*numbers.values()])
+
+
+def _named(integrals: Mapping[str, PhaseFunction]) -> str:
+    return f" at fixed {', '.join(integrals)}" if integrals else ""

@@ -1,1 +1,0 @@
-"""Number fields and linear algebra over them, exact."""

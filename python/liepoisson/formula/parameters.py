@@ -1,0 +1,140 @@
+"""Exact parameters: how the numbers, names and formulas that a caller gives are read.
+
+A parameter is a `Fraction` when it is a rational number, and a SymPy expression when it is anything else (a name kept
+symbolic, a square root).  SymPy is imported only for the latter.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+from liepoisson.algebra.exact_numbers import Exact, not_a_parameter, read_number
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError, did_you_mean
+from liepoisson.inputs.given import as_scalar, by_name, listed
+from liepoisson.inputs.names import CONSTANTS, NOT_FINITE, check_name
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Parameter: TypeAlias = "int | float | Fraction | str | Expr"
+"""What a caller may write for a parameter."""
+
+
+Column: TypeAlias = Any
+"""A SymPy column of three expressions (Matrix, 3 x 1); SymPy's annotations of its entries are too loose to be used."""
+
+# A bounded exponent: Fraction("1e999999999") would fill the memory with digits.
+_NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?)")
+_MAX_CHARACTERS = 200
+_NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+
+
+def read_parameter(value: object, name: str) -> Exact:
+    """Read one parameter exactly.
+
+    A float is read as the decimal it prints as (0.1 is 1/10); a string is a number ("1/3", "0.25", "sqrt(2)/2"), an
+    identifier, which stays symbolic, or a formula in such ("2*epsilon").  No string is ever evaluated as code.
+
+    Args:
+        value: int, Fraction, float, NumPy scalar, string or SymPy expression.
+        name: What to call the parameter in an error message.
+
+    Returns:
+        A Fraction for a rational number, else a SymPy expression.
+
+    Raises:
+        ParameterError: not a number or name, or a number that is not finite and real.
+    """
+    value = as_scalar(value)
+    return _read_string(value, name) if isinstance(value, str) else read_number(value, name)
+
+
+def read_symbol(value: object, name: str) -> str | None:
+    """The name of the symbol that a parameter is given as; None if it is given as anything but the text of a name.
+
+    Raises:
+        ParameterError: a user may not choose this name.
+    """
+    text = value.strip() if isinstance(value, str) else ""
+    if not _NAME.fullmatch(text) or text.lower() in NOT_FINITE or text in CONSTANTS:
+        return None
+    return check_name(text, f"{name}: the name of a symbol")
+
+
+def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exact, Exact]:
+    """Read three parameters, for example the moments of inertia.
+
+    Args:
+        values: A sequence of 3 parameters (list, tuple, array, SymPy Matrix).
+        name: What to call the vector in an error message.
+        components: What its components are, for example "(I1, I2, I3)".
+
+    Raises:
+        ShapeError: not a sequence of 3 scalars.
+        ParameterError: a component that is not an exact finite real parameter, or labels other than the components.
+    """
+    names = components.strip("()").split(", ")
+    items = listed(values, name, names)
+    if items is None:
+        raise ShapeError(f"{name} must be 3 numbers {components}; got {values!r}. Write for example {name}=(1, 1, 2).")
+    if len(items) != 3 or any(listed(item) is not None for item in items):
+        got = f"shape {_shape(values, items)}"
+        raise ShapeError(f"{name} must be 3 numbers {components}; got {got}. Give exactly three components.")
+    first, second, third = (read_parameter(item, part) for item, part in zip(items, names, strict=True))
+    return first, second, third
+
+
+def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Exact]:
+    """Values for some of these symbols, by their names, also where a caller gives the symbols themselves.
+
+    Raises:
+        ParameterError: not a mapping, a name is none of them or comes twice, or a value is not exact.
+    """
+    known, values = {*symbols}, dict[str, Exact]()
+    for key, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
+        if (name := str(key)) not in known:
+            raise ParameterError(
+                f"values: wanted the names of symbols, {', '.join(sorted(known)) or 'of which there are none'}; got "
+                f"{name!r:.60}. {did_you_mean(name, known)}Correct the name or leave it out."
+            )
+        if name in values:
+            raise ParameterError(f"values: wanted each symbol once; {name} comes twice. Leave one out.")
+        values[name] = read_parameter(value, name)
+    return values
+
+
+def _read_string(text: str, name: str) -> Exact:
+    if (symbol := read_symbol(text, name)) is not None:
+        from sympy import Symbol
+
+        return Symbol(symbol)
+    stripped = text.strip()
+    if len(stripped) > _MAX_CHARACTERS:
+        raise not_a_parameter(text, name)
+    if not _NUMBER.fullmatch(stripped):
+        return _read_formula(stripped, name)
+    try:
+        return Fraction(stripped)
+    except ZeroDivisionError:
+        raise ParameterError(f"{name} must be a finite number; got {text!r}. Use a nonzero denominator.") from None
+
+
+def _read_formula(text: str, name: str) -> Exact:
+    """A formula whose names are those of symbols: "sqrt(2)", "2*epsilon"."""
+    from liepoisson.formula.expression import parameter
+
+    try:
+        return parameter(text)
+    except ExpressionError as error:
+        raise not_a_parameter(text, name, error.message) from None
+
+
+def _shape(values: object, items: list[object]) -> tuple[int, ...]:
+    shape = getattr(values, "shape", None)
+    if isinstance(shape, tuple):
+        return cast("tuple[int, ...]", shape)
+    inner = listed(items[0]) if items else None
+    return (len(items),) if inner is None else (len(items), len(inner))

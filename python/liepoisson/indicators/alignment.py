@@ -1,0 +1,363 @@
+r"""SALI and GALI: how nearly parallel tangent vectors of an orbit have become."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.result import labelled
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import trajectories, typical
+from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
+from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
+from liepoisson.portable import elementary, linear
+
+Within: TypeAlias = Literal["space", "leaf", "energy"]
+
+FLOOR = 1e-16
+"""Least distance between two unit vectors that doubles resolve: the unit round-off, 1.1e-16, to a power of ten."""
+
+N_TIMES = 100
+
+MOST_BYTES = 4 * 2**30
+"""Most memory that the samples of the trajectories that run at once may take."""
+
+# The largest number is e^709.  A vector that grew by more than e^600 within a piece, or may have overflowed, has the
+# piece repeated in two halves.
+_MOST_GROWTH = 600.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alignment(Run):
+    r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.chaos.alignment(system, {"y": 0.1, "p_x": 0.3}, t_end=1000)
+        >>> bool(found.sali[0].min() > 1e-3)  # the two vectors never align: a torus
+        True
+
+    Attributes:
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
+        method: How it was integrated.
+        start: Shape (trajectory, component).
+        seed: Seed of the tangent vectors.
+        first: Number of the first member.
+        unit: Units of the components in which vectors are drawn and angles taken, shape (trajectory, component).
+        within: Where the vectors started: "space", "leaf" or "energy".
+        time: Times, shape (time,).
+        sali: $\min(|\hat v_1 + \hat v_2|, |\hat v_1 - \hat v_2|)$, between 1e-16 and $\sqrt 2$, shape
+            (trajectory, time); NaN from where a trajectory failed.
+        log_gali: $\ln\mathrm{GALI}_k$ for k = 2, 3, ..., shape (trajectory, time, order).
+        outcome: How each trajectory ended, shape (trajectory,).
+    """
+
+    kind = "alignment"
+
+    seed: int
+    first: int
+    within: Within
+    unit: Array = labelled("trajectory", "component", long_name="unit of each component")
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    sali: Array = labelled("trajectory", "time", long_name="smaller alignment index", units="1")
+    log_gali: Array = labelled(
+        "trajectory", "time", "order", long_name="logarithms of the alignment indices of 2, 3, ... vectors", units="1"
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """What `alignment` was called with."""
+        own = {"times": self.time, "units": None if (self.unit == 1).all() else self.unit, "within": self.within}
+        drawn = {"seed": self.seed, "first": self.first, "n_vectors": self.log_gali.shape[-1] + 1}
+        return super().arguments() | own | drawn
+
+    def gali(self, k: int) -> Array:
+        r"""$\mathrm{GALI}_k = |\hat v_1\wedge\cdots\wedge\hat v_k|$, shape (trajectory, time); 0 where it underflows.
+
+        Raises:
+            ParameterError: k is not from 2 to the number of vectors.
+        """
+        k = as_count(k, "k", least=2, most=self.log_gali.shape[-1] + 1)
+        return elementary.exp(self.log_gali[..., k - 2])
+
+    def __repr__(self) -> str:
+        n_vectors, value = self.log_gali.shape[-1] + 1, typical("SALI", self.sali[:, -1])
+        return (
+            f"<Alignment of {self.system.name}: {n_vectors} tangent vectors of {trajectories(self.outcome)}, {value} "
+            f"at t = {self.time[-1]:g}>"
+        )
+
+
+@shows_progress
+def alignment(
+    system: HasField,
+    starts: StartsLike,
+    *,
+    t_end: float | None = None,
+    times: ArrayLike | None = None,
+    n_vectors: int = 2,
+    within: Within = "space",
+    units: ArrayLike | None = None,
+    seed: int = 0,
+    first: int = 0,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> Alignment:
+    r"""Smaller and generalized alignment indices: SALI of two tangent vectors, GALI_k of k.
+
+    Each vector follows the variational equations by itself and is only scaled to length one, never made orthogonal.
+    $\mathrm{GALI}_k$ is the volume of the parallelepiped that they span, the product of the diagonal of R in a QR
+    decomposition; SALI measures the angle of the first two.  With exponents $\lambda_1\ge\lambda_2\ge\ldots$ a chaotic
+    orbit has $\mathrm{SALI}\sim e^{-(\lambda_1-\lambda_2)t}$ and
+    $\mathrm{GALI}_k\sim e^{-\sum_{j=2}^k(\lambda_1-\lambda_j)t}$.  On a torus of n dimensions whose frequencies depend
+    on all actions, tangent vectors turn into the n directions of the torus.  There $\mathrm{GALI}_k$ stays of order one
+    for $k\le n$ and falls like a power of t for more vectors.  Vectors that are tangent to the energy surface, too,
+    know one action less: $\mathrm{GALI}_n$ then falls like 1/t.
+
+    Directions closer than the round-off cannot be told apart: SALI and each factor of GALI_k are 1e-16 at least, and
+    what has come down to that floor says no more than "at most this".
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]  # energies 0.05 and 0.13
+        >>> sali = lp.chaos.alignment(system, starts, t_end=1000).sali[:, -1]
+        >>> sali > 0.1, sali < 1e-10
+        (array([ True, False]), array([False,  True]))
+
+    Args:
+        system: The system.
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+            beside good ones ends at once, with the outcome "not finite".
+        t_end: Last time, positive; the indices are then given at 100 times spaced evenly in the logarithm, from
+            `t_end`/1000 on.
+        times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
+        n_vectors: Number of tangent vectors, from 2 to the number of components.
+        within: Where the vectors start: "space", uniform directions in the whole phase space; "leaf", tangent to the
+            symplectic leaf, $v = J(x_0)w$ with w uniform; "energy", tangent to the energy surface on the leaf, with
+            $w\perp J\nabla H$.  The flow keeps them there.
+        units: Unit of each component along each orbit, positive, shape (trajectory, component): angles and lengths are
+            those of $v_i/u_i$, and vectors in the whole space are drawn uniformly in these; by default 1.
+        seed: Draws the tangent vectors, in a stream of their own: they are independent of the vector of an exponent or
+            MEGNO with the same seed.
+        first: Number of the first member: member k has the same vectors in whichever piece of an ensemble it is.
+        method: How; by default `Taylor(tol=1e-13)`.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
+        progress: Called a few times a second, and after each of the times, with the fraction of them that is done.
+
+    Returns:
+        Alignment; a trajectory that fails is an outcome in it, not an error.
+
+    Raises:
+        ShapeError: An array has another shape than stated.
+        ParameterError: Numbers that are not finite, a time that is not positive, both or neither of `t_end` and
+            `times`, an unknown `within`, or more vectors than the leaf or its energy surface has dimensions.
+        KeyboardInterrupt: Ctrl-C.
+
+    References:
+        Skokos, J. Phys. A 34 (2001) 10029; Skokos, Bountis and Antonopoulos, Physica D 231 (2007) 30.
+    """
+    method = as_method(method, Taylor(tol=1e-13))
+    n, deadline = as_field(system).n_components, clock.monotonic() + as_time_limit(time_limit)
+    states, wanted = as_starts(system, starts, n), _as_alignment_times(t_end, times)
+    if n < 2:
+        raise ParameterError(
+            f"system: wanted one with at least 2 components, as two tangent vectors are compared; {system.name} has "
+            f"{n}; a Lie-Poisson bracket of one component vanishes, and every orbit rests"
+        )
+    k = as_count(n_vectors, "n_vectors", least=2, most=n)
+    seed, first = as_seed(seed), as_first(first, len(states))
+    size = (
+        np.ones(states.shape) if units is None else _as_units(units, states, component_names(system, states.shape[1]))
+    )
+    sali = np.full((len(states), len(wanted)), np.nan)
+    log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
+    outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
+    known: dict[str, Any] = {
+        **given(system, field_for(system, as_field(system), method), method, states.copy()),
+        "seed": seed, "first": first, "within": within, "unit": size, "time": wanted, "time_limit": float(time_limit),
+    }  # fmt: skip
+    if clock.monotonic() > deadline:  # before vectors are drawn: of many members this takes seconds
+        outcome[outcome == "finished"] = "time limit"
+        return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
+    drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
+    vectors = _first_vectors(system, states, drawn * size[:, None] if within == "space" else drawn, within)
+    n_done = 0
+    travel = _Travel(
+        system,
+        method,
+        threads,
+        deadline,
+        # pieces may be done again in halves: within one, the times before it are what is done
+        None if progress is None else lambda _: progress(n_done / len(wanted)),
+    )
+    before = 0.0
+    for i, now in enumerate(wanted.tolist()):
+        alive = np.flatnonzero(outcome == "finished")
+        if not len(alive):
+            break
+        states[alive], vectors[alive], outcome[alive] = travel(states[alive], vectors[alive], before, now)
+        good = np.flatnonzero(outcome == "finished")
+        seen = vectors[good] if units is None else _unit(vectors[good] / size[good][:, None])
+        sali[good, i], log_gali[good, i] = _sali(seen), _log_gali(seen)
+        before, n_done = now, i + 1
+        if progress is not None:
+            progress(n_done / len(wanted))
+    return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
+
+
+class _Travel:
+    """Carries states and unit vectors from one time to another; the vectors come back with length one."""
+
+    def __init__(
+        self,
+        system: HasField,
+        method: Method,
+        threads: int | None,
+        deadline: float,
+        listen: Callable[[float], Any] | None,
+    ) -> None:
+        self.system, self.method, self.threads, self.deadline = system, method, threads, deadline
+        self.listen = listen
+
+    def __call__(
+        self, states: Array, vectors: Array, start: float, end: float
+    ) -> tuple[Array, Array, NDArray[np.str_]]:
+        orbit = integrate(
+            self.system,
+            states,
+            times=[start, end],
+            tangents=vectors,
+            method=self.method,
+            threads=self.threads,
+            # a run needs a positive limit; one that has passed ends all trajectories at once
+            time_limit=max(self.deadline - clock.monotonic(), 1e-9),
+            progress=self.listen,
+        )
+        after, grown, outcome = orbit.state[:, 1].copy(), orbit.tangent[:, 1].copy(), orbit.outcome.copy()
+        arrived = outcome == "finished"
+        longest = np.abs(grown).max(axis=(1, 2))
+        # Halving depends on the member alone, so a member is the same in any ensemble.
+        again = np.flatnonzero(arrived & ~(longest < elementary.exp(_MOST_GROWTH)))
+        middle = 0.5 * (start + end)
+        if len(again) and start < middle < end:
+            half, turned, ended = self(states[again], vectors[again], start, middle)
+            after[again], grown[again], outcome[again] = half, turned, ended
+            onward = again[ended == "finished"]
+            if len(onward):
+                after[onward], grown[onward], outcome[onward] = self(after[onward], grown[onward], middle, end)
+        return after, _unit(grown), outcome
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors scaled to length one; first by their largest component, whose square may overflow or underflow."""
+    largest = np.abs(vectors).max(axis=-1, keepdims=True)
+    vectors = np.divide(vectors, largest, out=np.full_like(vectors, np.nan), where=(largest > 0) & (largest < np.inf))
+    return vectors / linear.norm(vectors, axis=-1, keepdims=True)
+
+
+def _sali(vectors: Array) -> Array:
+    one, other = vectors[:, 0], vectors[:, 1]
+    distances = linear.norm([one - other, one + other], axis=-1)
+    return np.maximum(distances.min(axis=0), FLOOR)
+
+
+def _log_gali(vectors: Array) -> Array:
+    """Logarithms of the volumes of the first 2, 3, ... unit vectors, shape (trajectory, order)."""
+    if not len(vectors):
+        return np.empty((0, vectors.shape[1] - 1))
+    upper = linear.qr(np.swapaxes(vectors, -1, -2), mode="r")
+    heights = np.maximum(np.abs(np.diagonal(upper, axis1=-2, axis2=-1)), FLOOR)
+    return np.cumsum(elementary.log(heights[:, 1:]), axis=1)
+
+
+def _as_units(units: ArrayLike, states: Array, names: Sequence[str]) -> Array:
+    """Positive units in the shape of the states."""
+    size = np.broadcast_to(as_states(units, states.shape[1], "units", names=names), states.shape)
+    if not (size > 0.0).all():
+        raise ParameterError("units: wanted positive numbers; got zero or less; leave it out")
+    return size
+
+
+def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> Array:
+    """Unit tangent vectors made of drawn ones, shape (trajectory, tangent, component)."""
+    if within == "space":
+        return drawn
+    if within not in ("leaf", "energy"):
+        raise ParameterError(f'within: wanted "space", "leaf" or "energy"; got {shown(within)}; leave it out')
+    if not has_functions(system):
+        raise ParameterError(
+            f'within: wanted a system with a bracket for "{within}"; got {shown(system)}; try within="space"'
+        )
+    good = np.flatnonzero(np.isfinite(states).all(axis=1))
+    tensor = system.functions.poisson_tensor(states[good])
+    covectors = drawn[good]
+    if within == "energy":
+        # dH(J w) = -w.(J dH): J w is tangent to the energy surface if w is orthogonal to the flow.
+        flow = (tensor * system.functions.energy.gradient(states[good])[:, None, :]).sum(axis=-1)
+        speed = linear.norm(flow, axis=1, keepdims=True)
+        along = np.divide(flow, speed, out=np.zeros_like(flow), where=speed > 0)
+        along = along[:, None, :]
+        covectors = covectors - (covectors * along).sum(axis=-1, keepdims=True) * along
+    drawn[good] = _unit((tensor[:, None] * covectors[:, :, None, :]).sum(axis=-1))
+    _refuse_dependent(drawn, good, within)
+    return drawn
+
+
+def _refuse_dependent(vectors: Array, good: NDArray[np.int64], within: Within) -> None:
+    """Vectors that span no volume would look like those of a chaotic orbit."""
+    k = vectors.shape[1]
+    sizes = linear.svd(np.nan_to_num(vectors[good]), compute_uv=False)[:, -1]
+    flat = good[~(sizes > 1e-12)]
+    if len(flat):
+        space = "leaf" if within == "leaf" else "energy surface on its leaf"
+        raise ParameterError(
+            f"n_vectors: wanted at most as many as there are independent directions; the {space} through member "
+            f"{int(flat[0])} has fewer than {k}; take fewer vectors, or within='space'"
+        )
+
+
+def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
+    if (t_end is None) == (times is None):
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
+    if times is None:
+        end = as_time(t_end, "t_end", example=1000)
+        wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
+        wanted[-1] = end
+        return wanted
+    wanted = as_times(times, "times", least=1)
+    if wanted[0] <= 0.0 or wanted[-1] < wanted[0]:
+        raise ParameterError(
+            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
+        )
+    return wanted
+
+
+def bound_memory(size: int, n_samples: int, n_trajectories: int) -> None:
+    """Refuses samples that would take more than 4 GiB.
+
+    Raises:
+        ParameterError: they would.
+    """
+    if size > MOST_BYTES:
+        raise ParameterError(
+            f"n_samples: wanted at most {MOST_BYTES / 2**30:g} GiB of samples at once; got {size / 2**30:.3g} GiB for "
+            f"n_samples={n_samples} of {n_trajectories} trajectories; take fewer samples, or fewer trajectories at a "
+            "time"
+        )

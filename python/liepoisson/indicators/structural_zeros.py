@@ -1,0 +1,194 @@
+r"""How many Lyapunov exponents must vanish, from the Poisson tensor and the known constants of the motion.
+
+The gradients dF of constants F are carried along by the (co)tangent flow, and so are their Hamiltonian vector fields
+$J\,dF$.  Neither grows while they stay bounded and independent, so with G the matrix of all gradients at a state
+
+$$ n_0 = \mathrm{rank}\,G + \mathrm{rank}\,JG - \mathrm{rank}\,G^T J G $$
+
+exponents vanish: the first term counts the directions across the common level sets, the other two those fields that lie
+in them.  For corank c and k further integrals in involution this is c + 2 (1 + k).
+
+The Casimirs count by the null space of J where the rank of J is the largest.  On leaves of lower rank only the
+gradients of the known Casimirs count: other directions across such a leaf may grow.
+
+All ranks are those at the start.  They are assumed to stay along the orbit, and the gradients to stay bounded: an orbit
+that tends to a leaf of lower rank or to a critical point of an integral has other zeros.
+
+References: Pikovsky and Politi, Lyapunov Exponents (Cambridge, 2016), chapter 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.compile.field import Field, PiecesField
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.io.result import labelled
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.systems import HasFunctions, has_functions, known_constants
+from liepoisson.portable import linear
+from liepoisson.streams import generator
+
+# Singular values below this fraction of the largest count as zero: gradients are evaluated to some 1e-15.
+_NEGLIGIBLE = 1e-9
+# The part of the time from which the derivative of the field is taken, and the part of it that counts as divergence.
+_SHORT, _DIVERGENCE = 1e-9, 1e-5
+
+
+@explains_its_methods
+@dataclass(frozen=True)
+class PoissonStructure(ReadOnlyArrays):
+    """What the bracket says about the spectrum of each trajectory.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> structure = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=20).structure
+        >>> structure.corank, structure.n_zeros  # three Casimirs; with them H and the direction of the flow
+        (array([3]), array([5]))
+
+    Attributes:
+        n_zeros: Exponents that must vanish while the gradients of the known constants stay independent, shape
+            (trajectory,).
+        corank: N minus the rank of J at the start, shape (trajectory,).
+        is_regular: Whether J has its largest rank at the start, shape (trajectory,): then the exponents come in pairs.
+    """
+
+    n_zeros: NDArray[np.int64] = labelled("trajectory", long_name="exponents that must vanish", units="1")
+    corank: NDArray[np.int64] = labelled("trajectory", long_name="corank of the Poisson tensor", units="1")
+    is_regular: NDArray[np.bool_] = labelled("trajectory", long_name="whether its rank is the largest", units="1")
+
+    def __post_init__(self) -> None:
+        """Copies the arrays, which a caller may have made, and makes them read-only."""
+        for name, kind in (("n_zeros", np.int64), ("corank", np.int64), ("is_regular", np.bool_)):
+            object.__setattr__(self, name, _as_labels(getattr(self, name), name, kind))
+        if not self.n_zeros.shape == self.corank.shape == self.is_regular.shape:
+            raise ShapeError(
+                "PoissonStructure: wanted n_zeros, corank and is_regular of one shape (trajectory,); got shapes "
+                f"{self.n_zeros.shape}, {self.corank.shape} and {self.is_regular.shape}"
+            )
+        super().__post_init__()
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape (trajectory,) of each array."""
+        return self.n_zeros.shape
+
+
+def _as_labels(values: Any, name: str, kind: type[np.int64] | type[np.bool_]) -> NDArray[Any]:
+    """A copy of whole numbers, or of truth values.
+
+    Raises:
+        ShapeError: they have no shape (trajectory,).
+        ParameterError: they are of another kind.
+    """
+    try:
+        given = np.array(values)
+    except ValueError as error:  # rows of different lengths
+        raise ShapeError(f"{name}: wanted an array of shape (trajectory,); got {error}") from error
+    if given.ndim != 1:
+        raise ShapeError(f"{name}: wanted an array of shape (trajectory,); got shape {given.shape}")
+    if given.size and given.dtype.kind not in ("b" if kind is np.bool_ else "iu"):
+        wanted = "truth values" if kind is np.bool_ else "whole numbers"
+        raise ParameterError(f"{name}: wanted {wanted}; got an array of {given.dtype}; take those of another spectrum")
+    return given.astype(kind)
+
+
+def poisson_structure(system: Any, states: Array, units: Array | None = None) -> PoissonStructure | None:
+    """The structure at each start, shape (trajectory, component); None for a system without a Poisson tensor.
+
+    Ranks are those in the units of the components, shape (trajectory, component), by default 1.  Where the start or a
+    gradient there is not finite, corank and number of zeros are 0.
+    """
+    if not has_functions(system):
+        return None
+    functions = system.functions
+    constants = _constants(system)
+    n = states.shape[1]
+    with np.errstate(all="ignore"):  # overflow makes a gradient that is not finite, and the start is left out
+        gradients = np.stack([constant.gradient(states) for constant in constants], axis=-1)
+    unit = np.ones_like(states) if units is None else units
+    gradients *= unit[:, :, None]
+    tensors = _in_units(functions, states, unit)
+    good = np.isfinite(states).all(axis=1) & np.isfinite(gradients).all(axis=(1, 2))
+    good &= np.isfinite(tensors).all(axis=(1, 2))
+    tensors = tensors[good]
+    n_zeros, corank = np.zeros(len(states), dtype=np.int64), np.zeros(len(states), dtype=np.int64)
+    corank[good] = n - np.array([_rank(tensor) for tensor in tensors], dtype=np.int64)
+    least = n - max((_rank(tensor) for tensor in _generic_tensors(functions, unit[good])), default=0)
+    for k, tensor, gradient in zip(np.flatnonzero(good), tensors, gradients[good], strict=True):
+        known = np.concatenate([gradient, _null_space(tensor, least)], axis=1) if corank[k] == least else gradient
+        n_zeros[k] = _n_zeros(tensor, known)
+    return PoissonStructure(n_zeros, corank, good & (corank == least))
+
+
+def keeps_volume(field: Field, states: Array, *, time: float, method: Method) -> bool:
+    r"""Whether $\mathrm{div} f = \mathrm{tr}\,Df$ vanishes at the given states, shape (trajectory, component).
+
+    It does everywhere for the flow of any Hamiltonian on a unimodular algebra, $\sum_j c_{ij}^j = 0$.  Df is read off
+    the variational equations, $M(h) = 1 + h\,Df + O(h^2)$ at $h = 10^{-9}$ of a time in which the flow changes by order
+    one: it has relative errors of 1e-7 from round-off.
+    """
+    step, n = _SHORT * time, states.shape[1]
+    identity = np.tile(np.eye(n), (len(states), 1, 1))
+    # whatever the method of the run, but a field that is given by its pieces knows no other
+    how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
+    change = (
+        integrate(field, states, times=[0.0, step], tangents=identity, method=how).tangent[:, 1] - identity
+    ) / step
+    size = linear.norm(change, axis=(1, 2))
+    divergence = np.abs(np.trace(change, axis1=1, axis2=2))
+    return bool((divergence <= _DIVERGENCE * np.maximum(size, 1.0 / time)).all())
+
+
+def _constants(system: HasFunctions) -> list[Any]:
+    """The known constants of the motion as functions; H alone where a system lists no others."""
+    constants = known_constants(system)
+    return [system.functions.of(expression) for expression in constants.values()] or [system.functions.energy]
+
+
+def _generic_tensors(functions: Any, units: Array) -> Array:
+    """Poisson tensors at a few states of no special position: a rank is the largest on an open dense set."""
+    states = generator(0).standard_normal((4, units.shape[1]))
+    unit = np.unique(units, axis=0)[:, None, :] if len(units) else np.ones((1, 1, units.shape[1]))
+    tensors = _in_units(functions, states * unit, unit).reshape(-1, units.shape[1], units.shape[1])
+    return tensors[np.isfinite(tensors).all(axis=(1, 2))]
+
+
+@np.errstate(all="ignore")
+def _in_units(functions: Any, states: Array, units: Array) -> Array:
+    """The brackets of the components divided by their units, one after the other: their product may overflow."""
+    return np.asarray(functions.poisson_tensor(states) / units[..., :, None] / units[..., None, :])
+
+
+def _n_zeros(tensor: Array, gradients: Array) -> int:
+    lengths = np.abs(gradients).max(axis=0)
+    basis = _range(gradients[:, lengths > 0] / lengths[lengths > 0])
+    if basis.shape[1] == 0:
+        return 0
+    fields = linear.matmul(tensor, basis) / (linear.norm(tensor, 2) or 1.0)
+    return basis.shape[1] + _rank(fields, 1.0) - _rank(linear.matmul(basis.T, fields), 1.0)
+
+
+def _range(matrix: Array) -> Array:
+    """An orthonormal basis of the range, as columns."""
+    if matrix.shape[1] == 0:
+        return matrix
+    vectors, sizes, _ = linear.svd(matrix, full_matrices=False)
+    return vectors[:, sizes > _NEGLIGIBLE * max(sizes[0], np.finfo(float).tiny)]
+
+
+def _null_space(tensor: Array, corank: int) -> Array:
+    return linear.svd(tensor)[0][:, len(tensor) - corank :]
+
+
+def _rank(matrix: Array, scale: float | None = None) -> int:
+    sizes = linear.svd(matrix, compute_uv=False)
+    largest = (sizes[0] if len(sizes) else 0.0) if scale is None else scale
+    return int(np.sum(sizes > _NEGLIGIBLE * largest)) if largest > 0 else 0

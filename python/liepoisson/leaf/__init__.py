@@ -1,0 +1,1 @@
+"""Symplectic leaves and samples on them."""

@@ -1,0 +1,1 @@
+"""Systems: a bracket and a Hamiltonian; their files and charts."""

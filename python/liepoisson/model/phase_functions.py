@@ -1,0 +1,339 @@
+r"""Functions on phase space as functions of arrays: the Hamiltonian, Casimirs, any expression, with derivatives.
+
+The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated
+(`liepoisson.compile.private_symbols`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.algebra.rational_polynomials import expression_of, values_of
+from liepoisson.compile.private_symbols import evaluated, first_of_equal
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.formula.numbers import as_array
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.names import ANGLE
+from liepoisson.portable import elementary
+
+if TYPE_CHECKING:
+    from flint import arb
+    from sympy import Expr, Symbol
+
+    from liepoisson.algebra.rational_polynomials import RationalPolynomial
+    from liepoisson.model.ball_functions import BallFunctions
+    from liepoisson.model.system import System
+    from liepoisson.model.trace_values import TraceSum
+    from liepoisson.structure.bracket import Bracket
+
+_ANGLE = re.compile(rf"\s*{ANGLE}\(([^,()]*),([^,()]*)\)\s*")
+"""The angle of a pair, each without brackets."""
+
+
+@explains_its_methods
+class PhaseFunction:
+    """A function on phase space: its values, gradients and second derivatives at many states.
+
+    Example:
+        >>> top = lp.catalog.system("kovalevskaya")
+        >>> energy = lp.systems.PhaseFunction(top, top.hamiltonian)
+        >>> float(energy([1, 0, 1, 0, 0, 1])), energy.gradient([1, 0, 1, 0, 0, 1]).tolist()
+        (0.75, [0.5, 0.0, 1.0, -1.0, 0.0, 0.0])
+
+    Args:
+        system: The system whose coordinates it depends on.
+        expression: A SymPy expression in them, without free parameters.
+
+    Raises:
+        ParameterError: a parameter in it has no number.
+    """
+
+    def __init__(self, system: System, expression: Expr) -> None:
+        free = {symbol for symbol in expression.free_symbols if symbol not in system.variables}
+        if free:
+            names = ", ".join(sorted(map(str, free)))
+            raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
+        self._polynomial: RationalPolynomial | None = None
+        self._pair: tuple[RationalPolynomial, RationalPolynomial] | None = None
+        self._given: Callable[[], Expr] = partial(_itself, expression)
+        self._components = system.component_names
+        self._n = len(self._components)
+        self._system = system
+        self._fields = system.parts_of_state
+
+    @classmethod
+    def of_polynomial(
+        cls, system: System, polynomial: RationalPolynomial, expression: Callable[[], Expr]
+    ) -> PhaseFunction:
+        """A polynomial, which needs no compilation, and what makes the expression that is the same."""
+        function = cls.__new__(cls)
+        function._polynomial, function._pair, function._given = polynomial, None, expression
+        function._components, function._fields, function._system = system.component_names, system.parts_of_state, system
+        function._n = len(function._components)
+        return function
+
+    @classmethod
+    def of_pair(
+        cls, system: System, pair: tuple[RationalPolynomial, RationalPolynomial], expression: Callable[[], Expr]
+    ) -> PhaseFunction:
+        """The angle of a pair of polynomials y and x, which needs no compilation for its values and gradients."""
+        function = cls.of_polynomial(system, pair[0], expression)
+        function._polynomial, function._pair = None, pair
+        return function
+
+    @cached_property
+    def expression(self) -> Expr:
+        """The function as a SymPy expression."""
+        return self._given()
+
+    @property
+    def polynomial(self) -> RationalPolynomial | None:
+        """The function as a polynomial that was read without SymPy; None if it was not."""
+        return self._polynomial
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of components of a state."""
+        return self._n
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no coordinate occurs in it."""
+        if self._pair is not None:
+            return not any(part.coordinates for part in self._pair)
+        return not (self.expression.free_symbols if self.polynomial is None else self.polynomial.coordinates)
+
+    @property
+    def variables(self) -> tuple[Symbol, ...]:
+        """The coordinates, as SymPy symbols."""
+        return self._system.variables
+
+    def __call__(self, states: ArrayLike) -> Array:
+        """Values, shape (...), at states of shape (..., N)."""
+        if self._polynomial is not None:
+            return values_of([self._polynomial], self._states(states))[..., 0]
+        if self._pair is not None:
+            y, x = np.moveaxis(values_of(self._pair, self._states(states)), -1, 0)
+            return elementary.arctan2(y, x)
+        if self._traces is not None:
+            return self._traces.value(self._states(states))
+        return self._evaluate(self._values, states, ())
+
+    def gradient(self, states: ArrayLike) -> Array:
+        r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
+        if self._polynomial is not None:
+            return values_of(self._slopes, self._states(states))
+        if self._pair is not None:
+            state = self._states(states)
+            y, x = np.moveaxis(values_of(self._pair, state)[..., None], -2, 0)
+            up, across = (values_of([f.derivative(k) for k in range(self._n)], state) for f in self._pair)
+            return (x * up - y * across) / (x * x + y * y)
+        if self._traces is not None:
+            return self._traces.gradient(self._states(states))
+        return self._evaluate(self._gradient, states, (self._n,))
+
+    def hessian(self, states: ArrayLike) -> Array:
+        r"""Second derivatives $\partial^2 f/\partial x_i\partial x_j$, shape (..., N, N)."""
+        if self._polynomial is not None:
+            x = self._states(states)
+            return values_of(self._curvatures, x).reshape(*x.shape[:-1], self._n, self._n)
+        if self._traces is not None:
+            return self._traces.hessian(self._states(states))
+        return self._evaluate(self._hessian, states, (self._n, self._n))
+
+    def gradient_in_balls(self, state: Sequence[arb]) -> list[arb]:
+        """Balls that contain the first derivatives at one state of balls, with the digits that FLINT is set to."""
+        return self._balls(state)[1:]
+
+    def value_in_balls(self, state: Sequence[arb]) -> arb:
+        """A ball that contains the value there."""
+        return self._balls(state)[0]
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the function is a polynomial in the coordinates."""
+        if self._polynomial is not None or self._traces is not None:
+            return True
+        return bool(self.expression.is_polynomial(*self.variables))
+
+    @cached_property
+    def _traces(self) -> TraceSum | None:
+        """The function as a sum of traces, which need no compilation; None if it is none."""
+        from liepoisson.model.trace_values import TraceSum
+
+        return TraceSum.of(self.expression, self.variables)
+
+    @cached_property
+    def _slopes(self) -> tuple[RationalPolynomial, ...]:
+        assert self._polynomial is not None
+        return tuple(self._polynomial.derivative(k) for k in range(self._n))
+
+    @cached_property
+    def _curvatures(self) -> tuple[RationalPolynomial, ...]:
+        return tuple(slope.derivative(k) for slope in self._slopes for k in range(self._n))
+
+    @cached_property
+    def _values(self) -> tuple[Expr, ...]:
+        return first_of_equal((self.expression,))
+
+    @cached_property
+    def _gradient(self) -> tuple[Expr, ...]:
+        return first_of_equal(tuple(self.expression.diff(v) for v in self.variables))
+
+    @cached_property
+    def _hessian(self) -> tuple[Expr, ...]:
+        return first_of_equal(tuple(slope.diff(v) for slope in self._gradient for v in self.variables))
+
+    @cached_property
+    def _balls(self) -> BallFunctions:
+        from liepoisson.model.ball_functions import BallFunctions
+
+        return BallFunctions(self.variables, [self.expression, *self._gradient])
+
+    def _evaluate(self, expressions: tuple[Expr, ...], x: ArrayLike, shape: tuple[int, ...]) -> Array:
+        states = self._states(x)
+        values = evaluated(self.variables, expressions, states)
+        return values.reshape(states.shape[:-1] + shape)
+
+    def _states(self, x: ArrayLike) -> Array:
+        return as_phase_points(x, self._components, self._fields)
+
+    def __repr__(self) -> str:
+        return f"<PhaseFunction {self.expression}>"
+
+
+class PhaseFunctions:
+    """The functions on phase space that belong to a system, ready for arrays.
+
+    Args:
+        system: A system whose parameters are all numbers.
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._known: dict[Any, PhaseFunction] = {}
+
+    @cached_property
+    def energy(self) -> PhaseFunction:
+        """The Hamiltonian."""
+        system, polynomial = self._system, self._system.polynomial_hamiltonian
+        if polynomial is not None:
+            return self.of_polynomial(polynomial, partial(getattr, system, "hamiltonian"))
+        return self.of(system.hamiltonian)
+
+    @cached_property
+    def casimirs(self) -> dict[str, PhaseFunction]:
+        """The Casimirs of the open stratum by name, C1, C2, ..."""
+        bracket = self._system.bracket
+        polynomials = None if self._system.polynomial_hamiltonian is None else bracket.polynomial_casimirs()
+        if polynomials is None:
+            return {f"C{k}": self.of(casimir) for k, casimir in enumerate(bracket.casimirs(), start=1)}
+        return {
+            f"C{k + 1}": self.of_polynomial(polynomial, partial(_casimir, bracket, k))
+            for k, polynomial in enumerate(polynomials)
+        }
+
+    def of(self, function: str | Expr | PhaseFunction) -> PhaseFunction:
+        """Any function on phase space: a text, a SymPy expression or a PhaseFunction, as `System.expression` takes it.
+
+        Raises:
+            ExpressionError: the text is not in the grammar, or a name in it is not known.
+            ParameterError: the function is none of these, or a parameter in it has no number.
+        """
+        if isinstance(function, PhaseFunction) and function.polynomial is not None:
+            return self.of_polynomial(function.polynomial, partial(getattr, function, "expression"))
+        polynomial = self._system.polynomial(function)
+        if polynomial is not None:
+            return self.of_polynomial(polynomial, partial(self._system.expression, function))
+        if (pair := self._pair(function)) is not None:
+            return PhaseFunction.of_pair(self._system, pair, partial(self._system.expression, function))
+        expression = self._system.expression(function)
+        known = self._known.get(expression)
+        if known is None:
+            known = self._known[expression] = PhaseFunction(self._system, expression)
+        return known
+
+    def _pair(self, function: Any) -> tuple[RationalPolynomial, RationalPolynomial] | None:
+        """The polynomials of which a text is the angle, if it is that of two without brackets."""
+        found = _ANGLE.fullmatch(function) if isinstance(function, str) else None
+        if found is None:
+            return None
+        y, x = (self._system.polynomial(text) for text in found.groups())
+        return None if y is None or x is None or not (y.coordinates or x.coordinates) else (y, x)
+
+    def of_polynomial(
+        self, polynomial: RationalPolynomial, expression: Callable[[], Expr] | None = None
+    ) -> PhaseFunction:
+        """A polynomial in the coordinates; `expression` makes the same as an expression, if there is one already."""
+        known = self._known.get(polynomial)
+        if known is None:
+            expression = expression or partial(_in_variables, polynomial, self._system)
+            known = self._known[polynomial] = PhaseFunction.of_polynomial(self._system, polynomial, expression)
+        return known
+
+    def poisson_tensor(self, states: ArrayLike) -> Array:
+        r"""The Poisson tensor $J_{ij}(x) = \{x_i, x_j\}$, shape (..., N, N); zero for what is found by quadrature.
+
+        Raises:
+            ParameterError: a parameter of the bracket has no number.
+        """
+        if free := self._system.bracket.symbols:
+            names = ", ".join(sorted(free))
+            raise ParameterError(
+                f"{self._system.name} must have numbers for all parameters of its bracket; {names} has none. "
+                "Give values."
+            )
+        n = len(self._system.component_names)
+        states = as_phase_points(states, self._system.component_names, self._system.parts_of_state)
+        tensor = np.zeros((*states.shape[:-1], n, n))
+        for i, j, m, c in self._system.bracket.entries():
+            tensor[..., i, j] += float(cast("Any", c)) * states[..., m]
+            tensor[..., j, i] -= float(cast("Any", c)) * states[..., m]
+        for (i, j), c in self._system.bracket.constant.items():
+            tensor[..., i, j] += float(cast("Any", c))
+            tensor[..., j, i] -= float(cast("Any", c))
+        return tensor
+
+    def jacobian(self, states: ArrayLike) -> Array:
+        r"""The derivative of the vector field, $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
+        n = len(self._system.component_names)
+        states = as_phase_points(states, self._system.component_names, self._system.parts_of_state)
+        return evaluated(self._system.variables, self._jacobian, states).reshape(*states.shape[:-1], n, n)
+
+    @cached_property
+    def _jacobian(self) -> tuple[Expr, ...]:
+        return tuple(cast("Any", self._system.jacobian).flat())
+
+
+def _itself(expression: Expr) -> Expr:
+    """For `partial`, which can be pickled."""
+    return expression
+
+
+def _in_variables(polynomial: RationalPolynomial, system: System) -> Expr:
+    return expression_of(polynomial, system.variables)
+
+
+def _casimir(bracket: Bracket, number: int) -> Expr:
+    return bracket.casimirs()[number]
+
+
+def as_phase_points(given: ArrayLike, components: Sequence[str], fields: Sequence[str], name: str = "states") -> Array:
+    """States of shape (..., n), n the number of components; labels are those of the components.
+
+    Raises:
+        ShapeError: the last axis has another length.
+        ParameterError: the labels are not those of the components.
+    """
+    states, n = as_array(given, name, components), len(components)
+    if states.ndim == 0 or states.shape[-1] != n:
+        hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
+        raise ShapeError(f"{name} must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")
+    return states

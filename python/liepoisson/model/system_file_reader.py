@@ -1,0 +1,447 @@
+"""The reader of system files: from TOML tables to brackets, numbers and formulas.
+
+The format is described in `liepoisson.model.system_file`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from liepoisson.algebra.exact_numbers import Exact
+from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
+from liepoisson.formula.expression import check_names, evaluate
+from liepoisson.formula.grammar import MAX_DIGITS, parse
+from liepoisson.formula.scope import Scope, read_declaration
+from liepoisson.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
+from liepoisson.formula.values import Value
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.names import MAX_TITLE, check_name
+from liepoisson.model.constructors import read_algebra, read_extension
+from liepoisson.model.hamiltonian import RESERVED_NAME
+from liepoisson.model.system_file import Integral, Reference, SystemFile
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
+    from liepoisson.structure.bracket import Bracket
+    from liepoisson.structure.extension import Extension
+    from liepoisson.structure.lie_algebra import LieAlgebra
+
+T = TypeVar("T")
+
+_MAX_LIST = 100_000
+_KEYS: dict[str, tuple[str, ...]] = {
+    "": (
+        "name",
+        "source",
+        "description",
+        "symbols",
+        "bracket",
+        "parameters",
+        "hamiltonian",
+        "integrals",
+        "quadratures",
+        "reference",
+    ),
+    "bracket": (
+        "algebra",
+        "structure_constants",
+        "matrices",
+        "basis_names",
+        "extension",
+        "W",
+        "variables",
+        "constant",
+        "canonical",
+        "momenta",
+    ),
+    "hamiltonian": ("expression",),
+    "integral": ("expression", "on", "source"),
+    "reference": ("state", "quantity", "value", "tolerance", "source"),
+}
+
+
+@explains_its_arguments
+def read_system(path: str | Path) -> System:
+    """The system that a file describes (`liepoisson.model.system_file` has the format).
+
+    Example:
+        >>> system = lp.read_system(lp.catalog.path("kovalevskaya"))
+        >>> system.name, str(system.hamiltonian)
+        ('kovalevskaya', '-alpha1 + l1**2/4 + l2**2/4 + l3**2/2')
+
+    Args:
+        path: A TOML file in UTF-8, at most 1 MB.
+
+    Raises:
+        SystemFileError: as in `read_system_file`, or a formula has no meaning; the message names the key and the line.
+    """
+    return read_system_file(path).system()
+
+
+@explains_its_arguments
+def read_system_file(path: str | Path) -> SystemFile:
+    """What a system file says, with its references and its claims.
+
+    Example:
+        >>> file = lp.systems.read_system_file(lp.catalog.path("twisted-kovalevskaya"))
+        >>> file.hamiltonian, file.bracket
+        ('dot(l, inv(I)*l)/2 + dot(a, alpha)', so(3) ⊗ Leibniz(3, epsilon))
+
+    Args:
+        path: A TOML file in UTF-8, at most 1 MB.
+
+    Raises:
+        MissingFileError: there is no such file.
+        SystemFileError: it is not TOML, or it does not describe a system; the message names the
+            key, and the line where it can be found.
+    """
+    return read_tables(read_toml(path))
+
+
+def parse_system_file(text: str, path: str = "system file") -> SystemFile:
+    """Read the text of a system file; `path` is how messages call it.
+
+    Raises:
+        SystemFileError: as in `read_system_file`.
+    """
+    return read_tables(parse_toml(text, path))
+
+
+def read_tables(toml: TomlText) -> SystemFile:
+    """What the tables of a system file say.
+
+    Raises:
+        SystemFileError: they do not describe a system; the message names the key, and the line where it can be found.
+    """
+    return _Reader(toml).file()
+
+
+class _Reader:
+    """Turns the tables of a file into its meaning; every method says which key is wrong."""
+
+    def __init__(self, toml: TomlText) -> None:
+        self.toml = toml
+
+    def file(self) -> SystemFile:
+        tables = self.toml.tables
+        self.check_keys((), tables, _KEYS[""])
+        for key in ("bracket", "hamiltonian"):
+            self.table((key,), tables.get(key))
+        given = self.table(("parameters",), tables.get("parameters", {}))
+        for name in given:
+            self.guarded(("parameters", name), partial(check_name, name, "the name of a parameter"))
+        parameters = {key: self.value(("parameters", key), item) for key, item in given.items() if key != "symbols"}
+        symbols = self.symbols(tables, given)
+        bracket = self.bracket(tables["bracket"], parameters, symbols)
+        file = SystemFile(
+            name=self.name(tables.get("name", Path(self.toml.path).stem)),
+            bracket=bracket,
+            hamiltonian=self.hamiltonian(tables["hamiltonian"]),
+            parameters=parameters,
+            symbols=symbols,
+            integrals=self.integrals(self.table(("integrals",), tables.get("integrals", {}))),
+            references=self.references(tables.get("reference", []), bracket),
+            quadratures=self.quadratures(tables, symbols),
+            source=self.optional_text(("source",), tables),
+            description=self.optional_text(("description",), tables),
+            path=self.toml.path,
+            toml=self.toml,
+        )
+        self.check_formulas(file)
+        return file
+
+    def name(self, given: object) -> str:
+        """How the system is called: one line, of which every character can be written to files and terminals."""
+        words = " ".join(self.text(("name",), given).split())
+        if len(words) > MAX_TITLE:
+            message = f"wanted at most {MAX_TITLE} characters; got {len(words)}. Put more into description."
+            raise self.toml.error(("name",), message)
+        return "".join(c if c.isprintable() else "\ufffd" for c in words)
+
+    def bracket(self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Bracket:
+        self.check_keys(("bracket",), table, _KEYS["bracket"])
+        declared = [*_declarations(parameters), *symbols]
+        self.guarded(("parameters",), lambda: Scope(symbols=declared))
+        if "canonical" in table:
+            return self.canonical(table)
+        algebra = self.algebra(table, declared)
+        extension = self.extension(table, declared)
+        if "variables" in table:
+            names = self.texts(("bracket", "variables"), table["variables"])
+            if len(names) != extension.dimension:
+                got = f"{len(names)} for an extension of dimension {extension.dimension}"
+                raise self.toml.error(("bracket", "variables"), f"wanted one name per field; got {got}. Correct one.")
+            extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
+        named = next((key for key in ("variables", "basis_names") if key in table), None)
+        found = self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
+        return self.with_constant(found, table["constant"], declared) if "constant" in table else found
+
+    def with_constant(self, bracket: Bracket, given: object, symbols: Sequence[str]) -> Bracket:
+        """The bracket with the constant part of a table: constant.l1.l2 = "k" adds k to {l1, l2}."""
+        keys, scope = ("bracket", "constant"), Scope(symbols=symbols)
+        entries: dict[tuple[str | int, str | int], Any] = {}
+        for first, row in self.table(keys, given).items():
+            for second, value in self.table((*keys, first), row).items():
+                entries[first, second] = self.number((*keys, first, second), value, scope)
+        return self.guarded(keys, lambda: bracket.with_constant(entries))
+
+    def canonical(self, table: dict[str, Any]) -> Bracket:
+        """The canonical bracket of a number of degrees of freedom, or of coordinates by name."""
+        from liepoisson.structure.canonical_bracket import canonical
+
+        if other := next((key for key in table if key not in ("canonical", "momenta")), None):
+            message = "a canonical bracket is given by canonical and momenta alone. Remove the key."
+            raise self.toml.error(("bracket", other), message)
+        keys, given = ("bracket", "canonical"), table["canonical"]
+        if not isinstance(given, list):
+            number = self.number(keys, given)
+            size: Any = int(number) if isinstance(number, Fraction) and number.denominator == 1 else number
+            return self.guarded(keys, lambda: canonical(size))
+        names = self.texts(keys, given)
+        momenta = self.texts(("bracket", "momenta"), table["momenta"]) if "momenta" in table else None
+        return self.guarded(keys, lambda: canonical(names=names, momenta=momenta))
+
+    def algebra(self, table: dict[str, Any], symbols: Sequence[str]) -> LieAlgebra:
+        from liepoisson.structure.lie_algebra import LieAlgebra
+
+        key = self.one_of(table, ("algebra", "structure_constants", "matrices"))
+        if key is None:
+            known = "algebra, structure_constants or matrices"
+            raise self.toml.error(
+                ("bracket",), f'wanted one of {known}; got none. Write for example algebra = "so(3)".'
+            )
+        keys, given = ("bracket", key), table[key]
+        if key == "algebra":
+            if "basis_names" in table:
+                message = "a named algebra has names for its basis already. Remove basis_names."
+                raise self.toml.error(("bracket", "basis_names"), message)
+            return self.guarded(keys, lambda: read_algebra(self.text(keys, given), symbols))
+        names = self.texts(("bracket", "basis_names"), table["basis_names"]) if "basis_names" in table else None
+        entries = self.array(keys, given, symbols, depth=3)
+        make: Any = LieAlgebra if key == "structure_constants" else LieAlgebra.from_matrices
+        return self.guarded(keys, lambda: make(entries, basis_names=names))
+
+    def extension(self, table: dict[str, Any], symbols: Sequence[str]) -> Extension:
+        from liepoisson.structure.extension import Extension
+
+        key = self.one_of(table, ("extension", "W"))
+        if key == "W":
+            entries: Any = self.array(("bracket", "W"), table["W"], symbols, depth=3)
+            return self.guarded(("bracket", "W"), lambda: Extension(entries))
+        keys = ("bracket", "extension")
+        text = self.text(keys, table["extension"]) if key else "trivial()"
+        return self.guarded(keys, lambda: read_extension(text, symbols))
+
+    def hamiltonian(self, table: dict[str, Any]) -> str:
+        self.check_keys(("hamiltonian",), table, _KEYS["hamiltonian"])
+        if "expression" not in table:
+            message = 'wanted the key expression. Write for example expression = "dot(l, l)/2".'
+            raise self.toml.error(("hamiltonian",), message)
+        return self.text(("hamiltonian", "expression"), table["expression"])
+
+    def integrals(self, table: dict[str, Any]) -> dict[str, Integral]:
+        found: dict[str, Integral] = {}
+        for name, given in table.items():
+            keys = ("integrals", name)
+            if RESERVED_NAME.fullmatch(name):
+                message = f"an integral must not be named H, C1, C2, ...; got {name}. Choose another name."
+                raise self.toml.error(keys, message)
+            if isinstance(given, str):
+                found[name] = Integral(self.text(keys, given))
+                continue
+            inner = self.table(keys, given)
+            self.check_keys(keys, inner, _KEYS["integral"])
+            if "expression" not in inner:
+                raise self.toml.error(keys, 'wanted the key expression. Write expression = "...".')
+            on = self.optional_text((*keys, "on"), inner)
+            if on is not None and on.count("=") > 1:
+                raise self.toml.error(keys, f'on must be one equation; got {on!r:.60}. Write on = "dot(l, alpha) = 0".')
+            expression = self.text((*keys, "expression"), inner["expression"])
+            found[name] = Integral(expression, on, self.optional_text((*keys, "source"), inner))
+        return found
+
+    def quadratures(self, tables: dict[str, Any], symbols: tuple[str, ...]) -> dict[str, str]:
+        """Rates by the names of components that follow the motion; only beside a canonical bracket without symbols."""
+        given = self.table(("quadratures",), tables.get("quadratures", {}))
+        if given and ("canonical" not in tables["bracket"] or symbols):
+            message = "wanted a canonical bracket and values for all parameters beside them. Remove the table."
+            raise self.toml.error(("quadratures",), message)
+        for name in given:
+            self.guarded(("quadratures", name), partial(check_name, name, "the name of a component"))
+        return {name: self.text(("quadratures", name), rate) for name, rate in given.items()}
+
+    def references(self, given: object, bracket: Bracket) -> tuple[Reference, ...]:
+        if not isinstance(given, list):
+            raise self.toml.error(("reference",), "wanted tables [[reference]]. Write the name in double brackets.")
+        return tuple(self.reference(k, item, bracket) for k, item in enumerate(cast("list[object]", given)))
+
+    def reference(self, k: int, given: object, bracket: Bracket) -> Reference:
+        keys = ("reference", k)
+        table = self.table(keys, given)
+        self.check_keys(keys, table, _KEYS["reference"])
+        for key in ("quantity", "value"):
+            if key not in table:
+                raise self.toml.error(keys, f"wanted the key {key}. Write one.")
+        value = self.value((*keys, "value"), table["value"])
+        if isinstance(value, tuple) and any(isinstance(item, tuple) for item in value):
+            raise self.toml.error((*keys, "value"), "wanted a number or a list of numbers; got a matrix. Flatten it.")
+        tolerance = table.get("tolerance")
+        return Reference(
+            quantity=self.text((*keys, "quantity"), table["quantity"]),
+            value=cast("Exact | tuple[Exact, ...]", value),
+            state=self.state((*keys, "state"), table["state"], bracket) if "state" in table else None,
+            tolerance=None if tolerance is None else self.number((*keys, "tolerance"), tolerance),
+            source=self.optional_text((*keys, "source"), table),
+        )
+
+    def state(self, keys: tuple[str | int, ...], given: object, bracket: Bracket) -> tuple[Exact, ...]:
+        fields, n = bracket.extension.field_names, bracket.algebra.dimension
+        if isinstance(given, dict):
+            table = cast("dict[str, object]", given)
+            if bracket.has_scalar_fields:  # theta = 1 as well as theta = [1]
+                table = {key: item if isinstance(item, list) else [item] for key, item in table.items()}
+            self.check_keys(keys, table, fields)
+            if missing := [name for name in fields if name not in table]:
+                raise self.toml.error(keys, f"wanted a vector for each field; {missing[0]} has none. Add it.")
+            vectors = [self.array((*keys, name), table[name], (), depth=1) for name in fields]
+            wrong = next((name for name, vector in zip(fields, vectors, strict=True) if len(vector) != n), None)
+            if wrong:
+                raise self.toml.error((*keys, wrong), f"wanted {n} components; got {len(cast('Any', table[wrong]))}.")
+            return tuple(entry for vector in vectors for entry in vector)
+        entries = self.array(keys, given, (), depth=1)
+        if len(entries) != bracket.dimension:
+            raise self.toml.error(keys, f"wanted {bracket.dimension} components; got {len(entries)}. Give all of them.")
+        return tuple(entries)
+
+    def symbols(self, tables: dict[str, Any], parameters: dict[str, Any]) -> tuple[str, ...]:
+        places: list[tuple[tuple[str, ...], object]] = [
+            (("symbols",), tables.get("symbols", [])),
+            (("parameters", "symbols"), parameters.get("symbols", [])),
+        ]
+        found: list[str] = []
+        for keys, given in places:
+            for text in self.texts(keys, given):
+                self.guarded(keys, lambda text=text: read_declaration(text))
+                found.append(text.strip())
+        return tuple(found)
+
+    def check_formulas(self, file: SystemFile) -> None:
+        """Refuse unknown names and unused parameters; what needs SymPy is checked when the system is made."""
+        scope = self.guarded(("parameters",), lambda: file.scope)
+        used = {scope.owner(name) for name in file.bracket.symbols}
+        for keys, text in file.formulas.items():
+            names = self.guarded(keys, lambda text=text: check_names(parse(text), text, scope))
+            used |= names if keys[0] == "hamiltonian" else set()
+        for name in (*file.parameters, *(read_declaration(text)[0] for text in file.symbols)):
+            if name not in used:
+                place = ("parameters", name) if name in file.parameters else ("parameters", "symbols")
+                message = f"{name} occurs neither in the bracket nor in the Hamiltonian. Use it or remove it."
+                raise self.toml.error(place, message)
+
+    def value(self, keys: tuple[str | int, ...], given: object) -> Value:
+        """A number, a vector or a matrix."""
+        if not isinstance(given, list):
+            return self.number(keys, given)
+        items = cast("list[object]", given)
+        if not items or len(items) > _MAX_LIST:
+            raise self.toml.error(keys, f"wanted 1 to {_MAX_LIST} entries; got {len(items)}. Correct the list.")
+        if not any(isinstance(item, list) for item in items):
+            return tuple(self.number((*keys, k), item) for k, item in enumerate(items))
+        rows = [tuple(self.array((*keys, k), item, (), depth=1)) for k, item in enumerate(items)]
+        if len({len(row) for row in rows}) != 1 or not rows[0]:
+            raise self.toml.error(keys, "wanted a matrix with rows of one length. Fill up the short rows.")
+        return tuple(rows)
+
+    def array(self, keys: tuple[str | int, ...], given: object, symbols: Sequence[str], *, depth: int) -> list[Any]:
+        """Nested lists of numbers, or of formulas in the symbols."""
+        if not isinstance(given, list) or len(cast("list[object]", given)) > _MAX_LIST:
+            kind = ("", "a list", "a list of lists", "a list of lists of lists")[depth]
+            raise self.toml.error(keys, f"wanted {kind} of numbers; got {_shown(given)}. Put it in square brackets.")
+        items = enumerate(cast("list[object]", given))
+        if depth == 1:
+            scope = Scope(symbols=symbols)
+            return [self.number((*keys, k), item, scope) for k, item in items]
+        return [self.array((*keys, k), item, symbols, depth=depth - 1) for k, item in items]
+
+    def number(self, keys: tuple[str | int, ...], given: object, scope: Scope | None = None) -> Exact:
+        if isinstance(given, str):
+            return self.guarded(keys, lambda: evaluate(parse(given), given, scope or Scope()))
+        if isinstance(given, Fraction):
+            return given
+        if isinstance(given, bool) or not isinstance(given, int):
+            raise self.toml.error(keys, f'wanted a number such as 2, 0.5 or "1/3"; got {_shown(given)}. Correct it.')
+        if abs(given) >= 10**MAX_DIGITS:
+            raise self.toml.error(keys, f"wanted a number of at most {MAX_DIGITS} digits; got a longer one. Rescale.")
+        return Fraction(given)
+
+    def text(self, keys: tuple[str | int, ...], given: object) -> str:
+        if not isinstance(given, str) or not given.strip():
+            raise self.toml.error(keys, f"wanted a text in quotes; got {_shown(given)}. Correct it.")
+        return given
+
+    def optional_text(self, keys: tuple[str | int, ...], table: Mapping[str, object]) -> str | None:
+        return self.text(keys, table[str(keys[-1])]) if keys[-1] in table else None
+
+    def texts(self, keys: tuple[str | int, ...], given: object) -> list[str]:
+        if not isinstance(given, list):
+            raise self.toml.error(keys, f"wanted a list of texts; got {_shown(given)}. Put it in square brackets.")
+        return [self.text((*keys, k), item) for k, item in enumerate(cast("list[object]", given))]
+
+    def table(self, keys: tuple[str | int, ...], given: object) -> dict[str, Any]:
+        if given is None:
+            raise self.toml.error((), f"wanted a table [{keys[0]}]; there is none. Add it.")
+        if not isinstance(given, dict):
+            raise self.toml.error(keys, f"wanted a table; got {_shown(given)}. Write [{keys[0]}] on a line of its own.")
+        return cast("dict[str, Any]", given)
+
+    def check_keys(self, keys: tuple[str | int, ...], table: Mapping[str, object], known: Sequence[str]) -> None:
+        for key in table:
+            if key not in known:
+                elsewhere = next((table for table, names in _KEYS.items() if key in names and table), None)
+                belongs = (
+                    f"Write it below [{elsewhere}]." if elsewhere in ("bracket", "hamiltonian") and not keys else ""
+                )
+                hint = belongs or did_you_mean(key, known).strip() or "Remove it."
+                message = f"the key is unknown; known are {', '.join(known)}. {hint}"
+                raise self.toml.error((*keys, key), message)
+
+    def one_of(self, table: Mapping[str, object], keys: Sequence[str]) -> str | None:
+        present = [key for key in keys if key in table]
+        if len(present) > 1:
+            raise self.toml.error(("bracket", present[1]), f"{' and '.join(present)} exclude each other. Remove one.")
+        return present[0] if present else None
+
+    def guarded(self, keys: tuple[str | int, ...], read: Callable[[], T]) -> T:
+        """What `read` returns; an error that it raises is told with the key and the line."""
+        try:
+            return read()
+        except SystemFileError:
+            raise
+        except ExpressionError as error:
+            raise self.toml.error(keys, error.within_formula()) from error
+        except LiePoissonError as error:
+            raise self.toml.error(keys, str(error)) from error
+
+
+def _declarations(values: Mapping[str, Value]) -> list[str]:
+    """The parameters as symbols are declared, with their shapes."""
+    found: list[str] = []
+    for name, value in values.items():
+        shape = ()
+        if isinstance(value, tuple):
+            shape = (len(value), len(value[0])) if isinstance(value[0], tuple) else (len(value),)
+        found.append(f"{name}[{','.join(map(str, shape))}]" if shape else name)
+    return found
+
+
+def _shown(given: object) -> str:
+    if isinstance(given, UnreadableNumber):
+        return given.text
+    if isinstance(given, (str, bool, float)):
+        return repr(given)[:60]
+    kinds: dict[type[Any], str] = {dict: "a table", list: "a list", int: "a number", Fraction: "a number"}
+    return kinds.get(type(given), f"a {type(given).__name__}")

@@ -1,0 +1,1 @@
+"""Surfaces of section and returns to them."""

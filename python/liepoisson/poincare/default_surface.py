@@ -1,0 +1,138 @@
+"""A surface of section for any system: where the rate of a bounded function vanishes."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liepoisson.algebra.rational_polynomials import in_words
+from liepoisson.errors import LeafError, ParameterError, SurfaceWarning
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.leaf.lengths import unit_length
+from liepoisson.portable import linear
+from liepoisson.streams import generator
+
+if TYPE_CHECKING:
+    from liepoisson.inputs.arrays import Array
+    from liepoisson.leaf.leaf import Leaf
+
+_NEARBY, _RESTS = 0.2, 1e-9
+"""How far the states are moved at which rates are compared, relative to the state; a rate below this fraction of the
+largest is round-off."""
+_TWO_DEGREES, _TRIED = 4, 100
+"""The rank of leaves whose sections are planes; states on a section by which it is judged."""
+_FOLLOWED, _TURNS = 16, 100.0
+"""How many of these are followed until they come back, and for how long at most, in natural times, as the command does
+for each crossing."""
+_REASON = "a component: every plane folds the section where the rate of {} vanishes"
+
+
+@explains_its_arguments
+def default_surface(leaf: Leaf) -> str:
+    r"""A surface that recurrent orbits of a leaf meet again and again: where the rate of a bounded function vanishes.
+
+    For a top with two fields that function is $\ell\cdot\beta$ (see `good_surface`).  Otherwise, or where its rate
+    vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.
+
+    Example:
+        >>> lp.sections.default_surface(lp.Leaf(lp.catalog.system("henon-heiles"), {}))  # the rate of p_y
+        '-x^2 + y^2 - y'
+
+    Args:
+        leaf: The leaf.
+
+    Returns:
+        The function that is zero on the surface, for `section`.
+
+    Raises:
+        ParameterError: every state of the leaf is an equilibrium.
+    """
+    return chosen_surface(leaf)[0]
+
+
+def unfolded_surface(leaf: Leaf, energy: float, *, direction: int = 0, seed: int = 0) -> tuple[str, str]:
+    """The default surface and why it was taken; a component instead, if its section is a graph and that one's is not.
+
+    Where the third component of a vector of space is zero and orbits pass in one direction, the angle about the third
+    axis and its momentum determine the state, if the energy is convex in the momenta.
+
+    Args:
+        leaf: The leaf.
+        energy: The energy of the orbits.
+        direction: The direction of the crossings, 0 for both.
+        seed: Draws states on the sections that are tried.
+    """
+    from liepoisson.poincare.section_sheets import section_axes
+    from liepoisson.poincare.surfaces import section_starts
+
+    default, of = chosen_surface(leaf)
+    by_default = default, f"the rate of {of}"
+    if leaf.rank != _TWO_DEGREES:
+        return by_default
+    names = leaf.system.component_names
+    for surface, reason in (by_default, *((names[k], _REASON.format(of)) for k in _places(leaf))):
+        try:
+            states = section_starts(
+                leaf, surface, energy=energy, n_starts=_TRIED, seed=seed, direction=direction or 1, spread=True
+            )
+        except LeafError:  # no orbit of this energy crosses it
+            continue
+        is_graph = section_axes(leaf.system, states, surface, (names[-1], names[0])).is_graph
+        if is_graph and (surface == default or _come_back(leaf, states, surface, direction)):
+            return surface, reason
+    return by_default
+
+
+def _come_back(leaf: Leaf, states: Array, surface: str, direction: int) -> bool:
+    """Whether orbits meet a surface again: near a pole, and where they escape, they do not."""
+    from liepoisson.numeric.time_scale import time_scale, unit_of_time
+    from liepoisson.poincare.section import section
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SurfaceWarning)
+        few = states[:_FOLLOWED]
+        t_end = _TURNS * unit_of_time(time_scale(leaf.system, few))
+        run = section(leaf.system, few, surface=surface, t_end=t_end, direction=direction, n_crossings=1)
+    return bool(run.count.all())
+
+
+def _in_turn(leaf: Leaf) -> list[int]:
+    """The places of the components, the last of each vector first."""
+    size = leaf.system.vector_length
+    return sorted(range(len(leaf.system.component_names)), key=lambda k: (size - 1 - k % size, k))
+
+
+def _places(leaf: Leaf) -> list[int]:
+    """The components that are no momenta, as far as that is known: not those of the first of several vectors."""
+    system = leaf.system
+    n, size = len(system.component_names), system.vector_length
+    if system.bracket.has_scalar_fields:
+        return list(range(n // 2))[::-1]
+    return [k for k in _in_turn(leaf) if k >= size or size == n]
+
+
+@np.errstate(all="ignore")
+def chosen_surface(leaf: Leaf) -> tuple[str, str]:
+    """The default surface, and the function whose rate vanishes there."""
+    from liepoisson.model.system_text import formula_text
+    from liepoisson.poincare.surfaces import as_leaf, good_surface
+
+    as_leaf(leaf)
+    system, top = leaf.system, leaf.system.top_parameters
+    names = system.component_names
+    if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:
+        return good_surface(system), "-dot(l, beta)"
+    # A leaf of lower rank may make a rate zero that is not zero elsewhere: compare with the rates at moved states.
+    view = leaf.in_units()
+    size = float(linear.norm(view.state)) + unit_length(system.bracket)
+    noise = generator(0).standard_normal((8, len(names))) * view.units * size / np.sqrt(len(names))
+    nearby = leaf.project(leaf.state + _NEARBY * noise)
+    rates = np.abs(system.vector_field(nearby)).max(axis=0) / view.units
+    for k in _in_turn(leaf):
+        if rates[k] > _RESTS * rates.max():
+            if system.polynomial_rates is not None:
+                return in_words(system.polynomial_rates[k], names), names[k]
+            return formula_text(list(system.equations.values())[k]), names[k]
+    raise ParameterError(f"{system.name} must move on this leaf; every state is an equilibrium. Try another leaf.")

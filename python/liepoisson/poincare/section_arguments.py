@@ -1,0 +1,147 @@
+"""What a surface of section is asked for: the function, the direction, the sides of the starts, the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.compile.field import TapeFunction
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_time
+from liepoisson.inputs.given import listed
+from liepoisson.inputs.refusals import shown
+from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+
+class HasExpression(Protocol):
+    """A function of the state that knows its formula, as `System.functions` makes them."""
+
+    @property
+    def expression(self) -> Expr: ...  # noqa: D102
+
+
+Function: TypeAlias = "str | Expr | HasExpression"
+"""A function of the state."""
+
+
+def read_tape(record: dict[str, Any]) -> TapeFunction:
+    """The functions that a file has as data."""
+    return TapeFunction(record["n_components"], record["instructions"], record["outputs"])
+
+
+def surface_alone(surface: Function | TapeFunction) -> Function | TapeFunction:
+    """The surface without further outputs, so that whole states are kept."""
+    if not isinstance(surface, TapeFunction):
+        return surface
+    return TapeFunction(surface.n_components, surface.instructions, surface.outputs[:1])
+
+
+def as_formula(given: Any, what: str) -> str | Expr:
+    """A function of the state as text or expression."""
+    formula = given if isinstance(given, str) else getattr(given, "expression", given)
+    if not isinstance(formula, str) and not (hasattr(formula, "free_symbols") and hasattr(formula, "diff")):
+        raise ParameterError(
+            f"{what}: wanted a function of the state; got {shown(given)}; try the name of a component as a text, or an "
+            "expression in system.variables"
+        )
+    return formula
+
+
+def check_that_it_varies(system: Any, surface: str | Expr) -> None:
+    """Refuses a surface function that is proved constant on every leaf or along every orbit: no orbit crosses it.
+
+    Raises:
+        ParameterError: it is a number, a Casimir or a constant of motion.
+    """
+    if not has_bracket(system):
+        return
+    if system.is_casimir(surface):
+        occurs = system.expression(surface).free_symbols
+        names = component_names(system, len(system.variables))
+        moves = next((name for name in names if not system.is_casimir(name)), names[0])
+        kind = "its bracket with every component is zero" if occurs else "no component occurs in it"
+        raise ParameterError(
+            f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
+            f'leaf: {kind}; try a component such as "{moves}"'
+        )
+    if _is_constant_of_motion(system, surface):
+        moves = next((str(x) for x in system.variables if not _is_constant_of_motion(system, str(x))), None)
+        hint = "nothing moves here" if moves is None else f'try a component such as "{moves}"'
+        raise ParameterError(
+            f"surface: wanted a function that changes along orbits; got {shown(surface)}, a constant of motion: its "
+            f"bracket with H is zero, and each orbit lies in one of its levels; {hint}"
+        )
+
+
+def _is_constant_of_motion(system: Any, function: str | Expr) -> bool:
+    """Whether the bracket with H is zero: certain for polynomials, and for others if it is when multiplied out."""
+    if isinstance(function, str) and system.polynomial(function) is not None:
+        return bool(system.is_constant(function))
+    return bool(system.bracket(system.expression(function), system.hamiltonian).expand() == 0)
+
+
+def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:
+    """Surface function and kept functions as data, and the names of the latter; None for whole states."""
+    given = None if keep is None else listed(keep, "keep")
+    if keep is not None and not given:
+        hint = f"try [{shown(keep)}]" if isinstance(keep, str) and keep else "leave it out for whole states"
+        raise ParameterError(f"keep: wanted a sequence of functions; got {shown(keep)}; {hint}")
+    kept = None if given is None else [as_formula(function, "keep") for function in given]
+    names = None if kept is None else tuple(map(str, kept))
+    if isinstance(surface, TapeFunction):
+        further = len(surface.outputs) - 1
+        if further < 0:
+            raise ParameterError("surface: wanted a tape with one output at least, the surface function; got none")
+        if names is None and further:
+            names = tuple(f"y{k + 1}" for k in range(further))
+        if further != (0 if names is None else len(names)):
+            raise ParameterError(
+                f"keep: wanted names for the {further} further outputs of the surface; got {shown(keep)}"
+            )
+        return surface, names
+    if not reads_formulas(system):
+        raise ParameterError(
+            f"surface: wanted a TapeFunction, since {shown(system)} cannot read formulas; got {shown(surface)}; "
+            "try a System, or System.function_tape"
+        )
+    formula = as_formula(surface, "surface")
+    if "atan2" in str(formula):
+        raise ParameterError(
+            f"surface: wanted a smooth function; got {shown(surface)}, and atan2 jumps by 2*pi; try "
+            "sin(c)*x - cos(c)*y, which vanishes where atan2(y, x) is c, and where it is c + pi"
+        )
+    check_that_it_varies(system, formula)
+    return system.function_tape(formula, *(kept or ())), names
+
+
+def as_end(t_end: Any) -> float:
+    """The time at which trajectories end."""
+    return as_time(t_end, "t_end", example=1000, forwards=False)
+
+
+def as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:
+    """The sign of the surface function before each start."""
+    given = as_array(sides, "start_side")
+    if given.shape not in ((), (n_trajectories,)):
+        raise ShapeError(
+            f"start_side: wanted one sign or one for each of {n_trajectories} trajectories; got shape {given.shape}"
+        )
+    if not np.isin(given, (-1, 0, 1)).all():
+        raise ParameterError(f"start_side: wanted +1, -1 or 0; got {shown(sides)}; try the end_side of a section")
+    return np.broadcast_to(given, n_trajectories).astype(np.int8)
+
+
+def as_direction(direction: Any) -> int:
+    """Which crossings are wanted."""
+    if isinstance(direction, bool) or not np.isscalar(direction) or direction not in (-1, 0, 1):
+        raise ParameterError(
+            f"direction: wanted +1 (the surface function increases), -1 (it decreases) or 0; got {shown(direction)}"
+        )
+    return int(direction)

@@ -1,0 +1,331 @@
+"""Systems as text, LaTeX or data: the report behind `liepoisson inspect`, and the short one behind `describe`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.formula.styles import LATEX, LETTERS, NAMES, UNICODE, Style
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
+from liepoisson.inputs.refusals import not_a_system
+from liepoisson.io.display import as_text
+from liepoisson.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
+from liepoisson.report.integral_facts import IntegralFacts
+from liepoisson.report.leaf_facts import RankFacts, StrataFacts, SymmetryFacts
+from liepoisson.report.limits import (
+    NotComputed,
+    too_large_algebra,
+    too_large_bracket,
+    too_large_extension,
+    too_large_for_symmetries,
+    too_large_motion,
+)
+from liepoisson.report.lines import Equation, Line, Name, write_line
+from liepoisson.report.motion_facts import EquationFacts, HamiltonianFacts, KernelFacts, named_form
+from liepoisson.report.printing import Gradient
+from liepoisson.report.vector_notation import VectorNotation
+from liepoisson.report.wrapping import wrapped
+from liepoisson.structure.casimirs import shortage
+
+MOST_SHOWN = 12
+"""Coordinates of a bracket, or brackets of a Lie algebra, that a notebook shows."""
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
+    from liepoisson.structure.bracket import Bracket
+    from liepoisson.structure.lie_algebra import LieAlgebra
+
+_TITLE_WIDTH = 17
+_TEXT_WIDTH = 100
+_DISPLAY_WIDTH = 70
+_MATH = re.compile(
+    r"\b(?P<algebra>so|su|sl|gl|se|sp)(?P<size>\(\d[\d, ]*\))|(?P<casimir>J grad C = 0)|"
+    r"\b(?P<name>[A-Za-z]+\d+|[JHCl]|" + "|".join(sorted(LETTERS, key=len, reverse=True)) + r")\b(?!\()"
+)
+"""What is mathematics among the words of a report: so(3), l1, epsilon, J."""
+
+
+@explains_its_methods
+@dataclass(frozen=True)
+class Report:
+    r"""What is known about a system, computed when the report was made.
+
+    Example:
+        >>> report = lp.inspect(lp.catalog.system("lagrange"))
+        >>> report.failed  # nothing that was claimed is wrong
+        ()
+        >>> print(*(line.strip() for line in str(report).splitlines() if line.strip().startswith("complete")))
+        complete: 2 independent, as many as the corank of J allows
+
+    Attributes:
+        name: Of the system.
+        source: Where it is described, if that was said.
+        topics: The parts, in the order of printing.
+        failed: What was claimed and is not so, one sentence each: the Jacobi identity, integrals that were given.
+    """
+
+    name: str
+    source: str | None
+    topics: tuple[Topic, ...]
+    failed: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return self.text(UNICODE)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report."""
+        return as_text(str(self))
+
+    def text(self, style: Style) -> str:
+        """The report for a terminal."""
+        rows = [style.words(self.name)]
+        rows += _indented("Source", [(self.source,)], style) if self.source else []
+        for topic in self.topics:
+            rows += _indented(topic.title, topic.lines(), style)
+        return "\n".join(rows)
+
+    def latex(self) -> str:
+        """The report as a fragment for a paper, which needs amsmath and amssymb: paragraphs, and aligned equations."""
+        parts = [
+            "% needs amsmath, amssymb",
+            rf"\subsection*{{{LATEX.words(self.name)}}}",
+            LATEX.words(self.source or ""),
+        ]
+        for topic in self.topics:
+            parts.append(rf"\paragraph{{{topic.title}.}}")
+            parts += _paragraphs(topic.lines())
+        return "\n\n".join(part for part in parts if part)
+
+    def record(self) -> dict[str, Any]:
+        """The report as data that JSON can write.
+
+        `name`, `source` and one entry per topic: `algebra`, `extension`, `bracket` (with `jacobi`), `casimirs`, `rank`,
+        `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`, `kernel`.  A formula is an object with `text`
+        (ASCII), `unicode`, `latex` and, where it is a function on phase space, `expression`: the same in components,
+        in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
+        Where the Jacobi identity fails, there is no `casimirs`, `rank`, `strata`, `symmetries`.  Where a stratum is not
+        proved, sets of lower rank may be missing among the `strata`.  `definitions` say what signs in the formulas
+        beside them mean where this is not usual, as the scalar product of so(2,1).  A part that was left out for
+        the size of the system is an object `not_computed` that says so.  `failed` lists what was claimed and
+        is refuted.
+        """
+        topics = {topic.key: topic.record() for topic in self.topics}
+        return {"name": self.name, "source": self.source, **topics, "failed": list(self.failed)}
+
+
+@explains_its_arguments
+def inspect(system: System) -> Report:
+    """Everything that the exact wing finds out about a system; each proof is computed now.
+
+    Example:
+        >>> report = lp.inspect(lp.catalog.system("free-rigid-body"))
+        >>> report.name, report.failed
+        ('free-rigid-body', ())
+
+    Args:
+        system: Any system, with or without values for its parameters.
+
+    Raises:
+        ParameterError: it is no system.
+    """
+    from liepoisson.model.system import System
+
+    if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a_system(system)
+    named, bracket = named_form(system), system.bracket
+    notation = VectorNotation(bracket)
+    topics: list[Topic] = []
+    if bracket.entries() or not bracket.constant:  # else nothing of g and A is left in the bracket
+        topics += [
+            _unless(too_large_algebra(bracket), AlgebraFacts, lambda: AlgebraFacts(bracket)),
+            _unless(too_large_extension(bracket), ExtensionFacts, lambda: ExtensionFacts(bracket)),
+        ]
+    bracket_topics, failures = _bracket_topics(system, notation)
+    too_large = too_large_motion(bracket, system.hamiltonian)
+    integrals = IntegralFacts(system, notation)
+    topics += [
+        *bracket_topics,
+        HamiltonianFacts(system, notation, named),
+        _unless(too_large, EquationFacts, lambda: EquationFacts(system, notation, named)),
+        integrals,
+        KernelFacts(system),
+    ]
+    return Report(system.name, system.source, tuple(topics), (*failures, *integrals.failed))
+
+
+def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topic], list[str]]:
+    """Jacobi, and if it holds Casimirs, leaves and symmetries; and where Jacobi fails."""
+    bracket, hamiltonian = system.bracket, system.hamiltonian
+    if too_large := too_large_bracket(bracket):
+        kinds = (JacobiFacts, CasimirFacts, RankFacts, StrataFacts, SymmetryFacts)
+        return [NotComputed(kind, too_large) for kind in kinds], []
+    jacobi = JacobiFacts(bracket)
+    if not jacobi.certificate.holds:  # there are no Casimirs and leaves to speak of
+        return [jacobi], [str(failure) for failure in jacobi.certificate.failures]
+    casimirs = CasimirFacts(bracket, notation)
+    too_large = too_large_for_symmetries(bracket, hamiltonian)
+    symmetries = _unless(too_large, SymmetryFacts, lambda: SymmetryFacts(bracket, hamiltonian))
+    return [jacobi, casimirs, RankFacts(bracket, casimirs), StrataFacts(bracket, notation, casimirs), symmetries], []
+
+
+def _unless(obstacle: str, kind: type[Topic], make: Callable[[], Topic]) -> Topic:
+    """A part of the report, or the sentence that says why it is left out."""
+    return NotComputed(kind, obstacle) if obstacle else make()
+
+
+def describe(system: System) -> str:
+    """Name, bracket, Hamiltonian, equations of motion and invariants of a system, one per line."""
+    named = named_form(system)
+    top, notation = system.top_parameters, VectorNotation(system.bracket)
+    lines = [system.name, f"  bracket      {system.bracket!r}"]
+    lines += [f"  parameters   {top.describe()}"] if top is not None else []
+    lines.append(
+        f"  Hamiltonian  {Equation(Name('H'), HamiltonianFacts(system, notation, named).formula).write(NAMES)}"
+    )
+    lines += ["  equations", *_equation_lines(EquationFacts(system, notation, named)), "  invariants"]
+    for name, expression in system.invariants.items():
+        lines.append(f"    {name} = {notation.formula(expression).write(NAMES)}")
+    lines += [f"    ({missing})"] if (missing := shortage(system.bracket)) else []
+    definitions = notation.definitions(notation.formula(e) for e in (*system.invariants.values(), system.hamiltonian))
+    lines += [f"    {definition.write(NAMES)}" for definition in definitions]
+    return "\n".join(lines)
+
+
+def displayed(system: System) -> str:
+    r"""Hamiltonian, equations of motion and invariants in LaTeX, in one display with aligned equality signs."""
+    named, notation = named_form(system), VectorNotation(system.bracket)
+    formulas = [Equation(Name("H"), HamiltonianFacts(system, notation, named).formula).write(LATEX)]
+    formulas += _written_equations(EquationFacts(system, notation, named), LATEX)
+    for name, expression in system.invariants.items():
+        if name != "H":
+            written = Equation(Name(name), notation.formula(expression)).write(LATEX)
+            # an integral that is named by its formula is written once
+            formulas.append(written if " = " in written else rf"{written} = \text{{const}}")
+    rows = " \\\\\n".join(_aligned(formula) for formula in formulas)
+    return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
+
+
+def displayed_bracket(bracket: Bracket) -> str | None:
+    """The Poisson tensor of a bracket in LaTeX, by the coordinates; None where it is too large to be read."""
+    if bracket.dimension > MOST_SHOWN:
+        return None
+    notation = VectorNotation(bracket)
+    tensor: Any = bracket.poisson_tensor()
+    rows = [
+        " & ".join(notation.formula(tensor[i, j]).write(LATEX) for j in range(bracket.dimension))
+        for i in range(bracket.dimension)
+    ]
+    state = ", ".join(notation.formula(x).write(LATEX) for x in bracket.variables)
+    matrix = "\\begin{pmatrix}\n" + " \\\\\n".join(rows) + "\n\\end{pmatrix}"
+    return f"$$J({state}) = {matrix}$$"
+
+
+def displayed_algebra(algebra: LieAlgebra) -> str | None:
+    """The brackets of a basis in LaTeX, those that are not zero; None where there are too many to be read."""
+    from sympy import Add, Symbol, latex
+
+    from liepoisson.algebra.exact_numbers import to_sympy
+
+    if len(algebra.brackets) > MOST_SHOWN or algebra.dimension > MOST_SHOWN:
+        return None
+    e = [Symbol(f"e_{{{name}}}") for name in algebra.basis_names]
+    rows = [
+        f"[{latex(e[i])}, {latex(e[j])}] &= {latex(Add(*(to_sympy(c) * e[k] for k, c in row.items())))}"
+        for (i, j), row in sorted(algebra.brackets.items())
+        if any(c != 0 for c in row.values())
+    ]
+    head = LATEX.words(algebra.name)
+    if not rows:
+        return rf"$$\text{{{head}}}:\quad [e_i, e_j] = 0$$"
+    body = " \\\\\n".join(rows)
+    return f"$$\\text{{{head}}}:\\quad\\begin{{aligned}}\n{body}\n\\end{{aligned}}$$"
+
+
+def _equation_lines(facts: EquationFacts) -> list[str]:
+    """Vector equations where all vectors have names of their own, else components."""
+    return [f"    {line}" for line in _written_equations(facts, NAMES)]
+
+
+def _written_equations(facts: EquationFacts, style: Style) -> list[str]:
+    vector = facts.vector
+    if vector is not None and not any(isinstance(name, Gradient) for name, _ in vector.definitions):
+        return [equation.write(style) for equation in (*facts.equations(), *facts.definitions())]
+    if style is LATEX:
+        return [rf"\dot{{{Name(name).write(style)}}} = {formula.write(style)}" for name, formula, _ in facts.components]
+    return [f"{name}' = {formula.write(style)}" for name, formula, _ in facts.components]
+
+
+def _indented(title: str, lines: Sequence[Line], style: Style) -> list[str]:
+    written = [row for line in lines for row in wrapped(line, style, _TEXT_WIDTH)]
+    heads = [title, *[""] * (len(written) - 1)]
+    return [f"  {head:<{_TITLE_WIDTH}}{row}" for head, row in zip(heads, written, strict=True)]
+
+
+def _paragraphs(lines: Sequence[Line]) -> list[str]:
+    """Lines in LaTeX: formulas that stand alone and fit on a line are displayed, those that follow each other aligned.
+
+    TeX breaks a paragraph of words and formulas, also in sums.
+    """
+    written: list[str] = []
+    displayed: list[str] = []
+    for line in lines:
+        if len(line) == 1 and not isinstance(line[0], str) and len(line[0].write(UNICODE)) <= _DISPLAY_WIDTH:
+            displayed.append(line[0].write(LATEX))
+            continue
+        written += [*_display(displayed), f"{write_line(_with_mathematics(line), LATEX)}."]
+        displayed = []
+    return [*written, *_display(displayed)]
+
+
+def _display(formulas: Sequence[str]) -> list[str]:
+    """One formula in a display, several in one `align*`, at their equality signs."""
+    if len(formulas) < 2:
+        return [f"\\[ {formula} \\]" for formula in formulas]
+    rows = " \\\\\n".join(f"  {_aligned(formula)}" for formula in formulas)
+    return [f"\\begin{{align*}}\n{rows}\n\\end{{align*}}"]
+
+
+def _aligned(formula: str) -> str:
+    """The formula with the mark of alignment before its first relation outside of braces."""
+    depth = 0
+    for place, character in enumerate(formula):
+        depth += {"{": 1, "}": -1}.get(character, 0)
+        if not depth and formula.startswith((" = ", " \\mapsto "), place):
+            return f"{formula[: place + 1]}&{formula[place + 1 :]}"
+    return f"& {formula}"
+
+
+@dataclass(frozen=True)
+class _Sign:
+    """A piece of mathematics among words, in LaTeX."""
+
+    latex: str
+
+    def write(self, style: Style) -> str:
+        return self.latex
+
+
+def _with_mathematics(line: Line) -> Line:
+    """The line with the mathematics among its words set off from them."""
+    pieces: list[Any] = []
+    for piece in line:
+        if not isinstance(piece, str):
+            pieces.append(piece)
+            continue
+        place = 0
+        for match in _MATH.finditer(piece):
+            pieces += [piece[place : match.start()], _Sign(_sign(match))]
+            place = match.end()
+        pieces.append(piece[place:])
+    kept = [piece for piece in pieces if piece]
+    if isinstance(kept[0], str):  # a sentence
+        kept[0] = kept[0][:1].upper() + kept[0][1:]
+    return tuple(kept)
+
+
+def _sign(match: re.Match[str]) -> str:
+    if match["algebra"]:
+        return rf"\mathfrak{{{match['algebra']}}}{match['size']}"
+    return r"J\nabla C = 0" if match["casimir"] else Name(match["name"]).write(LATEX)

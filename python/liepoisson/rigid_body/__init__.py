@@ -1,0 +1,1 @@
+"""Frames and rods: what a body does in space."""

@@ -1,0 +1,1 @@
+"""What is done with saved results: run again, cite."""

@@ -1,0 +1,314 @@
+"""Files become results again, and results runs: the one table of what can be loaded and repeated."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from liepoisson import _core
+from liepoisson.compile.field import Field, field_of
+from liepoisson.errors import DamagedFileError, ParameterError
+from liepoisson.formula.scalars import as_time_limit
+from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.dataset import check_format, read_dataset, result_of, stored, text_of
+from liepoisson.io.result import Result
+from liepoisson.numeric.methods import field_for
+from liepoisson.numeric.run import Run
+from liepoisson.numeric.systems import as_field
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+RUNS = {
+    "orbit": ("liepoisson.numeric.integrate", "Orbit", "integrate"),
+    "growth": ("liepoisson.indicators.finite_time_exponents", "FiniteTimeExponents", "finite_time_exponents"),
+    "section": ("liepoisson.poincare.section", "Section", "section"),
+    "first return": ("liepoisson.poincare.first_return", "FirstReturn", "first_return"),
+    "spectrum": ("liepoisson.indicators.spectrum", "Spectrum", "lyapunov_spectrum"),
+    "exponent": ("liepoisson.indicators.lyapunov_exponent", "ExponentEstimate", "lyapunov_exponent"),
+    "megno": ("liepoisson.indicators.megno", "Megno", "megno"),
+    "alignment": ("liepoisson.indicators.alignment", "Alignment", "alignment"),
+    "frequency drift": ("liepoisson.tori.frequencies", "FrequencyDrift", "frequency_drift"),
+    "verdict": ("liepoisson.indicators.verdict", "Verdict", "decide"),
+    "energy profile": ("liepoisson.indicators.exponents_by_energy", "EnergyProfile", "exponents_by_energy"),
+    "attitude": ("liepoisson.rigid_body.frames", "Attitude", "attitude"),
+    "chart orbit": ("liepoisson.leaf.chart_orbit", "ChartOrbit", "chart_orbit"),
+    "sweep": ("liepoisson.sweeps.run", "Sweep", "sweep"),
+    "integral scan": ("liepoisson.integrability.integral_scan", "IntegralScan", "scan_integrals"),
+    "rod": ("liepoisson.rigid_body.rod", "Rod", "rod"),
+}
+"""By kind: the module, the class of the result, and the function that makes it."""
+
+
+@explains_its_arguments
+def load(path: str | Path, *, verify: bool = True) -> Any:
+    """Reads a file that a result has written: the result as it was, with its system.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> run = lp.integrate(lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}, t_end=10)
+        >>> file = run.save(Path(mkdtemp()) / "orbit.nc")
+        >>> lp.load(file)
+        <Orbit of Kovalevskaya top: 1 trajectory, 1001 times, t = 0 to 10>
+
+    Args:
+        path: The file, or the folder of a sweep.
+        verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.  False reads what another
+            program has changed on purpose; a bit that flipped by accident is then not found either.
+
+    Returns:
+        An object of the class that was saved; its `dataset` is the labelled dataset of the file.
+
+    Raises:
+        MissingFileError: There is no such file.
+        DamagedFileError: It is truncated, damaged or changed; or liepoisson did not write it.
+    """
+    if _is_folder(path):
+        from liepoisson.sweeps.run import read_sweep
+
+        return read_sweep(path)
+    dataset = read_dataset(path, verify=verify)
+    try:
+        return _result(dataset)
+    except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
+        raise DamagedFileError(f"{path}: {error!r:.200} is missing or altered; make it again") from error
+
+
+@explains_its_arguments
+def rerun(
+    source: str | Path | Dataset | Result,
+    *,
+    threads: int | None = None,
+    time_limit: float = math.inf,
+    progress: Callable[[float], Any] | None = None,
+    allow_code: bool = False,
+) -> Any:
+    """Repeats the run that made a result, a file or a dataset, from what it records alone.
+
+    The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
+    vectors and times come from the file, and the core computes them all with operations that IEEE 754 rounds correctly.
+
+    How far a run comes within its limit of seconds depends on the machine and cannot be repeated.  Trajectories that
+    ended with the outcome "time limit" go on to their end in the rerun, and what they had reached before has the same
+    bits.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> growth = lp.finite_time_exponents(lp.Top.twisted_kovalevskaya(), [1, 0, 1, 0, 0, 1, 0, 0, 1], t_end=50)
+        >>> again = lp.rerun(growth.save(Path(mkdtemp()) / "growth.nc"))
+        >>> bool(np.array_equal(again.exponent, growth.exponent))  # bit for bit
+        True
+
+    Args:
+        source: The file, the dataset of a result, or the result.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the rerun may take; by default as many as it needs.
+        progress: Called a few times a second with the fraction that is done.
+        allow_code: Whether a sweep whose quantity is the name of a function, "package.module:function", may import and
+            call it.  Without this what somebody else has saved is only data.
+
+    An orbit in a chart is repeated as an orbit in the coordinates of the chart, which no file keeps.
+
+    Raises:
+        DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
+            components in another order, or be a part of the trajectories; an orbit without its first time, a part of
+            the components, and of a growth or spectrum members that do not follow each other have no run.
+        ParameterError: It is a sweep that names a function, and code is not allowed.
+
+    Warns:
+        UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
+            the limit of time.
+    """
+    given: Any = source
+    if (spec := _spec_of_table(source)) is not None:
+        from liepoisson.sweeps.run import sweep
+
+        return sweep(spec, threads=threads, progress=progress, allow_code=allow_code)
+    if not isinstance(source, Result):
+        given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
+    given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
+    module, _, function = RUNS[given.kind]
+    if given.kind == "sweep":
+        from liepoisson.sweeps.run import sweep
+
+        return sweep(given.spec, threads=threads, progress=progress, allow_code=allow_code)
+    try:
+        arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
+        limit = as_time_limit(given.time_limit)
+    except Exception as error:  # as above
+        raise DamagedFileError(f"the file does not record a run that can be repeated: {error!s:.200}") from error
+    if n_cut:
+        words = f" of {limit:g} s" if math.isfinite(limit) else ""
+        warnings.warn(
+            f"{n_cut} trajectories of the file were ended by the time limit{words}, which depends on the "
+            "machine and cannot be repeated: they go on to their end. Up to its end_time each has the same numbers",
+            UserWarning,
+            stacklevel=level_of_the_caller(),
+        )
+    options = arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
+    system = _Repeated(given) if isinstance(given, Run) else given.system
+    found = getattr(import_module(module), function)(system, **options)
+    if isinstance(found, Run):
+        found = replace(found, system=given.system, **{n: getattr(given, n) for n in ("surface",) if hasattr(given, n)})
+    # where the limit ended nothing, here as there, the result is that of the file in this, too
+    return found.with_time_limit(limit) if not n_cut and "time limit" not in found.outcome else found
+
+
+def _is_folder(path: Any) -> bool:
+    """Whether it is the folder of a sweep."""
+    try:
+        return isinstance(path, (str, Path)) and path != "" and Path(path).is_dir()
+    except (ValueError, OSError):  # a name that no file can have
+        return False
+
+
+def _spec_of_table(source: Any) -> Any:
+    """The spec that the dataset of a sweep has as text: a table of its grid, and not the record that a file is."""
+    attributes: Any = getattr(source, "attrs", None)
+    if not isinstance(attributes, Mapping) or "spec" not in attributes or "format" in attributes:
+        return None
+    from liepoisson.sweeps.spec import SweepSpec
+
+    try:
+        record, description = (json.loads(attributes[name]) for name in ("spec", "description"))
+        return SweepSpec.of_record(record, description)
+    except ParameterError:
+        raise
+    except Exception as error:  # records that were altered fail in many ways
+        raise DamagedFileError(
+            f"the dataset does not record a sweep that can be repeated: {error!r:.200} is missing or altered; repeat "
+            "the sweep or its file"
+        ) from error
+
+
+def _recorded(source: str | Path | Dataset) -> Any:
+    """The result that a file or a dataset holds."""
+    import xarray as xr
+
+    dataset = source if isinstance(source, xr.Dataset) else read_dataset(source)
+    try:
+        check_format(dataset)
+        found = _result(dataset)
+    except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
+        raise DamagedFileError(
+            f"the file does not record a run that can be repeated: {error!r:.200} is missing or altered; make it again"
+        ) from error
+    version = str(dataset.attrs.get("version"))  # of a damaged file it may be anything
+    if version != _core.__version__:
+        warnings.warn(
+            f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
+            "their last bits",
+            UserWarning,
+            stacklevel=level_of_the_caller(),
+        )
+    return found
+
+
+def _result(dataset: Dataset) -> Any:
+    """The result that a dataset holds; errors are of many kinds."""
+    kind = dataset.attrs["kind"]
+    if not isinstance(kind, str) or kind not in RUNS:
+        raise ValueError(f"kind: wanted {' or '.join(RUNS)}; got {shown(kind)}")
+    module, name, _ = RUNS[kind]
+    system = None if kind == "sweep" else _system(dataset)
+    found = result_of(getattr(import_module(module), name), dataset, system)
+    if kind == "sweep":
+        _check_sweep(found)
+    if isinstance(found, Run) and len(found.components) != found.field.n_components:
+        raise ValueError(f"component: wanted {found.field.n_components} names; got {len(found.components)}")
+    if isinstance(found, Run) and dataset.attrs["version"] == _core.__version__:
+        _check_system(found)
+    return found
+
+
+def _check_system(found: Run) -> None:
+    """Refuses a file whose system is not the one that was integrated: one of the two was altered."""
+    if isinstance(found.system, FieldSystem):
+        return
+    if field_for(found.system, as_field(found.system), found.method) != found.field:
+        raise ValueError("system_file: its equations are not those of the field that was integrated")
+
+
+def _check_sweep(found: Any) -> None:
+    """Refuses a part of a sweep: its points are those of its description."""
+    n, spec = len(found.points), found.spec
+    complete = spec.refine is not None or n == math.prod(spec.shape)
+    if not complete or found.value.shape != (n, spec.n_starts) or len(found.places) != n or len(found.level) != n:
+        raise ValueError(f"sweep: wanted all points and members of its description; got {found.value.shape}")
+    from liepoisson.sweeps.lattice import Lattice
+
+    if not np.array_equal(found.points, Lattice(spec).coordinates(found.places)):
+        raise ValueError("sweep: wanted the points of its description; got others")
+
+
+def _system(dataset: Dataset) -> Any:
+    """The system of a file, exactly; one that was known by its field alone, or that cannot be written, by its field."""
+    try:
+        text = text_of(dataset, "system_file")
+    except KeyError:
+        prefix = "" if "field" in dataset.attrs or "field" in dataset else "run_"
+        field = field_of(json.loads(text_of(dataset, f"{prefix}field")))
+        return FieldSystem(
+            str(dataset.attrs["system"]), tuple(map(str, stored(dataset, "component").to_numpy())), field
+        )
+    from liepoisson.model.system_text import read_system_text
+
+    kind = str(dataset.attrs.get("system_kind"))
+    system = read_system_text(text, kind)
+    if kind != "Top" or system.top_parameters is None:
+        return system
+    from liepoisson.model.tops import Top
+
+    top = system.top_parameters
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of moments that no body has, the first run has warned
+        return Top(inertia=top.inertia, a=top.a, b=top.b, epsilon=top.epsilon, name=system.name)
+
+
+class FieldSystem:
+    """A system of which a file knows the field alone."""
+
+    def __init__(self, name: str, component_names: tuple[str, ...], field: Field) -> None:
+        self.name = name
+        self.component_names = component_names
+        self._field = field
+
+    def field(self) -> Field:
+        """The vector field."""
+        return self._field
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"{name}: the file of this system has its field alone, neither bracket nor Hamiltonian")
+
+    def __repr__(self) -> str:
+        return f"<system {self.name!r} with {self._field.n_components} components, known by its field>"
+
+
+class _Repeated:
+    """The system of a result with the field that was integrated then: another version may write another one."""
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        return self._run.components
+
+    def field(self) -> Any:
+        return self._run.field
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_run":  # while it is copied
+            raise AttributeError(name)
+        return getattr(self._run.system, name)

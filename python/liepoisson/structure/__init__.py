@@ -1,0 +1,1 @@
+"""Lie algebras, commutative algebras, brackets, Casimirs, strata and symmetries."""

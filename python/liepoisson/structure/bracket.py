@@ -1,0 +1,596 @@
+r"""Lie-Poisson brackets of g (x) A, $\{f, g\} = -\langle x, [df, dg] \rangle + c(df, dg)$.
+
+The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of the Lie algebra gives another one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from functools import cached_property
+from itertools import product
+from typing import TYPE_CHECKING, Any, NoReturn, cast
+
+from liepoisson.algebra.exact_numbers import as_expression, substituted, symbols_of, to_sympy
+from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.facades import function_of
+from liepoisson.formula.parameters import Column, Parameter, read_parameter, values_of_symbols
+from liepoisson.formula.tensors import read_names
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.given import listed
+from liepoisson.inputs.names import check_name, check_not_reserved, check_title
+from liepoisson.inputs.refusals import not_a
+from liepoisson.structure.constant_part import read_constant, with_linear_part_at
+from liepoisson.structure.extension import Extension
+from liepoisson.structure.lie_algebra import LieAlgebra
+from liepoisson.structure.poisson.poisson_matrix import PoissonMatrix, linear_terms
+
+if TYPE_CHECKING:
+    from sympy import Expr, Matrix, Symbol
+
+    from liepoisson.algebra.exact_numbers import Exact
+    from liepoisson.algebra.rational_polynomials import RationalPolynomial
+    from liepoisson.structure.casimirs import CasimirReport, KnownCasimirs
+    from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
+    from liepoisson.structure.derivations import Constant, Derivation, Scaling
+    from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.structure.strata import Stratum
+    from liepoisson.structure.trace_casimirs import TraceCasimirs
+
+
+@explains_its_methods
+class Bracket:
+    r"""The (minus) Lie-Poisson bracket on the dual of g (x) A.
+
+    With $x_\lambda$ the field of the basis element $e_\lambda$ of A,
+
+    $$\{f, g\} = -\sum_{\lambda\mu\nu} W_\lambda{}^{\mu\nu}\, \langle x_\lambda,
+      [\partial_{x_\mu} f, \partial_{x_\nu} g] \rangle .$$
+
+    Written `algebra @ extension`.  `so(3) @ leibniz(3, epsilon)` is the bracket of the twisted top,
+    `so(3) @ semidirect(3)` that of the charged heavy top.
+
+    A constant part $c_{ij}$ is added to $\{x_i, x_j\}$, `(so(3) @ trivial()).with_constant({("l1", "l2"): "k"})`.  It
+    must be a 2-cocycle, $c([x, y], z) + c([y, z], x) + c([z, x], y) = 0$, which is decided exactly.  Canonical brackets
+    (`liepoisson.structure.canonical_bracket`) consist of it alone.
+
+    Example:
+        >>> bracket = lp.so(3) @ lp.leibniz(3, "epsilon")
+        >>> bracket.casimirs()[0]
+        alpha1**2 + alpha2**2 + alpha3**2 + 2*beta1*epsilon*l1 + 2*beta2*epsilon*l2 + 2*beta3*epsilon*l3
+
+    Args:
+        algebra: The Lie algebra g.
+        extension: The commutative algebra A.
+        field_names: One name per field, in place of those of the extension.
+        constant: The constant part by pairs of coordinates, by name or number, each pair in one order only.
+        name: How it is printed; by default by the names of g and A.
+        check: Verify that the constant part is a 2-cocycle.  Switch this off only to study what goes wrong.
+
+    Attributes:
+        algebra: The Lie algebra g.
+        extension: The commutative algebra A.
+        constant: The entries of the constant part that are not zero, by (i, j) with i < j, counted from 0.
+
+    Raises:
+        CocycleError: the constant part is no 2-cocycle; the error names the three coordinates.
+        BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name.
+        ParameterError: a name is none that a user may choose (`liepoisson.inputs.names`), `algebra` is not a LieAlgebra
+            or `extension` not an Extension.
+        ShapeError: not one name per field.
+
+    References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
+    """
+
+    coefficients: frozenset[str] = frozenset()
+    """Names that are like coordinates and stand for coefficients in the functions of a system."""
+
+    def __init__(
+        self,
+        algebra: LieAlgebra,
+        extension: Extension,
+        field_names: Sequence[str] | None = None,
+        *,
+        constant: Mapping[tuple[str | int, str | int], Parameter] | None = None,
+        name: str | None = None,
+        check: bool = True,
+    ) -> None:
+        _check_type(algebra, LieAlgebra, "algebra", "so(3)")
+        _check_type(extension, Extension, "extension", 'leibniz(3, "epsilon")')
+        self.algebra = algebra
+        self.extension = extension if field_names is None else _renamed(extension, field_names)
+        names = self.coordinate_names
+        if len(names) < self.dimension:
+            raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
+        _check_field_names(self.field_names, names - self._scalars)
+        self.constant: dict[tuple[int, int], Exact] = read_constant(constant, self.coordinate_names_in_order)
+        self._name = name if name is None else check_title(name, "the name of a bracket", None)
+        self.check_parameter_names(self.symbols)
+        if self.constant and check:
+            from liepoisson.structure.certificates import check_cocycle
+
+            check_cocycle(self.tensor, self.coordinate_names_in_order)
+
+    def with_constant(
+        self, constant: Mapping[tuple[str | int, str | int], Parameter], *, check: bool = True
+    ) -> Bracket:
+        r"""The bracket with this constant part in place of its own, $\{f, g\} + c(df, dg)$.
+
+        `(so(3) @ trivial()).with_constant({("l1", "l2"): "k"})` has $\{\ell_1, \ell_2\} = -\ell_3 + k$.
+
+        Args:
+            constant: $c_{ij}$, exact, by pairs of coordinates, by name or number; each pair in one order only.
+            check: Verify that it is a 2-cocycle.  Switch this off only to study what goes wrong.
+
+        Raises:
+            CocycleError: it is no 2-cocycle, so that the Jacobi identity fails; the error names the three coordinates.
+            BracketError: a coordinate is unknown, a pair is given twice or with itself, or a parameter is named like a
+                coordinate.
+            ParameterError: an entry is not exact.
+        """
+        return Bracket(self.algebra, self.extension, self.field_names, constant=constant, check=check)
+
+    def translated(self, point: Sequence[Parameter]) -> Bracket:
+        r"""The same bracket in the coordinates $y = x - x_0$: its constant part grows by $J(x_0)$, a coboundary.
+
+        Args:
+            point: $x_0$, N exact numbers or names.
+
+        Raises:
+            ShapeError: not N numbers.
+            ParameterError: a component is not exact.
+        """
+        return self.with_constant(with_linear_part_at(self.constant, self.entries(), self._read_components(point)))
+
+    def frozen(self, point: Sequence[Parameter]) -> Bracket:
+        r"""The constant bracket $\{x_i, x_j\} = J_{ij}(x_0)$, which is compatible with this one: frozen at $x_0$.
+
+        Args:
+            point: $x_0$, N exact numbers or names.
+
+        Raises:
+            ShapeError: not N numbers.
+            ParameterError: a component is not exact.
+
+        References: [marsden1999], section 10.1.
+        """
+        constant = with_linear_part_at(self.constant, self.entries(), self._read_components(point))
+        algebra = LieAlgebra.from_brackets(
+            self.algebra.dimension, {}, f"abelian({self.algebra.dimension})", self.algebra.basis_names, check=False
+        )
+        return Bracket(algebra, self.extension, constant=constant, name=f"{self!r}, frozen")
+
+    def coboundary(self) -> tuple[Expr, ...] | None:
+        r"""A point $\xi$ with $c_{ij} = \sum_m c_{ij}{}^m \xi_m$, shape (N,), or None if there is none.
+
+        The constant part is then removed by the translation $x \mapsto x + \xi$; on a semisimple algebra there always
+        is one (Whitehead's lemma).  Zero if there is no constant part.
+        """
+        from liepoisson.structure.poisson.poisson_tensor import potential_of_constant_part
+
+        found = potential_of_constant_part(self.tensor)
+        return None if found is None else tuple(to_sympy(value) for value in found)
+
+    def rename(self, *field_names: str) -> Bracket:
+        """The same bracket with other names for its fields: `(so(3) @ leibniz(2)).rename("m", "p")`.
+
+        Raises:
+            ShapeError: not one name per field.
+            BracketError: two coordinates, or a coordinate and a parameter or a field, would have the same name.
+            ParameterError: a name is not an identifier.
+        """
+        return Bracket(self.algebra, self.extension, field_names, constant=cast("Any", self.constant), check=False)
+
+    @property
+    def dimension(self) -> int:
+        """Number N of coordinates, dim g times dim A."""
+        return self.algebra.dimension * self.extension.dimension
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields, one per basis element of A."""
+        return self.extension.field_names
+
+    @property
+    def field_lengths(self) -> tuple[int, ...]:
+        """Number of components of each field: dim g for all of them."""
+        return (self.algebra.dimension,) * self.extension.dimension
+
+    @cached_property
+    def coordinate_names_in_order(self) -> tuple[str, ...]:
+        """Names of the coordinates, field by field; asking for them does not import SymPy."""
+        return tuple(field + base for field, base in product(self.field_names, self.algebra.basis_names))
+
+    @property
+    def coordinate_names(self) -> set[str]:
+        """Names of the coordinates, as a set."""
+        return set(self.coordinate_names_in_order)
+
+    def check_parameter_names(self, names: set[str]) -> None:
+        """Refuse parameters that are named like a coordinate: a derivative would take one for the other.
+
+        Raises:
+            BracketError: there is such a name; the message lists them.
+        """
+        if clash := names & self.coordinate_names:
+            raise BracketError(f"{sorted(clash)} name both coordinates and parameters; rename the parameters.")
+
+    @property
+    def symbols(self) -> set[str]:
+        """Names of the parameters kept symbolic."""
+        own = {name for value in self.constant.values() for name in symbols_of(value)}
+        return self.algebra.symbols | self.extension.symbols | own
+
+    @property
+    def has_scalar_fields(self) -> bool:
+        """Whether each field is one coordinate with its own name, as theta and p_theta of a canonical bracket."""
+        return self.algebra.basis_names == ("",)
+
+    @property
+    def _scalars(self) -> set[str]:
+        """Names of coordinates that are fields of their own."""
+        return set(self.field_names) if self.has_scalar_fields else set()
+
+    @cached_property
+    def variables(self) -> tuple[Symbol, ...]:
+        """The coordinates, field by field: l1, l2, l3, alpha1, ..., beta3 for so(3) and three fields."""
+        from sympy import Symbol
+
+        return tuple(Symbol(name) for name in self.coordinate_names_in_order)
+
+    @property
+    def fields(self) -> dict[str, Column]:
+        """The coordinates as one column vector per field, by name."""
+        from sympy import Matrix
+
+        n = self.algebra.dimension
+        blocks = (self.variables[i * n : (i + 1) * n] for i in range(self.extension.dimension))
+        return {name: Matrix(block) for name, block in zip(self.field_names, blocks, strict=True)}
+
+    def entries(self) -> tuple[tuple[int, int, int, Exact], ...]:
+        r"""The linear part as sparse data: all (i, j, m, c) with i < j, $\{x_i, x_j\} = \sum c\,x_m$ and c nonzero.
+
+        The constant part is `constant`.  The coefficients are Fractions if all structure constants are; SymPy is not
+        imported then.
+        """
+        return tuple(term for term in self._terms if term[0] < term[1])
+
+    def poisson_tensor(self) -> Matrix:
+        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x, shape (N, N)."""
+        return self._matrix.matrix.copy()
+
+    def __call__(self, f: Expr, g: Expr) -> Expr:
+        r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded.
+
+        Raises:
+            ParameterError: f or g is no expression, or has a part that is like a coordinate and none, such as L1.
+        """
+        from sympy import S, expand
+
+        checkpoint("a Poisson bracket")
+        slopes = self._gradient(f)
+        if not any(slopes):
+            return S.Zero
+        return expand(sum((df * v for df, v in zip(slopes, self.vector_field(g), strict=True)), S.Zero))
+
+    def vector_field(self, hamiltonian: Expr) -> tuple[Expr, ...]:
+        r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded.
+
+        Where J is constant, as in canonical coordinates, only polynomials are expanded.
+
+        Raises:
+            ParameterError: h is no expression, or has a part that is like a coordinate and none, such as L1.
+        """
+        return self._matrix.times(self._gradient(hamiltonian))
+
+    def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
+        r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k: zero throughout if this is a Poisson bracket.
+
+        Writes out every residual; `jacobi_certificate` is much faster.
+        """
+        return self._matrix.jacobi_residuals()
+
+    def jacobi_certificate(self) -> JacobiCertificate:
+        """Antisymmetry and the Jacobi identity for all triples of coordinates, computed now from the entries."""
+        from liepoisson.structure.certificates import jacobi_certificate
+
+        return jacobi_certificate(self.tensor, self.coordinate_names_in_order)
+
+    def rank(self, point: Sequence[Parameter] | None = None) -> int:
+        """The rank of the Poisson tensor, the dimension of the symplectic leaf.
+
+        Args:
+            point: N exact numbers; parameters that the bracket keeps symbolic are generic.  None: the rank at a random
+                point, which bounds the generic rank from below and almost surely equals it; `rank_certificate` says
+                whether this is proved.
+
+        Raises:
+            ShapeError: not N numbers.
+            ParameterError: a component is not exact, or a symbol.
+        """
+        if point is None:
+            return self.tensor.rank_at_a_point
+        from liepoisson.structure.certificates import rank_at
+
+        return rank_at(self.dimension, self._all_terms, self._read_point(point))
+
+    def corank(self, point: Sequence[Parameter] | None = None) -> int:
+        """The number of coordinates minus the rank; arguments as for `rank`."""
+        return self.dimension - self.rank(point)
+
+    def rank_certificate(self) -> RankCertificate:
+        """The generic rank between two proved bounds: J at one point, and the independent Casimirs found."""
+        from liepoisson.structure.casimirs import rank_certificate
+
+        return rank_certificate(self)
+
+    def casimirs(self, degree: int | None = None) -> list[Expr]:
+        r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
+
+        They are called C1, C2, ... everywhere, in this order.  Symbolic parameters are taken as generic.  For
+        `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
+
+        Each has the coefficient 1 at its leading monomial: that of the latest fields, and among these of the first
+        coordinates.  Nothing else is multiplied or cleared, so that values inserted for symbols give the generators of
+        the bracket with these values, except where `casimir_report` names a jump.
+
+        They are expanded where linear algebra on all monomials finds them.  For so(n), su(n), sl(n), gl(n) and the sine
+        algebra beyond its limits they are traces, $\operatorname{tr} X^k$: SymPy expressions that are differentiated,
+        substituted and evaluated as they are, and written out by `.expand(trace=True)` only.  The matrix X, the order
+        and the normalisation are those of `liepoisson.structure.trace_casimirs`.
+
+        The list may be incomplete: `n_unknown_casimirs` says how many are missing.
+
+        Args:
+            degree: Find all up to this degree.  None: raise the degree until as many independent ones are found as the
+                corank allows, or until the size limit stated in `casimir_report`, which also says what is proved.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search.
+        """
+        return list(self._known_casimirs(degree).expressions)
+
+    def polynomial_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
+        """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""
+        return self._known_casimirs(None).polynomials
+
+    @property
+    def n_unknown_casimirs(self) -> int:
+        """How many independent Casimirs are missing in `casimirs()`: 0 if every one is a function of them."""
+        return self.corank() - self._known_casimirs(None).independent
+
+    def _known_casimirs(self, degree: int | None) -> KnownCasimirs:
+        if degree not in self._casimirs:
+            from liepoisson.structure.casimirs import KnownCasimirs
+
+            self._casimirs[degree] = KnownCasimirs.of(self, degree)
+        return self._casimirs[degree]
+
+    @cached_property
+    def trace_casimirs(self) -> TraceCasimirs | None:
+        r"""The Casimirs in closed form as traces $\operatorname{tr} X^k$, and Pfaffians; None where none is known.
+
+        `casimirs` returns them where a search for polynomials could not end, see
+        `liepoisson.structure.trace_casimirs.replaces_search`.
+        """
+        from liepoisson.structure.trace_casimirs import trace_casimirs
+
+        return trace_casimirs(self)
+
+    def casimir_report(self, degree: int | None = None) -> CasimirReport:
+        """The Casimirs with proofs of their number, completeness, and the parameter values where more appear.
+
+        Args:
+            degree: As for `casimirs`.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search.
+        """
+        from liepoisson.structure.casimirs import casimir_report
+
+        return casimir_report(self, degree)
+
+    def strata(self) -> list[Stratum]:
+        """The sets on which the rank is constant or generic, from the open one down to the origin."""
+        from liepoisson.structure.strata import strata
+
+        return strata(self)
+
+    def derivations(self) -> list[Derivation]:
+        """A basis of the derivations of A that keep the constant part: linear symmetries that act on the fields."""
+        from liepoisson.structure.derivations import Names, derivations
+
+        return derivations(self.extension, self.constants_of_fields, Names(self.field_names, self.symbols))
+
+    def scalings(self) -> list[Scaling]:
+        """Scalings of fields that change nothing but the values of symbolic parameters."""
+        from liepoisson.structure.derivations import scalings
+
+        return scalings(self.extension, self.constants_of_fields, self.field_names)
+
+    @property
+    def constants_of_fields(self) -> list[Constant]:
+        """The constant part by fields and components, both orders."""
+        n = self.algebra.dimension
+        terms = [(divmod(i, n), divmod(j, n), c) for (i, j), c in self.constant.items()]
+        return [entry for i, j, c in terms for entry in ((i, j, c), (j, i, -c))]
+
+    def substitute(self, values: Mapping[str, Exact]) -> Bracket:
+        """The same bracket with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names, or symbols, to exact values, or a name is none of them.
+        """
+        values = values_of_symbols(values, self.symbols)
+        if not values:
+            return self
+        algebra = self.algebra.substitute({s: value for s, value in values.items() if s in self.algebra.symbols})
+        extension = self.extension.substitute({s: value for s, value in values.items() if s in self.extension.symbols})
+        constant: Any = {pair: substituted(value, values) for pair, value in self.constant.items()}
+        return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
+
+    def __add__(self, other: object) -> NoReturn:
+        """Brackets are not added; their parts are.
+
+        Raises:
+            BracketError: always; the message says how a sum is written.
+        """
+        raise BracketError(
+            f"a bracket cannot be added to another object; got {self!r} + {other!r:.60}. Add the algebras, "
+            "(so(3) + so(3)) @ trivial(), the extensions, so(3) @ (trivial() + trivial()), or count the pairs, "
+            "canonical(2)."
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: the definition; everything else is derived again when it is asked for."""
+        definition = {"algebra": self.algebra, "extension": self.extension}
+        own = {"coefficients": self.coefficients} if self.coefficients else {}
+        return {**definition, "constant": self.constant, "_name": self._name, **own}
+
+    def _repr_latex_(self) -> str | None:
+        """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
+        return function_of("Bracket._repr_latex_")(self)
+
+    def __repr__(self) -> str:
+        if self._name is not None:
+            return self._name
+        return f"{self.algebra.name} ⊗ {self.extension.name}{' + constant part' if self.constant else ''}"
+
+    @cached_property
+    def tensor(self) -> LinearPoissonTensor:
+        """The Poisson tensor as sparse exact data, for computations that do not need SymPy."""
+        from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
+
+        return LinearPoissonTensor.of(self.dimension, self._all_terms, self.algebra.dimension)
+
+    @cached_property
+    def _all_terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
+        """The terms of J, with `CONSTANT` for m in the constant part."""
+        from liepoisson.structure.poisson.poisson_tensor import CONSTANT
+
+        constant = ((i, j, CONSTANT, c) for (i, j), c in self.constant.items())
+        return (*self._terms, *(term for i, j, m, c in constant for term in ((i, j, m, c), (j, i, m, -c))))
+
+    @cached_property
+    def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
+        """All (i, j, m, c) with sum_m c x_m the linear part of J_ij, both orders of i and j."""
+        return linear_terms(self.algebra.dimension, self.algebra.brackets, self.extension)
+
+    @cached_property
+    def _matrix(self) -> PoissonMatrix:
+        return PoissonMatrix(self.variables, self._terms, self.constant)
+
+    @cached_property
+    def _casimirs(self) -> dict[int | None, KnownCasimirs]:
+        return {}
+
+    def _gradient(self, f: Expr) -> list[Expr]:
+        from sympy import S
+
+        expression, casimirs = self._modulo_casimirs(read_function(self, f, "a function on phase space"))
+        occurring = expression.free_symbols
+        slopes: list[Any] = [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
+        return [slope.xreplace(casimirs) for slope in slopes] if casimirs else slopes
+
+    def _modulo_casimirs(self, expression: Expr) -> tuple[Expr, dict[Any, Expr]]:
+        """The function without the traces that are Casimirs, whose gradients J annihilates."""
+        from liepoisson.structure.trace_casimirs import modulo_casimirs
+
+        return modulo_casimirs(expression, self)
+
+    def in_own_variables(self, expression: Expr) -> Expr:
+        """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""
+        own = {str(variable): variable for variable in self.variables}
+        foreign = {
+            s: own[str(s)] for s in expression.free_symbols if s.is_Symbol and str(s) in own and s != own[str(s)]
+        }
+        return cast("Expr", expression.xreplace(foreign)) if foreign else expression
+
+    def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
+        items = listed(point, "point", self.coordinate_names_in_order)
+        if items is None or len(items) != self.dimension:
+            got = f"{len(items)} numbers" if items is not None else repr(point)
+            raise ShapeError(f"point must be {self.dimension} numbers, one per coordinate; got {got}.")
+        return [read_parameter(item, f"point[{k}]") for k, item in enumerate(items)]
+
+    def _read_point(self, point: Sequence[Parameter]) -> list[Exact]:
+        values = self._read_components(point)
+        if free := {name for value in values for name in symbols_of(value)}:
+            raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
+        return values
+
+
+def read_function(bracket: Bracket, given: object, what: str) -> Expr:
+    """A function of the coordinates that a caller gives, in `variables`.
+
+    Other symbols are coefficients, except what is like a coordinate and none: it would be a constant.
+
+    Raises:
+        ParameterError: it is no expression, or has a part that is like a coordinate and none.
+    """
+    from sympy import Indexed, Symbol
+    from sympy.core.function import AppliedUndef
+
+    expression = bracket.in_own_variables(as_expression(given, what))
+    others = expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables)
+    for part in sorted(others, key=lambda part: (-len(str(part)), str(part))):  # l[1] before its parts
+        name = _name_of(part)
+        own = next((known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)), None)
+        if own is None and name in bracket.field_names:
+            own = f"the field {name}"
+        if own is None or (str(part) in bracket.symbols | bracket.coefficients):
+            continue
+        raise ParameterError(
+            f"{what}: wanted the coordinates {', '.join(bracket.field_names)} as in bracket.variables, and "
+            f"coefficients; got {part} ({type(part).__name__}), which is like {own} and none of them. Correct it, "
+            "or rename it if it is a coefficient."
+        )
+    return expression
+
+
+def with_coefficients(bracket: Bracket, names: Iterable[str]) -> Bracket:
+    """The same bracket, of whose functions these names are coefficients, however like coordinates they are."""
+    like = frozenset(names) - bracket.coefficients
+    if not {*map(_plain, like)} & {*map(_plain, bracket.coordinate_names_in_order), *map(_plain, bracket.field_names)}:
+        return bracket
+    made = copy(bracket)
+    made.coefficients = bracket.coefficients | like
+    return made
+
+
+def _name_of(part: Any) -> str:
+    """The name of a symbol, of an entry l[1] or of a function l1(t)."""
+    from sympy.core.function import AppliedUndef
+
+    return part.func.__name__ if isinstance(part, AppliedUndef) else str(getattr(part, "name", part))
+
+
+def _plain(name: str) -> str:
+    """A name in small letters without underscores and brackets, so that l[1], L1 and l_1 are like l1."""
+    return re.sub(r"[\W_]", "", name).casefold()
+
+
+def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:
+    """The extension with other field names."""
+    return extension.rename(*read_names(field_names, "field_names", extension.field_names))
+
+
+def _check_field_names(fields: tuple[str, ...], coordinates: set[str]) -> None:
+    """Refuse fields that no formula could name, and those whose name is that of a coordinate of another field."""
+    for name in fields:
+        check_name(name, "a field name")
+    for name in coordinates:
+        check_not_reserved(name, "the name of a coordinate")
+    if clash := sorted(coordinates.intersection(fields)):
+        raise BracketError(
+            f"a name must stand for one thing; {', '.join(clash)} would be a field and a coordinate of another field. "
+            "Rename one of the fields."
+        )
+
+
+def _check_type(value: object, wanted: type, name: str, example: str) -> None:
+    if not isinstance(value, wanted):
+        article = "an" if wanted is Extension else "a"
+        raise not_a(f"{article} {wanted.__name__}", value, name, f"try {example}")

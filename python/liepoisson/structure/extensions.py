@@ -1,0 +1,156 @@
+r"""Named extensions: trivial, semidirect, Leibniz, compressible reduced magnetohydrodynamics.
+
+References: Thiffeault and Morrison, Physica D 136 (2000) 205; Hazeltine, Kotschenreuther and Morrison, Phys. Fluids 28
+(1985) 2466; Thiffeault and Morrison (2001) for the twisted top.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import partial
+from numbers import Integral
+
+from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.structure.extension import Extension, Products, read_field_count
+
+
+@explains_its_arguments
+def trivial() -> Extension:
+    r"""The one-dimensional algebra $\mathbb R$, $e_0 e_0 = e_0$: g (x) R = g, one field.
+
+    Example:
+        >>> (lp.so(3) @ lp.trivial()).casimirs()
+        [l1**2 + l2**2 + l3**2]
+    """
+    return Extension.from_products(1, {(0, 0): {0: 1}}, name="trivial")
+
+
+@explains_its_arguments
+def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
+    r"""The Leibniz extension of order n: $\mathbb R[z]/(z^n)$, with the products of non-units scaled by epsilon.
+
+    $e_0 e_\mu = e_\mu$ and $e_\mu e_\nu = \epsilon\, e_{\mu+\nu}$ for $\mu, \nu \ge 1$, zero when $\mu + \nu \ge n$.
+    For n = 3 the only cocycle is $e_1 e_1 = \epsilon e_2$: the twisted top.
+
+    Example:
+        >>> lp.leibniz(3, "epsilon").products
+        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (1, 1): {2: epsilon}}
+        >>> (lp.so(3) @ lp.leibniz(3)).casimirs()[0]
+        alpha1**2 + alpha2**2 + alpha3**2 + 2*beta1*l1 + 2*beta2*l2 + 2*beta3*l3
+
+    Args:
+        n: Number of fields, 1 to 100.
+        epsilon: Strength of the cocycle; 0 gives `semidirect(n)`.
+
+    Raises:
+        ParameterError: n is not in the range, or epsilon is not exact.
+    """
+    return _with_strength(partial(_leibniz, n), epsilon, "epsilon", f"Leibniz({n}, ")
+
+
+def _leibniz(n: int, strength: Exact) -> Extension:
+    return _graded(n, strength, f"leibniz({n})")
+
+
+@explains_its_arguments
+def semidirect(n: int) -> Extension:
+    r"""The semidirect product with n - 1 passive fields: $e_0 e_\mu = e_\mu$, all other products zero.
+
+    For n = 3: the charged heavy top.
+
+    Example:
+        >>> (lp.so(3) @ lp.semidirect(2)).casimirs()  # heavy top: the length of alpha, and the spin about it
+        [alpha1*l1 + alpha2*l2 + alpha3*l3, alpha1**2 + alpha2**2 + alpha3**2]
+
+    Raises:
+        ParameterError: n is not in 1..100.
+    """
+    return _graded(n, Fraction(0), f"semidirect({n})")
+
+
+@explains_its_arguments
+def crmhd(beta_e: Parameter = "beta_e") -> Extension:
+    r"""Compressible reduced magnetohydrodynamics: fields omega, v, p, psi with $e_1 e_2 = -\beta_e\, e_3$.
+
+    $e_0$ is the unit; $\omega$ is the vorticity, v the parallel velocity, p the pressure and psi the magnetic flux.
+    In the plasma g is the algebra of functions of the plane with the canonical bracket; with so(3) in its place the
+    Casimirs are $\psi\cdot\psi$, $v\cdot\psi$, $p\cdot\psi$ and $v\cdot p - \beta_e\, \omega\cdot\psi$.
+
+    Example:
+        >>> plasma = lp.extensions.crmhd()
+        >>> plasma.field_names
+        ('omega', 'v', 'p', 'psi')
+        >>> plasma.products
+        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (0, 3): {3: 1}, (1, 2): {3: -beta_e}}
+        >>> (lp.so(3) @ plasma).casimir_report().complete
+        True
+
+    Args:
+        beta_e: Electron beta, a parameter of compressibility.
+
+    Raises:
+        ParameterError: beta_e is not exact.
+
+    References: Hazeltine, Kotschenreuther and Morrison (1985); Thiffeault and Morrison (2000).
+    """
+    return _with_strength(_crmhd, beta_e, "beta_e", "CRMHD(")
+
+
+def _crmhd(strength: Exact) -> Extension:
+    products = _with_unit(4, {(1, 2): {3: -strength}}, strength)
+    return Extension.from_products(4, products, "CRMHD", ("omega", "v", "p", "psi"), check=False)
+
+
+def normal_form(n: int, k: int) -> Extension:
+    """The k-th normal form of local algebras of dimension n, counted from 1; see `normal_forms.normal_forms`.
+
+    Raises:
+        ParameterError: n is not in 1..5, or k is not the number of a form.
+    """
+    from liepoisson.structure.normal_forms import normal_forms
+
+    forms = normal_forms(n)
+    if isinstance(k, bool) or not isinstance(k, Integral) or not 1 <= k <= len(forms):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(
+            f"there are {len(forms)} normal forms of dimension {n}, counted from 1; got k = {k!r}. "
+            f"They are {', '.join(form.name for form in forms)}."
+        )
+    return forms[k - 1]
+
+
+EXTENSIONS: dict[str, Callable[..., Extension]] = {
+    "trivial": trivial,
+    "semidirect": semidirect,
+    "leibniz": leibniz,
+    "crmhd": crmhd,
+    "normal_form": normal_form,
+}
+"""Constructors by the name that system files use."""
+
+
+def _with_strength(make: Callable[[Exact], Extension], given: Parameter, parameter: str, head: str) -> Extension:
+    """The extension with this parameter, printed behind the head; the products of a name are made when needed."""
+    if (symbol := read_symbol(given, parameter)) is not None:
+        return Extension.with_symbol(make, symbol, f"{head}{symbol})")
+    strength = read_parameter(given, parameter)
+    extension = make(strength)
+    extension.name = f"{head}{parameter} = {strength})" if isinstance(strength, Fraction) else f"{head}{strength})"
+    return extension
+
+
+def _graded(n: int, strength: Exact, name: str) -> Extension:
+    n = read_field_count(n)
+    cocycle: Products = {(i, j): {i + j: strength} for i in range(1, n) for j in range(i, n) if i + j < n}
+    # The products are those of powers of z, or zero: associative, which tests verify.
+    return Extension.from_products(n, _with_unit(n, cocycle, strength), name, check=False)
+
+
+def _with_unit(n: int, products: Products, like: Exact) -> Products:
+    """Add the unit e_0, with the type of number of `like`; leave out products that vanish."""
+    one = Fraction(1) if isinstance(like, Fraction) else to_sympy(Fraction(1))
+    unit: Products = {(0, m): {m: one} for m in range(n)}
+    return unit | {pair: row for pair, row in products.items() if not any(is_zero(v) for v in row.values())}

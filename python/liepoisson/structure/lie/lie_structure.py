@@ -1,0 +1,227 @@
+"""What the structure constants of a Lie algebra decide: Jacobi, the Killing form, the central and derived series.
+
+Everything is computed from the sparse brackets in exact arithmetic (`algebra.coefficients`); symbols are taken as
+generic.
+References: Humphreys, Introduction to Lie Algebras and Representation Theory (1972), sections 1-5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, pairwise
+from operator import mul
+from typing import Any, TypeAlias
+
+from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.algebra.linear_algebra import Vector
+from liepoisson.errors import ParameterError
+
+_FEW = 100  # distinct constants up to which products are remembered: at most 4 x 10^4 of them
+
+Triple: TypeAlias = tuple[int, int, int]
+Square: TypeAlias = tuple[tuple[Exact, ...], ...]
+
+
+@dataclass(frozen=True)
+class Subspace:
+    """A linear subspace of a Lie algebra by its reduced echelon basis, in the coordinates of the algebra."""
+
+    basis: tuple[tuple[Exact, ...], ...]
+
+    @property
+    def dimension(self) -> int:
+        """Number of basis vectors."""
+        return len(self.basis)
+
+
+class LieStructure:
+    r"""The structure constants of an algebra, read into the field that they generate.
+
+    Args:
+        dimension: The dimension n.
+        brackets: $c_{ij}^k$ for i < j, the nonzero ones.
+    """
+
+    def __init__(self, dimension: int, brackets: Mapping[tuple[int, int], Mapping[int, Exact]]) -> None:
+        self.dimension = dimension
+        self.field = Coefficients.containing(c for row in brackets.values() for c in row.values())
+        self.zero: Exact = self.field.write(self.field.number(0))
+        self.brackets: dict[tuple[int, int], Vector] = {}
+        self.ad: list[dict[int, Vector]] = [{} for _ in range(dimension)]
+        # Equal constants share one number, so that products of the same two need to be made only once.
+        numbers = {c: _without_denominator(self.field.read(c)) for row in brackets.values() for c in row.values()}
+        opposite = {c: numbers.get(-c, -number) for c, number in numbers.items()}
+        self._multiply = _remembered_product() if len(numbers) <= _FEW else mul
+        for (i, j), row in brackets.items():
+            self.brackets[i, j] = self.ad[i][j] = {k: numbers[c] for k, c in row.items()}
+            self.ad[j][i] = {k: opposite[c] for k, c in row.items()}
+
+    def jacobi_residuals(self) -> dict[Triple, dict[int, Exact]]:
+        r"""The components of $[[e_i, e_j], e_k]$ + cyclic that are not zero, by i < j < k, then by component."""
+        sums: dict[Triple, Vector] = {}
+        multiply = self._multiply
+        for (i, j), row in self.brackets.items():
+            for s, first in row.items():
+                for k, second in self.ad[s].items():
+                    if k in (i, j):
+                        continue  # [[e_i, e_j], e_i] + cyclic vanishes by antisymmetry alone
+                    residual = sums.setdefault(tuple(sorted((i, j, k))), {})  # pyright: ignore[reportArgumentType]
+                    # For i < k < j the cyclic sum of (i, k, j) has [[e_j, e_i], e_k] = c_ij^s [e_k, e_s].
+                    for m, value in (self.ad[k][s] if i < k < j else second).items():
+                        term = multiply(first, value)
+                        residual[m] = residual[m] + term if m in residual else term
+        nonzero = {triple: self._nonzero(sums[triple]) for triple in sorted(sums)}
+        write = self.field.write
+        return {t: {m: write(v, 2) for m, v in sorted(row.items())} for t, row in nonzero.items() if row}
+
+    def killing_form(self) -> Square:
+        r"""The matrix $\kappa_{ij} = \operatorname{tr}(\mathrm{ad}_i\, \mathrm{ad}_j) = c_{ik}^l c_{jl}^k$."""
+        return tuple(self._dense(row, 2) for row in self._killing_rows())
+
+    def killing_rank(self) -> int:
+        """The rank of the Killing form; the algebra is semisimple when it is the dimension (Cartan)."""
+        span = Echelon(self.field)
+        for row in self._killing_rows():
+            span.insert(row)
+        return len(span)
+
+    def derived_series(self) -> tuple[Subspace, ...]:
+        r"""The ideals $g \supset [g, g] \supset [[g, g], [g, g]] \supset \dots$ until they repeat or vanish."""
+        return self._series(lambda ideal: self._span_of_brackets(ideal, ideal))
+
+    def lower_central_series(self) -> tuple[Subspace, ...]:
+        r"""The ideals $g \supset [g, g] \supset [g, [g, g]] \supset \dots$ until they repeat or vanish."""
+        whole = self._whole()
+        return self._series(lambda ideal: self._span_of_brackets(whole, ideal))
+
+    def centre(self) -> Subspace:
+        r"""The elements z with $[z, e_j] = 0$ for all j."""
+        equations = Echelon(self.field)
+        for j in range(self.dimension):
+            components: dict[int, Vector] = {}
+            for i, row in self.ad[j].items():
+                for k, c in row.items():
+                    components.setdefault(k, {})[i] = c
+            for row in components.values():
+                equations.insert(row)
+        centre = Echelon(self.field)
+        for vector in equations.null_space(self.dimension):
+            centre.insert(vector)
+        return self._subspace(centre.basis())
+
+    def _killing_rows(self) -> list[Vector]:
+        by_entry: dict[tuple[int, int], list[tuple[int, Element]]] = {}
+        for j, rows in enumerate(self.ad):
+            for l, row in rows.items():
+                for k, c in row.items():
+                    by_entry.setdefault((l, k), []).append((j, c))
+        form: list[Vector] = [{} for _ in range(self.dimension)]
+        for i, rows in enumerate(self.ad):
+            for k, row in rows.items():
+                for l, c in row.items():
+                    for j, d in by_entry.get((l, k), ()):
+                        form[i][j] = form[i][j] + c * d if j in form[i] else c * d
+        return [self._nonzero(row) for row in form]
+
+    def _series(self, following: Callable[[list[Vector]], list[Vector]]) -> tuple[Subspace, ...]:
+        series = [self._whole()]
+        while series[-1]:
+            ideal = following(series[-1])
+            if len(ideal) == len(series[-1]):
+                break
+            series.append(ideal)
+        return tuple(self._subspace(ideal) for ideal in series)
+
+    def _whole(self) -> list[Vector]:
+        return [{i: self.field.one} for i in range(self.dimension)]
+
+    def _span_of_brackets(self, first: list[Vector], second: list[Vector]) -> list[Vector]:
+        span = Echelon(self.field)
+        if len(first) == len(second) == self.dimension:
+            vectors: Iterable[Vector] = self.brackets.values()
+        elif first is second:
+            vectors = (self._bracket(u, v) for u, v in combinations(first, 2))
+        else:
+            vectors = (self._bracket(u, v) for u in first for v in second)
+        for vector in vectors:
+            span.insert(vector)
+            if len(span) == len(second):
+                break  # an ideal contains its brackets with anything
+        return span.basis()
+
+    def _bracket(self, u: Vector, v: Vector) -> Vector:
+        result: Vector = {}
+        for i, a in u.items():
+            for j in v.keys() & self.ad[i].keys():
+                for k, c in self.ad[i][j].items():
+                    result[k] = result[k] + a * v[j] * c if k in result else a * v[j] * c
+        return self._nonzero(result)
+
+    def _nonzero(self, vector: Vector) -> Vector:
+        return {k: value for k, value in vector.items() if not self.field.vanishes(value)}
+
+    def _subspace(self, vectors: list[Vector]) -> Subspace:
+        # Scaling all structure constants does not move a subspace: its basis is homogeneous of degree 0.
+        return Subspace(tuple(self._dense(vector, 0) for vector in vectors))
+
+    def _dense(self, vector: Vector, degree: int) -> tuple[Exact, ...]:
+        write = self.field.write
+        return tuple(write(vector[k], degree) if k in vector else self.zero for k in range(self.dimension))
+
+
+def signature(form: Square) -> tuple[int, int, int]:
+    r"""Numbers of positive, negative and zero eigenvalues of a symmetric form.
+
+    All its eigenvalues are real, so Descartes' rule of signs counts the positive roots of the characteristic polynomial
+    exactly.
+
+    Raises:
+        ParameterError: the form is not a rational one times a number of known sign (symbols leave its signature open).
+    """
+    from flint import fmpq, fmpq_mat
+
+    n, rational = len(form), _rational_multiple(form)
+    entries: Any = [fmpq(value.numerator, value.denominator) for row in rational for value in row]
+    matrix: Any = fmpq_mat(n, n, entries)
+    signs = [c > 0 for c in matrix.charpoly().coeffs() if c != 0]
+    positive = sum(first != second for first, second in pairwise(signs))
+    rank = int(matrix.rref()[1])
+    return positive, rank - positive, n - rank
+
+
+def _rational_multiple(form: Square) -> list[list[Fraction]]:
+    """The form divided by a positive number that makes its entries rational."""
+    entries = [value for row in form for value in row]
+    if all(isinstance(value, Fraction) for value in entries):
+        return [[value for value in row if isinstance(value, Fraction)] for row in form]
+    factor: Any = to_sympy(next((value for value in entries if not is_zero(value)), Fraction(1)))
+    ratios = [[(to_sympy(value) / factor).simplify() for value in row] for row in form]
+    if factor.is_positive is None or not all(ratio.is_Rational for row in ratios for ratio in row):
+        raise ParameterError(
+            f"a signature needs a form with rational entries, up to one common factor of known sign; got the entry "
+            f"{factor} among others. Give values to the symbols with substitute."
+        )
+    sign = 1 if factor.is_positive else -1
+    return [[sign * Fraction(int(ratio.p), int(ratio.q)) for ratio in row] for row in ratios]  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _remembered_product() -> Callable[[Element, Element], Element]:
+    """Multiplication that makes each product once; for the few numbers that one `LieStructure` keeps alive."""
+    products: dict[tuple[int, int], Element] = {}
+
+    def multiply(a: Element, b: Element) -> Element:
+        key = (id(a), id(b))
+        if key not in products:
+            products[key] = a * b
+        return products[key]
+
+    return multiply
+
+
+def _without_denominator(number: Element) -> Element:
+    """An int in place of a whole Fraction: sums and products take half the time; only quotients are to be avoided."""
+    return number.numerator if isinstance(number, Fraction) and number.denominator == 1 else number

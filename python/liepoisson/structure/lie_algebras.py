@@ -1,0 +1,375 @@
+r"""The Lie algebras with a name: rotations, unitary, linear and Euclidean groups, Heisenberg, Zeitlin's sine algebra.
+
+All but the sine algebra have integer structure constants.  They are commutators of matrices (or act on vectors by
+matrices), so that the Jacobi identity holds by construction; the tests verify it all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from itertools import combinations, permutations
+from numbers import Integral
+from typing import TypeAlias
+
+from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.structure.lie.matrix_family import MatrixFamily
+from liepoisson.structure.lie.sine_algebra import sine_brackets, sine_energy, sine_modes, sine_names
+from liepoisson.structure.lie_algebra import MAX_DIMENSION, LieAlgebra
+
+__all__ = [
+    "ALGEBRAS",
+    "abelian",
+    "affine",
+    "gl",
+    "heisenberg",
+    "se",
+    "sine",
+    "sine_energy",
+    "sine_modes",
+    "sl",
+    "so",
+    "su",
+]
+
+_Entries: TypeAlias = dict[tuple[int, int], complex]
+"""A matrix by its nonzero entries; small Gaussian integers, which are exact as Python's complex numbers."""
+
+_Coordinates: TypeAlias = Callable[[_Entries], Mapping[int, float]]
+"""Reads the coordinates of a matrix of the algebra."""
+
+
+@explains_its_arguments
+def so(n: int, q: int = 0) -> LieAlgebra:
+    r"""The Lie algebra of rotations in n dimensions, or of a metric with n positive and q negative signs.
+
+    so(3) is the cross product, $[e_i, e_j] = \varepsilon_{ijk} e_k$, and so(2, 1) is $[e_i, e_j] = \varepsilon_{ijk}
+    \eta_k e_k$ with $\eta = \operatorname{diag}(1, 1, -1)$; both have the basis "1", "2", "3".  Otherwise the basis is
+    $E_{ij} = (e_i e_j^T - e_j e_i^T)\,\eta$, i < j, with names "12", "13", ..., and $[X, Y] = XY - YX$: for so(n) the
+    equations of H(M), $M = \sum M_{ij} E_{ij}$, are $\dot M = [M, \Omega]$, $\Omega_{ij} = \partial H/\partial M_{ij}$.
+
+    Example:
+        >>> [str(casimir) for casimir in (lp.so(4) @ lp.trivial()).casimirs()]  # the last one is the Pfaffian
+        ['l12**2 + l13**2 + l14**2 + l23**2 + l24**2 + l34**2', 'l12*l34 - l13*l24 + l14*l23']
+
+    Args:
+        n: Number of positive signs of the metric.
+        q: Number of negative signs, which come last.
+
+    Raises:
+        ParameterError: not integers with n >= 0, q >= 0, n + q >= 2, or more than 1000 dimensions.
+    """
+    n, q = read_sizes("so", (n, q), at_least=0)
+    size = n + q
+    _check_size("so", size * (size - 1) // 2, size >= 2, f"so({n}, {q})" if q else f"so({n})", "n + q >= 2")
+    name = f"so({n},{q})" if q else f"so({n})"
+    eta = [1] * n + [-1] * q
+    if size == 3:
+        cyclic = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+        brackets = {(min(i, j), max(i, j)): {k: eta[k] * (1 if i < j else -1)} for i, j, k in cyclic}
+        algebra = LieAlgebra.from_brackets(3, brackets, name, check=False)
+        algebra.family = MatrixFamily("so", 3)
+        return algebra
+    pairs = list(combinations(range(size), 2))
+    basis: list[_Entries] = [{(i, j): eta[j], (j, i): -eta[i]} for i, j in pairs]
+    place = {pair: k for k, pair in enumerate(pairs)}
+
+    def coordinates(matrix: _Entries) -> dict[int, float]:
+        return {place[i, j]: eta[j] * value.real for (i, j), value in matrix.items() if i < j}
+
+    return _of_matrices(basis, coordinates, name, index_names("", pairs, size), MatrixFamily("so", size, tuple(basis)))
+
+
+@explains_its_arguments
+def su(n: int) -> LieAlgebra:
+    r"""The Lie algebra of unitary matrices of determinant one: antihermitian, traceless, with a rational basis.
+
+    For j < k: $A_{jk} = E_{jk} - E_{kj}$ ("a12", ...), then $S_{jk} = i(E_{jk} + E_{kj})$ ("s12", ...), then
+    $H_k = i(E_{kk} - E_{k+1,k+1})$ ("h1", ...).
+
+    Example:
+        >>> bracket = lp.su(3) @ lp.trivial()
+        >>> bracket.rank(), bracket.casimir_report().degrees
+        (6, (2, 3))
+
+    Raises:
+        ParameterError: n is not an integer from 2 to 31.
+    """
+    (n,) = read_sizes("su", (n,), at_least=2)
+    _check_size("su", n * n - 1)
+    pairs = list(combinations(range(n), 2))
+    place, m = {pair: k for k, pair in enumerate(pairs)}, len(pairs)
+    basis: list[_Entries] = [{(j, k): 1, (k, j): -1} for j, k in pairs]
+    basis += [{(j, k): 1j, (k, j): 1j} for j, k in pairs]
+    basis += [{(k, k): 1j, (k + 1, k + 1): -1j} for k in range(n - 1)]
+
+    def coordinates(matrix: _Entries) -> dict[int, float]:
+        found: dict[int, float] = {}
+        for (j, k), value in matrix.items():
+            if j < k:
+                found |= {place[j, k]: value.real, m + place[j, k]: value.imag}
+        return found | _diagonal_coordinates({k: v.imag for (j, k), v in matrix.items() if j == k}, 2 * m, n)
+
+    names = index_names("a", pairs, n) + index_names("s", pairs, n) + tuple(f"h{k + 1}" for k in range(n - 1))
+    return _of_matrices(basis, coordinates, f"su({n})", names, MatrixFamily("su", n, tuple(basis)))
+
+
+@explains_its_arguments
+def sl(n: int) -> LieAlgebra:
+    r"""The Lie algebra of traceless real matrices: $E_{ij}$, i != j ("e12", ...), $E_{kk} - E_{k+1,k+1}$ ("h1", ...).
+
+    Example:
+        >>> (lp.sl(2) @ lp.trivial()).casimirs()  # minus the determinant
+        [le12*le21 + lh1**2/4]
+        >>> lp.sl(2).killing_signature() == lp.so(2, 1).killing_signature()
+        True
+
+    Raises:
+        ParameterError: n is not an integer from 2 to 31.
+    """
+    (n,) = read_sizes("sl", (n,), at_least=2)
+    _check_size("sl", n * n - 1)
+    pairs = list(permutations(range(n), 2))
+    place, m = {pair: k for k, pair in enumerate(pairs)}, len(pairs)
+    basis: list[_Entries] = [{pair: 1} for pair in pairs]
+    basis.extend({(k, k): 1, (k + 1, k + 1): -1} for k in range(n - 1))
+
+    def coordinates(matrix: _Entries) -> dict[int, float]:
+        found: dict[int, float] = {place[i, j]: value.real for (i, j), value in matrix.items() if i != j}
+        return found | _diagonal_coordinates({k: v.real for (j, k), v in matrix.items() if j == k}, m, n)
+
+    names = index_names("e", pairs, n) + tuple(f"h{k + 1}" for k in range(n - 1))
+    return _of_matrices(basis, coordinates, f"sl({n})", names, MatrixFamily("sl", n, tuple(basis)))
+
+
+@explains_its_arguments
+def gl(n: int) -> LieAlgebra:
+    r"""The Lie algebra of real matrices: $[E_{ij}, E_{kl}] = \delta_{jk} E_{il} - \delta_{il} E_{kj}$, "11", "12", ...
+
+    Example:
+        >>> (lp.algebras.gl(2) @ lp.trivial()).casimirs()  # trace and determinant
+        [l11 + l22, l11*l22 - l12*l21]
+
+    Raises:
+        ParameterError: n is not an integer from 1 to 31.
+    """
+    (n,) = read_sizes("gl", (n,), at_least=1)
+    _check_size("gl", n * n)
+    pairs = [(i, j) for i in range(n) for j in range(n)]
+
+    def coordinates(matrix: _Entries) -> dict[int, float]:
+        return {i * n + j: value.real for (i, j), value in matrix.items()}
+
+    basis: list[_Entries] = [{pair: 1} for pair in pairs]
+    return _of_matrices(basis, coordinates, f"gl({n})", index_names("", pairs, n), MatrixFamily("gl", n, tuple(basis)))
+
+
+@explains_its_arguments
+def se(n: int) -> LieAlgebra:
+    r"""The Lie algebra of Euclidean motions: rotations "r...", then translations "t1", ..., "tn".
+
+    For n = 3: $[r_i, r_j] = \varepsilon_{ijk} r_k$, $[r_i, t_j] = \varepsilon_{ijk} t_k$, $[t_i, t_j] = 0$.  For n = 2:
+    $[r, t_1] = t_2$, $[r, t_2] = -t_1$.  Otherwise the rotations are the $E_{ij}$ of so(n), "r12", "r13", ...
+
+    Example:
+        >>> [str(casimir) for casimir in (lp.algebras.se(3) @ lp.trivial()).casimirs()]  # those of the heavy top
+        ['lr1*lt1 + lr2*lt2 + lr3*lt3', 'lt1**2 + lt2**2 + lt3**2']
+
+    Raises:
+        ParameterError: n is not an integer from 2 to 44.
+    """
+    (n,) = read_sizes("se", (n,), at_least=2)
+    _check_size("se", n * (n + 1) // 2)
+    rotations = so(n)
+    planes = {2: [(1, 0)], 3: [(2, 1), (0, 2), (1, 0)]}.get(n) or list(combinations(range(n), 2))
+    names = ("r",) if n == 2 else tuple(f"r{name}" for name in rotations.basis_names)
+    start = rotations.dimension
+    # The rotation of the plane (i, j) maps e_j to e_i and e_i to -e_j.
+    action = {
+        (k, start + b): {start + a: sign} for k, (i, j) in enumerate(planes) for a, b, sign in ((i, j, 1), (j, i, -1))
+    }
+    brackets = {**rotations.brackets, **action}
+    names += tuple(f"t{k + 1}" for k in range(n))
+    return LieAlgebra.from_brackets(start + n, brackets, f"se({n})", names, check=False)
+
+
+@explains_its_arguments
+def heisenberg(n: int) -> LieAlgebra:
+    r"""The Heisenberg algebra of n degrees of freedom: $[q_i, p_i] = c$; basis "q1", ..., "p1", ..., "c".
+
+    Example:
+        >>> bracket = lp.algebras.heisenberg(2) @ lp.trivial()
+        >>> bracket.rank(), bracket.casimirs()  # the centre
+        (4, [lc])
+
+    Raises:
+        ParameterError: n is not an integer from 1 to 499.
+    """
+    (n,) = read_sizes("heisenberg", (n,), at_least=1)
+    _check_size("heisenberg", 2 * n + 1)
+    names = (*(f"q{i + 1}" for i in range(n)), *(f"p{i + 1}" for i in range(n)), "c")
+    brackets = {(i, n + i): {2 * n: 1} for i in range(n)}
+    return LieAlgebra.from_brackets(2 * n + 1, brackets, f"heisenberg({n})", names, check=False)
+
+
+@explains_its_arguments
+def affine(n: int) -> LieAlgebra:
+    r"""The Lie algebra of affine maps of $\mathbb R^n$, gl(n) acting on vectors: "a11", "a12", ..., "b1", ..., "bn".
+
+    affine(1) is the algebra of $x \mapsto ax + b$ with the basis "a", "b": $[a, b] = b$.
+
+    Example:
+        >>> line = lp.algebras.affine(1)
+        >>> line.basis_names, [int(number) for number in line.bracket([1, 0], [0, 1])]
+        (('a', 'b'), [0, 1])
+        >>> line.is_solvable, line.is_nilpotent
+        (True, False)
+
+    Raises:
+        ParameterError: n is not an integer from 1 to 31.
+    """
+    (n,) = read_sizes("affine", (n,), at_least=1)
+    _check_size("affine", n * (n + 1))
+    linear = gl(n)
+    # E_ij maps e_j to e_i and the other basis vectors to zero.
+    action = {(i * n + j, n * n + j): {n * n + i: 1} for i in range(n) for j in range(n)}
+    names = ("a",) if n == 1 else tuple(f"a{name}" for name in linear.basis_names)
+    names += ("b",) if n == 1 else tuple(f"b{k + 1}" for k in range(n))
+    brackets = {**linear.brackets, **action}
+    return LieAlgebra.from_brackets(n * (n + 1), brackets, f"affine({n})", names, check=False)
+
+
+@explains_its_arguments
+def abelian(n: int) -> LieAlgebra:
+    """The abelian algebra: all brackets vanish.
+
+    Example:
+        >>> lp.System(lp.algebras.abelian(2) @ lp.trivial(), "l1^2 + l2").equations  # every function is a Casimir
+        {l1: 0, l2: 0}
+
+    Raises:
+        ParameterError: n is not an integer from 1 to 1000.
+    """
+    (n,) = read_sizes("abelian", (n,), at_least=1)
+    _check_size("abelian", n)
+    return LieAlgebra.from_brackets(n, {}, f"abelian({n})", check=False)
+
+
+@explains_its_arguments
+def sine(N: int) -> LieAlgebra:
+    r"""Zeitlin's sine algebra for odd N, isomorphic to su(N): the truncated bracket of two-dimensional ideal flow.
+
+    The Fourier coefficients of the vorticity, $w_n = c_n + i s_n$ with $w_{-n} = \overline{w_n}$, obey
+    $\{w_m, w_n\} = \frac{N}{2\pi} \sin(2\pi\, m \times n/N)\, w_{m+n}$, indices modulo N.  The basis is the real form
+    with coordinates $c_n, s_n$ ("c10", "s10", "c01", ..., "c1m1" for n = (1, -1)), one n of each pair (n, -n), in the
+    order of `sine_modes(N)`.  The structure constants are $\pm\frac{N}{4\pi} \sin(2\pi k/N)$: numbers of the real
+    subfield of $\mathbb Q(\zeta_{4N})$, divided by pi.  `sine_energy(N)` has the coefficients of the kinetic energy.
+
+    Example:
+        >>> lp.algebras.sine(3).killing_signature(), lp.su(3).killing_signature()  # both are compact
+        ((0, 8, 0), (0, 8, 0))
+        >>> lp.algebras.sine(3).basis_names
+        ('c10', 's10', 'c01', 's01', 'c11', 's11', 'c1m1', 's1m1')
+
+    Raises:
+        ParameterError: N is not an odd integer from 3 to 31.
+
+    References: Fairlie, Fletcher and Zachos (1989); Zeitlin (1991).
+    """
+    (size,) = read_sizes("sine", (N,), at_least=3)
+    _check_size("sine", size * size - 1)
+    if size % 2 == 0:
+        raise ParameterError(
+            f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {size}. Take {size - 1}."
+        )
+    algebra = LieAlgebra.from_brackets(size**2 - 1, sine_brackets(size), f"sine({size})", sine_names(size), check=False)
+    algebra.family = MatrixFamily("sine", size)
+    return algebra
+
+
+ALGEBRAS: dict[str, Callable[..., LieAlgebra]] = {
+    "abelian": abelian,
+    "affine": affine,
+    "gl": gl,
+    "heisenberg": heisenberg,
+    "se": se,
+    "sine": sine,
+    "sl": sl,
+    "so": so,
+    "su": su,
+}
+"""The constructors by the name that system files use; each takes one integer, `so` one or two."""
+
+
+def read_sizes(name: str, sizes: tuple[object, ...], at_least: int) -> tuple[int, ...]:
+    """Read sizes, of whatever integer type (NumPy's and SymPy's, too), and refuse those below a least value.
+
+    Raises:
+        ParameterError: one of them is not an integer, or too small.
+    """
+    read: list[int] = []
+    for size in sizes:
+        if isinstance(size, bool) or not isinstance(size, Integral) or int(size) < at_least:
+            raise ParameterError(
+                f"{name}(n) needs an integer n >= {at_least}; got {size!r}. Write for example {name}(3)."
+            )
+        read.append(int(size))
+    return tuple(read)
+
+
+def _check_size(name: str, dimension: int, wide_enough: bool = True, got: str = "", wanted: str = "") -> None:
+    if not wide_enough:
+        raise ParameterError(f"{name} needs {wanted}; got {got}. Write for example {name}(3).")
+    if dimension > MAX_DIMENSION:
+        raise ParameterError(
+            f"{name}(n) is available up to {MAX_DIMENSION} dimensions; got an n that needs {dimension}. "
+            "Take a smaller n."
+        )
+
+
+def index_names(prefix: str, pairs: list[tuple[int, int]], n: int) -> tuple[str, ...]:
+    """Names such as "12" of index pairs, counted from 1 in the names; "1_10" where an index has two digits."""
+    separators = ["_" if max(i, j) >= 9 and n >= 10 else "" for i, j in pairs]
+    return tuple(f"{prefix}{i + 1}{s}{j + 1}" for (i, j), s in zip(pairs, separators, strict=True))
+
+
+def _diagonal_coordinates(diagonal: dict[int, float], start: int, n: int) -> dict[int, float]:
+    """The coordinates of a traceless diagonal along $E_{kk} - E_{k+1,k+1}$: its partial sums."""
+    found: dict[int, float] = {}
+    total = 0.0
+    for k in range(n - 1 if diagonal else 0):
+        total += diagonal.get(k, 0)
+        found[start + k] = total
+    return found
+
+
+def _of_matrices(
+    basis: list[_Entries], coordinates: _Coordinates, name: str, names: tuple[str, ...], family: MatrixFamily
+) -> LieAlgebra:
+    """The algebra of the commutators XY - YX of matrices whose coordinates are known in closed form."""
+    having: dict[int, set[int]] = {}
+    for k, matrix in enumerate(basis):
+        for pair in matrix:
+            for index in pair:
+                having.setdefault(index, set()).add(k)
+    brackets: dict[tuple[int, int], dict[int, Fraction]] = {}
+    for i, matrix in enumerate(basis):
+        # Matrices without a common index commute.
+        for j in sorted(set[int]().union(*(having[index] for pair in matrix for index in pair))):
+            if j > i:
+                row = coordinates(_commutator(matrix, basis[j]))
+                brackets[i, j] = {k: Fraction(int(c)) for k, c in row.items()}
+    algebra = LieAlgebra.from_brackets(len(basis), brackets, name, names, check=False)
+    algebra.family = family
+    return algebra
+
+
+def _commutator(x: _Entries, y: _Entries) -> _Entries:
+    result: _Entries = {}
+    for sign, left, right in ((1, x, y), (-1, y, x)):
+        for (i, j), a in left.items():
+            for (k, l), b in right.items():
+                if j == k:
+                    result[i, l] = result.get((i, l), 0) + sign * a * b
+    return result

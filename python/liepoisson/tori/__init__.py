@@ -1,0 +1,1 @@
+"""Invariant tori and their frequencies."""
