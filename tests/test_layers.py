@@ -45,7 +45,8 @@ STRANGERS = {
 
 LEVELS = {
     "names and numbers": {
-        "names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "triples", "styles",
+        "names", "parameters", "rational_polynomials", "rounded", "sparse_polynomials", "styles", "tensors", "triples",
+        "values",
     },
     "linear algebra": {"linear"},
     "polynomial systems": {"polynomials"},
