@@ -9,6 +9,7 @@ from math import prod
 import pytest
 
 import liepoisson as lp
+from liepoisson.algebra.sparse_polynomials import along
 from liepoisson.errors import CertificateError, LiePoissonError, MissingFileError, ParameterError
 from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.interval_checker import check_in_intervals
@@ -64,12 +65,12 @@ def test_the_level_is_regular_and_a_critical_one_is_not(twisted):
 
 
 def test_constants_of_motion_have_no_rate_and_others_have_theirs(twisted):
-    assert not any(twisted.rate_of(f) for f in twisted.constants.values())
+    assert not any(along(f, twisted.rates) for f in twisted.constants.values())
     alpha_squared = {tuple(2 * (k == i) for k in range(9)): Fraction(1) for i in (3, 4, 5)}
     # d|alpha|^2/dt = 2 alpha.(beta x a) = 2 (beta2 alpha3 - beta3 alpha2) for a = (-1, 0, 0)
     products = [((4, 8), -2), ((5, 7), 2)]
     wanted = {tuple(int(k in pair) for k in range(9)): Fraction(c) for pair, c in products}
-    assert twisted.rate_of(alpha_squared) == wanted
+    assert along(alpha_squared, twisted.rates) == wanted
 
 
 def test_a_rotation_keeps_the_bracket_and_a_reverser_does_not():

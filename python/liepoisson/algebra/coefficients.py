@@ -18,24 +18,22 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.cyclotomic import CyclotomicField, cyclotomic_images
 from liepoisson.algebra.exact_numbers import MAX_DEGREE, Exact, irrational_parts, is_zero, largest_degree, to_sympy
+from liepoisson.algebra.number_fields import Element, NumberField, Rational
 from liepoisson.algebra.residues import Residues
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-Element: TypeAlias = Any
-"""A Fraction, a CyclotomicNumber or an element of a SymPy domain; + - * / are exact, and it is true if nonzero."""
-
 _NO_TABLE: dict[Any, Element] = {}
 
 
 @dataclass(frozen=True)
-class Coefficients:
+class Coefficients(NumberField):
     r"""A field that contains given values.
 
     Attributes:
@@ -106,11 +104,6 @@ class Coefficients:
         others = [s for s in self.parameters if not s.is_Symbol]
         return not getattr(self.domain, "is_EX", False) and len(others) <= 1 and all(map(_is_transcendental, others))
 
-    @property
-    def one(self) -> Element:
-        """The number one."""
-        return Fraction(1) if self.is_rational else self.domain.one
-
     def read(self, value: Exact) -> Element:
         """The element for one of the given values, divided by the scale.
 
@@ -124,13 +117,19 @@ class Coefficients:
             return self.table[expression]
         return self.domain.from_sympy(expression)
 
-    def number(self, value: Fraction | int) -> Element:
+    def number(self, value: Rational) -> Element:
         """The element for a rational number."""
         if self.is_rational:
-            return Fraction(value)
+            return Fraction(value) if isinstance(value, int) else Fraction(int(value.numerator), int(value.denominator))
         if self.is_cyclotomic:
-            return self.domain.rational(value.numerator, value.denominator)
-        return self.domain.from_sympy(to_sympy(Fraction(value)))
+            return self.domain.number(value)
+        from sympy import QQ
+
+        return self.domain.convert_from(QQ(int(value.numerator), int(value.denominator)), QQ)
+
+    def inverse(self, element: Element) -> Element:
+        """One over an element that is not zero."""
+        return self.one / element
 
     def write(self, element: Element, degree: int = 0) -> Exact:
         r"""The exact value of an element that is homogeneous of a degree in the given values; a Fraction over Q."""

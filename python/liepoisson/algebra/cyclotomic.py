@@ -8,9 +8,12 @@ References: Washington, Introduction to Cyclotomic Fields (1997), chapter 2.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
 from math import lcm
 from typing import TYPE_CHECKING, Any
+
+from liepoisson.algebra.number_fields import AlgebraicNumber, NumberField, Rational, as_fmpq
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -21,7 +24,7 @@ _MAX_ORDER = 2000  # work grows with the square of Euler's phi of the order
 _NESTED = (5, 8, 10, 12, 24)  # angles pi/q of which SymPy writes the sine with nested square roots
 
 
-class CyclotomicField:
+class CyclotomicField(NumberField):
     r"""The field $\mathbb Q(\zeta_n)$, $\zeta_n = e^{2\pi i/n}$; n is a multiple of 4, so that i is in it."""
 
     def __init__(self, order: int) -> None:
@@ -29,97 +32,60 @@ class CyclotomicField:
 
         self.order = order
         self.modulus: Any = fmpq_poly(fmpz_poly.cyclotomic(order))
-        self._powers: dict[int, CyclotomicNumber] = {}
+        self._powers: dict[int, AlgebraicNumber] = {}
 
-    @property
-    def one(self) -> CyclotomicNumber:
-        """The number one."""
-        return self.rational(1)
+    def to_sympy(self, number: AlgebraicNumber) -> Expr:
+        r"""The real part $\sum_k q_k \cos(2\pi k/n)$ of a number, which is the number itself when it is real."""
+        from sympy import Add, Rational, cos, pi
 
-    def to_sympy(self, number: CyclotomicNumber) -> Expr:
-        """The number as an expression; as a SymPy domain names it."""
-        return number.to_sympy()
+        terms = enumerate(number.polynomial.coeffs())
+        n = self.order
+        return Add(*(Rational(int(c.p), int(c.q)) * cos(Rational(2 * k, n) * pi) for k, c in terms if c != 0))
 
-    def rational(self, numerator: int, denominator: int = 1) -> CyclotomicNumber:
+    def number(self, value: Rational) -> AlgebraicNumber:
         """A rational number as a number of the field."""
-        from flint import fmpq, fmpq_poly
+        from flint import fmpq_poly
 
-        return CyclotomicNumber(self, fmpq_poly([fmpq(numerator, denominator)]))
+        return AlgebraicNumber(fmpq_poly([as_fmpq(value)]), self)
 
-    def root(self, power: int) -> CyclotomicNumber:
+    def inverse(self, element: AlgebraicNumber) -> AlgebraicNumber:
+        """One over a number that is not zero."""
+        return self.one / element
+
+    def root(self, power: int) -> AlgebraicNumber:
         r"""The root of unity $\zeta_n^p$."""
         from flint import fmpq_poly
 
         p = power % self.order
         if p not in self._powers:
-            self._powers[p] = CyclotomicNumber(self, fmpq_poly([0] * p + [1]) % self.modulus)
+            self._powers[p] = AlgebraicNumber(fmpq_poly([0] * p + [1]) % self.modulus, self)
         return self._powers[p]
 
-    def cosine(self, p: int, q: int) -> CyclotomicNumber:
+    def cosine(self, p: int, q: int) -> AlgebraicNumber:
         r"""The number $\cos(\pi p/q) = (z + z^{-1})/2$, $z = e^{i\pi p/q}$; 2q divides the order."""
         k = p * (self.order // (2 * q))
-        return (self.root(k) + self.root(-k)) * self.rational(1, 2)
+        return (self.root(k) + self.root(-k)) * self.number(Fraction(1, 2))
 
-    def sine(self, p: int, q: int) -> CyclotomicNumber:
+    def sine(self, p: int, q: int) -> AlgebraicNumber:
         r"""The number $\sin(\pi p/q) = (z - z^{-1})/(2i)$."""
         k = p * (self.order // (2 * q))
-        return (self.root(k) - self.root(-k)) * self.root(-self.order // 4) * self.rational(1, 2)
+        return (self.root(k) - self.root(-k)) * self.root(-self.order // 4) * self.number(Fraction(1, 2))
 
-    def square_root(self, prime: int) -> CyclotomicNumber:
+    def square_root(self, prime: int) -> AlgebraicNumber:
         r"""$\sqrt p$ of a prime by Gauss's sum $g = \sum_a \zeta_p^{a^2}$, which is $\sqrt p$ or $i\sqrt p$; 4p | n."""
         if prime == 2:
             return self.root(self.order // 8) + self.root(-self.order // 8)
-        total = self.rational(0)
+        total = self.zero
         for a in range(prime):
             total = total + self.root(a * a * (self.order // prime))
         return total if prime % 4 == 1 else total * self.root(-self.order // 4)
-
-
-class CyclotomicNumber:
-    """A number of a cyclotomic field; + - * / and truth (nonzero) are exact."""
-
-    __slots__ = ("field", "polynomial")
-
-    def __init__(self, field: CyclotomicField, polynomial: Any) -> None:
-        self.field = field
-        self.polynomial: Any = polynomial
-
-    def __add__(self, other: CyclotomicNumber) -> CyclotomicNumber:
-        return CyclotomicNumber(self.field, self.polynomial + other.polynomial)
-
-    def __sub__(self, other: CyclotomicNumber) -> CyclotomicNumber:
-        return CyclotomicNumber(self.field, self.polynomial - other.polynomial)
-
-    def __neg__(self) -> CyclotomicNumber:
-        return CyclotomicNumber(self.field, -self.polynomial)
-
-    def __mul__(self, other: CyclotomicNumber) -> CyclotomicNumber:
-        return CyclotomicNumber(self.field, self.polynomial * other.polynomial % self.field.modulus)
-
-    def __truediv__(self, other: CyclotomicNumber) -> CyclotomicNumber:
-        # Phi_n is irreducible: the greatest common divisor of a nonzero number with it is 1 = s * other + t * Phi_n.
-        if not other:
-            raise ZeroDivisionError("division by zero in a cyclotomic field")
-        _, inverse, _ = other.polynomial.xgcd(self.field.modulus)
-        return CyclotomicNumber(self.field, self.polynomial * inverse % self.field.modulus)
-
-    def __bool__(self) -> bool:
-        return self.polynomial != 0
-
-    def to_sympy(self) -> Expr:
-        r"""The real part $\sum_k q_k \cos(2\pi k/n)$, which is the number itself when it is real."""
-        from sympy import Add, Rational, cos, pi
-
-        terms = enumerate(self.polynomial.coeffs())
-        n = self.field.order
-        return Add(*(Rational(int(c.p), int(c.q)) * cos(Rational(2 * k, n) * pi) for k, c in terms if c != 0))
 
 
 class _NotCyclotomicError(Exception):
     """The expression is not built from rationals, their square roots and sines of rational angles."""
 
 
-def cyclotomic_images(values: Iterable[Expr]) -> dict[Expr, CyclotomicNumber] | None:
+def cyclotomic_images(values: Iterable[Expr]) -> dict[Expr, AlgebraicNumber] | None:
     r"""The SymPy numbers in the smallest cyclotomic field that is found to hold them, or None.
 
     Understood are rationals, square roots of rationals, i, sin, cos, tan and cot of rational multiples of pi, the
@@ -186,14 +152,14 @@ def _order(value: Any) -> int:
     raise _NotCyclotomicError
 
 
-def _image(value: Any, field: CyclotomicField) -> CyclotomicNumber:
+def _image(value: Any, field: CyclotomicField) -> AlgebraicNumber:
     from sympy import Add, Integer, Mul, Pow, Rational, S, cos, cot, sin, tan
 
     match value:
         case Rational():
-            image = field.rational(int(value.p), int(value.q))
+            image = field.number(Fraction(int(value.p), int(value.q)))
         case Add():
-            image = sum((_image(term, field) for term in value.args), field.rational(0))
+            image = sum((_image(term, field) for term in value.args), field.zero)
         case Mul():
             image = _product([_image(factor, field) for factor in value.args], field)
         case sin():
@@ -210,14 +176,14 @@ def _image(value: Any, field: CyclotomicField) -> CyclotomicNumber:
             whole = isinstance(value.exp, Integer)
             base = _image(value.base, field) if whole else _root_image(value.base, field)
             power = _product([base] * (abs(int(value.exp)) if whole else 1), field)
-            image = power if value.exp > 0 else field.rational(1) / power
+            image = power if value.exp > 0 else field.one / power
         case _:
             assert value is S.ImaginaryUnit, value  # nothing else has an order
             image = field.root(field.order // 4)
     return image
 
 
-def _root_image(base: Any, field: CyclotomicField) -> CyclotomicNumber:
+def _root_image(base: Any, field: CyclotomicField) -> AlgebraicNumber:
     from sympy import sqrt
 
     if not base.is_Rational:
@@ -228,11 +194,11 @@ def _root_image(base: Any, field: CyclotomicField) -> CyclotomicNumber:
     for p in primes:
         rational /= abs(p)
     outside: Any = sqrt(rational)  # a rational number: only even powers of primes are left
-    return _product([*roots, field.rational(int(outside.p), int(outside.q))], field)
+    return _product([*roots, field.number(Fraction(int(outside.p), int(outside.q)))], field)
 
 
-def _product(factors: list[CyclotomicNumber], field: CyclotomicField) -> CyclotomicNumber:
-    result = field.rational(1)
+def _product(factors: list[AlgebraicNumber], field: CyclotomicField) -> AlgebraicNumber:
+    result = field.one
     for factor in factors:
         result = result * factor
     return result

@@ -21,6 +21,11 @@ def value(form: Form, u: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
     return sum(terms[1:], terms[0]) if terms else form[0][0] - form[0][0]
 
 
+def restricted(form: Form, vectors: Sequence[Sequence[Scalar]]) -> list[list[Scalar]]:
+    """The matrix of the form in a basis."""
+    return [[value(form, u, v) for v in vectors] for u in vectors]
+
+
 def diagonalise(field: RealField, form: Form) -> list[tuple[Coordinates, Scalar]]:
     """Orthogonal vectors u and their values q(u, u) != 0, as many as the rank of the form."""
     n = len(form)

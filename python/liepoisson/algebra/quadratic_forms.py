@@ -10,17 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeAlias
 
-from liepoisson.algebra.diagonal_forms import Coordinates, Form, combined, diagonalise, value
+from liepoisson.algebra.diagonal_forms import Coordinates, Form, combined, diagonalise, restricted, value
 from liepoisson.algebra.linear_systems import null_space
-from liepoisson.algebra.real_fields import Rationals, RealField, Scalar, Surd
+from liepoisson.algebra.real_fields import RealField, RealRationals, Scalar, Surd
 from liepoisson.algebra.ternary_forms import three_equal_squares, zero_vector
 
 SurdCoordinates: TypeAlias = list[Surd]
-
-
-def restricted(form: Form, vectors: Sequence[Coordinates]) -> list[list[Scalar]]:
-    """The matrix of the form in a basis."""
-    return [[value(form, u, v) for v in vectors] for u in vectors]
 
 
 def signature(field: RealField, diagonal: Sequence[tuple[Coordinates, Scalar]]) -> tuple[int, int]:
@@ -35,7 +30,7 @@ def hyperbolic_pair(field: RealField, form: Form) -> tuple[SurdCoordinates, Surd
     for v in ([field.one, field.zero], [field.zero, field.one]):
         if not value(form, v, v):
             other = [v[1], v[0]]
-            weight = -(value(form, other, other) / (value(form, v, other) * field.integer(2)))
+            weight = -(value(form, other, other) / (value(form, v, other) * field.number(2)))
             field.rely_on(value(form, v, other))
             pair = _lifted(v), _lifted(combined(other, v, weight))
             return pair if v[0] else (pair[1], pair[0])
@@ -47,7 +42,7 @@ def hyperbolic_pair(field: RealField, form: Form) -> tuple[SurdCoordinates, Surd
 
 def equal_squares(field: RealField, form: Form) -> list[SurdCoordinates]:
     """Orthogonal vectors with one common value of a definite form of two or three variables."""
-    if len(form) == 3 and isinstance(field, Rationals):
+    if len(form) == 3 and isinstance(field, RealRationals):
         found = three_equal_squares(form)
         if found is not None:
             return [_lifted(v) for v in found]
@@ -73,7 +68,7 @@ def _isotropic_frame(field: RealField, form: Form) -> tuple[SurdCoordinates, Sur
         partner = next(v for v in _unit_vectors(field, 3) if value(form, isotropic, v))
         q = value(form, isotropic, partner)
         field.rely_on(q)
-        weight = -(value(form, partner, partner) / (q * field.integer(2)))
+        weight = -(value(form, partner, partner) / (q * field.number(2)))
         y = combined(partner, isotropic, weight)
         (z,) = null_space(field, [_sum_of(isotropic, form), _sum_of(y, form)], 3)
         return _lifted(isotropic), _lifted(y), _lifted(list(z))
@@ -91,7 +86,7 @@ def _rational_isotropic(field: RealField, form: Form) -> Coordinates | None:
     for v in _unit_vectors(field, 3):
         if not value(form, v, v):
             return v
-    return zero_vector(form) if isinstance(field, Rationals) else None
+    return zero_vector(form) if isinstance(field, RealRationals) else None
 
 
 def _root_size(field: RealField, radicand: Scalar) -> tuple[bool, int]:

@@ -13,6 +13,8 @@ from functools import cached_property
 from math import comb
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.algebra.sparse_polynomials import multiply, of_factors
+
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
 
@@ -285,12 +287,7 @@ def multiplied(first: Expanded, second: Expanded) -> Expanded:
     """
     if len(first) * len(second) > MOST_TERMS:
         raise TooLargeError
-    product: Expanded = {}
-    for m1, c1 in first.items():
-        for m2, c2 in second.items():
-            key = tuple(sorted(m1 + m2))
-            product[key] = product.get(key, Fraction(0)) + c1 * c2
-    return product
+    return multiply(first, second, of_factors)
 
 
 def powers_of(polynomial: RationalPolynomial, n: int) -> list[tuple[tuple[int, ...], Fraction]]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from liepoisson.algebra.coefficients import check_degree
 from liepoisson.algebra.exact_numbers import Exact, to_sympy
+from liepoisson.algebra.number_fields import NumberField, Rational, as_fmpq
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -26,12 +27,10 @@ Scalar: TypeAlias = Any
 _FACTOR_BITS = 128  # larger integers lose their small square factors only: factoring them may take minutes
 
 
-class RealField(ABC):
+class RealField(NumberField, ABC):
     """A field inside the real numbers (symbols stand for real numbers)."""
 
     name: str
-    zero: Scalar
-    one: Scalar
 
     @abstractmethod
     def read(self, value: Exact) -> Scalar:
@@ -78,18 +77,20 @@ class RealField(ABC):
             ParameterError: the field is not Q.
         """
 
-    def integer(self, value: int) -> Scalar:
-        """The element for an integer."""
-        return self.read(Fraction(value))
+    def number(self, value: Rational) -> Scalar:
+        """The element for a rational number."""
+        return self.read(Fraction(int(value.numerator), int(value.denominator)))
+
+    def inverse(self, element: Scalar) -> Scalar:
+        """One over an element that is not zero."""
+        return self.one / element
 
 
 @final
-class Rationals(RealField):
+class RealRationals(RealField):
     r"""The field $\mathbb Q$."""
 
     name = "Q"
-    zero = Fraction(0)
-    one = Fraction(1)
 
     def read(self, value: Exact) -> Scalar:
         """The Fraction itself."""
@@ -114,9 +115,9 @@ class Rationals(RealField):
 
     def factors(self, polynomial: Sequence[Scalar]) -> list[list[Scalar]]:
         """Factors over the rationals, by python-flint."""
-        from flint import fmpq, fmpq_poly
+        from flint import fmpq_poly
 
-        given = fmpq_poly([fmpq(c.numerator, c.denominator) for c in reversed(polynomial)])
+        given = fmpq_poly([as_fmpq(c) for c in reversed(polynomial)])
         found = [[Fraction(int(c.p), int(c.q)) for c in reversed(list(f))] for f, _ in given.factor()[1]]
         return sorted([[c / f[0] for c in f] for f in found], key=lambda f: (len(f), f))
 
@@ -180,7 +181,6 @@ class ExtendedField(RealField):
             )
         self._has_symbols = bool(symbols) and not numbers
         self._relied: dict[Expr, None] = {}
-        self.zero, self.one = self._domain.zero, self._domain.one
         self.name = f"Q({', '.join(map(str, symbols))})" if symbols else _number_field_name(self._domain)
 
     def read(self, value: Exact) -> Scalar:
@@ -297,9 +297,9 @@ def real_field(values: Iterable[Exact]) -> RealField:
     """
     given = list(dict.fromkeys(values))
     if all(isinstance(value, Fraction) for value in given):
-        return Rationals()
+        return RealRationals()
     expressions = [to_sympy(value) for value in given]
-    return Rationals() if all(e.is_Rational for e in expressions) else ExtendedField(expressions)
+    return RealRationals() if all(e.is_Rational for e in expressions) else ExtendedField(expressions)
 
 
 @final

@@ -16,8 +16,11 @@ from itertools import combinations, product
 from math import gcd
 from typing import Any, TypeAlias
 
-from liepoisson.algebra.diagonal_forms import diagonalise
-from liepoisson.algebra.real_fields import Rationals
+from liepoisson.algebra.diagonal_forms import diagonalise, restricted, value
+from liepoisson.algebra.echelon import Echelon, sparse
+from liepoisson.algebra.matrices import determinant
+from liepoisson.algebra.number_fields import PrimeField
+from liepoisson.algebra.real_fields import RealRationals
 
 RationalVector: TypeAlias = list[Fraction]
 IntegerMatrix: TypeAlias = list[list[int]]
@@ -36,12 +39,10 @@ def three_equal_squares(form: Sequence[Sequence[Fraction]]) -> list[RationalVect
         return None
     sign = 1 if form[0][0] > 0 else -1
     positive = [[sign * c for c in row] for row in form]
-    gram = _gram(positive, basis)
-    unit = _determinant(gram)  # the form is u times one of determinant 1, and this is the cube of u
-    vectors = [v for v in _short_vectors(basis, gram) if _value(positive, v, v) ** 3 == unit]
-    found = next(
-        (t for t in combinations(vectors, 3) if not any(_value(form, u, v) for u, v in combinations(t, 2))), ()
-    )
+    gram = restricted(positive, basis)
+    unit = determinant(gram, 0)  # the form is u times one of determinant 1, and this is the cube of u
+    vectors = [v for v in _short_vectors(basis, gram) if value(positive, v, v) ** 3 == unit]
+    found = next((t for t in combinations(vectors, 3) if not any(value(form, u, v) for u, v in combinations(t, 2))), ())
     return list(found) or None
 
 
@@ -53,8 +54,8 @@ def zero_vector(form: Sequence[Sequence[Fraction]]) -> RationalVector | None:
     basis = unimodular_basis(form)
     if basis is None:
         return None
-    vectors = _short_vectors(basis, _majorant(_gram(form, basis)))
-    return next((v for v in vectors if not _value(form, v, v)), None)
+    vectors = _short_vectors(basis, _majorant(restricted(form, basis)))
+    return next((v for v in vectors if not value(form, v, v)), None)
 
 
 def unimodular_basis(form: Sequence[Sequence[Fraction]]) -> list[RationalVector] | None:
@@ -63,23 +64,23 @@ def unimodular_basis(form: Sequence[Sequence[Fraction]]) -> list[RationalVector]
 
     basis: list[RationalVector] = [[Fraction(int(i == j)) for j in range(3)] for i in range(3)]
     gram = _primitive(form)
-    determinant = abs(_determinant(gram))
-    if determinant.bit_length() > _FACTOR_BITS:
+    size = abs(determinant(gram, 0))
+    if size.bit_length() > _FACTOR_BITS:
         return None
-    for prime in [int(p) for p, _ in fmpz(determinant).factor()]:
-        while _determinant(gram) % prime == 0:
+    for prime in [int(p) for p, _ in fmpz(size).factor()]:
+        while determinant(gram, 0) % prime == 0:
             change = _smaller(gram, prime)
             if change is None:
                 return None
             basis = [_combination(row, basis) for row in change]
-            gram = _primitive(_gram(form, basis))
+            gram = _primitive(restricted(form, basis))
     return basis
 
 
 def _smaller(gram: IntegerMatrix, p: int) -> list[RationalVector] | None:
     """A change of basis that lowers the power of p in the determinant; None if the form is anisotropic at p."""
     frame, size = _kernel_first(gram, p)
-    G = _gram(gram, frame)
+    G = restricted(gram, frame)
     e, f, g = ([Fraction(c) for c in row] for row in frame)
     if size == 2:
         return [e, f, [p * c for c in g]]
@@ -94,19 +95,12 @@ def _smaller(gram: IntegerMatrix, p: int) -> list[RationalVector] | None:
 
 def _kernel_first(gram: IntegerMatrix, p: int) -> tuple[IntegerMatrix, int]:
     """A basis of Z^3 whose first vectors are the kernel modulo p, and their number, 1 or 2."""
-    pivots: dict[int, list[int]] = {}
-    for row in gram:
-        left = [c % p for c in row]
-        for k, known in pivots.items():
-            left = [(a - left[k] * b) % p for a, b in zip(left, known, strict=True)]
-        k = next((k for k, c in enumerate(left) if c), None)
-        if k is not None:
-            monic = [c * pow(left[k], -1, p) % p for c in left]
-            pivots = {j: [(a - r[k] * b) % p for a, b in zip(r, monic, strict=True)] for j, r in pivots.items()}
-            pivots[k] = monic
-    free = [k for k in range(3) if k not in pivots]
-    kernel = [[-pivots[k][f] if k in pivots else int(k == f) for k in range(3)] for f in free]
-    return [*kernel, *([int(k == j) for k in range(3)] for j in pivots)], len(free)
+    field = PrimeField(p)
+    form = Echelon(field, (sparse(map(field.number, row)) for row in gram))
+    form.basis()  # reduces the rows
+    free = [k for k in range(3) if k not in form.rows]
+    kernel = [[-int(form.rows[k].get(f, 0)) if k in form.rows else int(k == f) for k in range(3)] for f in free]
+    return [*kernel, *([int(k == j) for k in range(3)] for j in form.rows)], len(free)
 
 
 def _zero_modulo(a: int, b: int, c: int, p: int) -> tuple[int, int] | None:
@@ -132,7 +126,7 @@ def _short_vectors(basis: Sequence[RationalVector], positive: Sequence[Sequence[
     _, change = gram.lll(transform=True, rep="gram")
     reduced = [[Fraction(int(change[i, j])) for j in range(3)] for i in range(3)]
     weights = [w for w in product(range(-_SHORT, _SHORT + 1), repeat=3) if w > (0, 0, 0)]
-    short = sorted((_combination(w, reduced) for w in weights), key=lambda v: _value(positive, v, v))
+    short = sorted((_combination(w, reduced) for w in weights), key=lambda v: value(positive, v, v))
     return [_combination(v, basis) for v in short]
 
 
@@ -143,24 +137,11 @@ def _combination(weights: Sequence[Fraction | int], vectors: Sequence[RationalVe
 def _majorant(form: Sequence[Sequence[Fraction]]) -> list[RationalVector]:
     """A positive form that bounds |q|: the squares of a diagonal form with positive signs."""
     result = [[Fraction(0)] * 3 for _ in range(3)]
-    for u, q in diagonalise(Rationals(), form):  # the coordinate of v along u is q(u, v)/q(u, u)
-        image = [_value(form, u, [Fraction(int(i == j)) for j in range(3)]) for i in range(3)]
+    for u, q in diagonalise(RealRationals(), form):  # the coordinate of v along u is q(u, v)/q(u, u)
+        image = [value(form, u, [Fraction(int(i == j)) for j in range(3)]) for i in range(3)]
         for i, j in product(range(3), repeat=2):
             result[i][j] += image[i] * image[j] / abs(q)
     return result
-
-
-def _value(form: Sequence[Sequence[Any]], u: Sequence[Any], v: Sequence[Any]) -> Any:
-    return sum(a * form[i][j] * b for i, a in enumerate(u) for j, b in enumerate(v))
-
-
-def _gram(form: Sequence[Sequence[Any]], basis: Sequence[Sequence[Any]]) -> list[list[Any]]:
-    return [[_value(form, u, v) for v in basis] for u in basis]
-
-
-def _determinant(form: Sequence[Sequence[Any]]) -> Any:
-    (a, b, c), (d, e, f), (g, h, i) = form
-    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
 
 def _primitive(form: Sequence[Sequence[Fraction | int]]) -> IntegerMatrix:

@@ -28,6 +28,7 @@ from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from liepoisson.algebra.coefficients import Element, check_degree
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
@@ -387,9 +388,9 @@ def _lattice_basis(forms: Sequence[Form]) -> list[Form]:
 
 def _multiples(basis: Sequence[Form], form: Form) -> list[int]:
     """The whole coefficients of a form in a basis of the lattice."""
-    from flint import fmpq, fmpq_mat
+    from flint import fmpq_mat
 
-    rows = [[fmpq(c.numerator, c.denominator) for c in f] for f in (*basis, form)]
+    rows = [[as_fmpq(c) for c in f] for f in (*basis, form)]
     reduced, rank = fmpq_mat([list(column) for column in zip(*rows, strict=True)]).rref()
     return [int(reduced[k, rank].p) for k in range(rank)]
 

@@ -7,18 +7,21 @@ root of the equation for a linear form (`liepoisson.algebra.ideals.solutions`).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import islice
 from random import Random
 from typing import Any
 
-from flint import arb, fmpq, nmod_poly
+from flint import arb, fmpq, fmpq_poly, nmod_poly
 
 from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
-from liepoisson.algebra.ideals.lifting import primes
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.ideals.operations import in_context
 from liepoisson.algebra.ideals.solutions import Solutions, solutions
-from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly
+from liepoisson.algebra.number_fields import Element, PrimeField
+from liepoisson.algebra.residues import primes
+from liepoisson.algebra.sparse_polynomials import value_at
+from liepoisson.integrability.parameter_cases import LIMITS, Case
 
 _MOST_DRAWS = 60
 _PRIMES = tuple(islice(primes(), 10))
@@ -43,7 +46,7 @@ class CasePoints:
         occurring = {v for q in case.unsolved for v, k in enumerate(q.degrees()) if k}
         self._tied = [v for v in self._free if v in occurring]
 
-    def modular(self) -> tuple[int, list[int]] | None:
+    def modular(self) -> tuple[int, list[Element]] | None:
         """A prime and the parameters modulo it, at a random point of the case; None if none was found.
 
         Raises:
@@ -51,34 +54,39 @@ class CasePoints:
         """
         for _ in range(_MOST_DRAWS):
             p = self._random.choice(_PRIMES)
-            values = {v: self._random.randrange(2, p) for v in self._free}
+            number = PrimeField(p).number
+            values = {v: number(self._random.randrange(2, p)) for v in self._free}
             if self.case.unsolved:
                 rational, rest, found = self._finitely_many()
                 t = _root(found, p, self._random)
                 if t is None:
                     continue
-                below = _at_mod(found.numerator(found.quotient.ideal.context.constant(1)), t, p)
+
+                def at_root(q: fmpq_poly, t: Element = t, number: Callable[[Any], Element] = number) -> Element:
+                    return value_at((((k,), c) for k, c in enumerate(q.coeffs())), [t], number)
+
+                below = at_root(found.numerator(found.quotient.ideal.context.constant(1)))
                 gens = dict(zip(rest, found.quotient.ideal.context.gens(), strict=True))
                 if not below:
                     continue
                 for v, x in gens.items():
-                    values[v] = _at_mod(found.numerator(x), t, p) * pow(below, -1, p) % p
+                    values[v] = at_root(found.numerator(x)) / below
                 for v, x in rational.items():
-                    values[v] = int(x.p) * pow(int(x.q), -1, p) % p
-            if (point := self._completed_mod(values, p)) is not None:
+                    values[v] = number(x)
+            if (point := self._completed(values, number)) is not None:
                 return p, point
         return None
 
-    def _completed_mod(self, values: dict[int, int], p: int) -> list[int] | None:
+    def _completed(self, values: dict[int, Element], number: Callable[[Any], Element]) -> list[Element] | None:
         """All parameters, with those that are solved for; None where something vanishes that must not."""
-        point = [values.get(v, 1) for v in range(len(self.names))]
-        if any(not value_mod(q, point, p) for q in self.case.nonzero.values()):
+        point = [values.get(v, number(1)) for v in range(len(self.names))]
+        if any(not value_at(q.terms(), point, number) for q in self.case.nonzero.values()):
             return None
-        solved: dict[int, int] = {}
+        solved: dict[int, Element] = {}
         for v, a, b in self.case.solved:
-            if not (below := value_mod(b, point, p)):
+            if not (below := value_at(b.terms(), point, number)):
                 return None
-            solved[v] = value_mod(a, point, p) * pow(below, -1, p) % p
+            solved[v] = value_at(a.terms(), point, number) / below
         return [solved.get(v, x) for v, x in enumerate(point)]
 
     def is_real(self) -> bool:
@@ -95,11 +103,11 @@ class CasePoints:
             )
             for v in self._free
         }
-        known = {v: _ball(x) for v, x in drawn.items()}
+        known = {v: arb(x) for v, x in drawn.items()}
         if not self.case.unsolved:
             return self._is_admissible(known)
         rational, rest, found = self._finitely_many(drawn)
-        known |= {v: _ball(x) for v, x in rational.items()}
+        known |= {v: arb(x) for v, x in rational.items()}
         return any(
             self._is_admissible(known | dict(zip(rest, solution.values, strict=True))) for solution in found.real(60)
         )
@@ -107,13 +115,13 @@ class CasePoints:
     def _is_admissible(self, known: dict[int, arb]) -> bool:
         """Whether nothing vanishes that must not, and positive parameters are positive, at balls (proved if True)."""
         at = [known.get(v, arb(1)) for v in range(len(self.names))]
-        if any(value_of_ball(q, at).contains(0) for q in self.case.nonzero.values()):
+        if any(value_at(q.terms(), at, arb).contains(0) for q in self.case.nonzero.values()):
             return False
         for v, a, b in self.case.solved:
-            below = value_of_ball(b, at)
+            below = value_at(b.terms(), at, arb)
             if below.contains(0):
                 return False
-            known = known | {v: value_of_ball(a, at) / below}
+            known = known | {v: value_at(a.terms(), at, arb) / below}
         return all(v not in known or bool(known[v] > 0) for v in self.positive)
 
     def _sign(self) -> int:
@@ -136,48 +144,13 @@ class CasePoints:
             rational[v] = drawn[v] if drawn else fmpq(self._random.randint(-50, 50), self._random.randint(1, 20))
 
 
-def _ball(x: fmpq) -> arb:
-    return arb(x.p) / arb(x.q)
-
-
-def _root(found: Solutions, p: int, random: Random) -> int | None:
+def _root(found: Solutions, p: int, random: Random) -> Element | None:
     """A root modulo p of the equation of some solutions, if it has one."""
     numbers = list(range(len(found.factors)))
     random.shuffle(numbers)
     for k in numbers:
         polynomial = nmod_poly([int(c) % p for c in found.factors[k].polynomial.coeffs()], p)
-        roots = [int(-f[0] / f[1]) for f, multiplicity in polynomial.factor()[1] if f.degree() == multiplicity == 1]
+        roots = [-f[0] / f[1] for f, multiplicity in polynomial.factor()[1] if f.degree() == multiplicity == 1]
         if roots:
             return random.choice(roots)
     return None
-
-
-def _at_mod(polynomial: Any, t: int, p: int) -> int:
-    total = 0
-    for c in reversed(polynomial.coeffs()):
-        total = (total * t + int(c.p) * pow(int(c.q), -1, p)) % p
-    return total
-
-
-def value_mod(q: Poly, point: list[int], p: int) -> int:
-    """A polynomial in the parameters at a point modulo p."""
-    total = 0
-    for m, c in q.terms():
-        term = int(c.p) * pow(int(c.q), -1, p)
-        for x, k in zip(point, m, strict=True):
-            if k:
-                term = term * pow(x, int(k), p) % p
-        total += term
-    return total % p
-
-
-def value_of_ball(q: Poly, at: list[arb]) -> arb:
-    """A polynomial in the parameters at balls."""
-    total = arb(0)
-    for m, c in q.terms():
-        term = _ball(c)
-        for x, k in zip(at, m, strict=True):
-            if k:
-                term *= x ** int(k)
-        total += term
-    return total

@@ -14,17 +14,17 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, product
-from math import prod
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from liepoisson.algebra.coefficients import Element
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
-from liepoisson.algebra.residues import PRIME
+from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
+from liepoisson.algebra.residues import primes
+from liepoisson.algebra.sparse_polynomials import of_exponents, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -85,7 +85,7 @@ def image(
     """The polynomial (D - k) m for a monomial m."""
     total = derivation({monomial: derivation.field.one})
     for m, c in cofactor.items():
-        key = tuple(map(sum, zip(m, monomial, strict=True)))
+        key = of_exponents(m, monomial)
         total[key] = total[key] - c if key in total else -c
     return level.remainder(total)
 
@@ -176,11 +176,11 @@ class CofactorCases(CaseSplitting):
         for column, monomial in enumerate(block):
             parts = [(self._one, image(self.derivation, {}, monomial, self.level))]
             for v, m in enumerate(self.monomials):
-                parts.append((-self.context.gen(v), self.level.remainder({_sum(m, monomial): one})))
+                parts.append((-self.context.gen(v), self.level.remainder({of_exponents(m, monomial): one})))
             for factor, part in parts:
                 for key, value in part.items():
                     row = rows.setdefault(key, {})
-                    row[column] = row.get(column, self._zero) + factor * _flint(value)
+                    row[column] = row.get(column, self._zero) + factor * as_fmpq(value)
         return [{c: p for c, p in row.items() if p} for row in rows.values()]
 
     # the numbers that coefficients may be
@@ -244,15 +244,18 @@ class CofactorCases(CaseSplitting):
         field = field_of(root for pair in choices.values() for root in pair)
         found: list[Values] = []
         for chosen in product(*choices.values()):
-            values = [field.one - field.one] * self.n
+            values = [field.zero] * self.n
             for v, root in zip(choices, chosen, strict=True):
                 values[v] = element(root, field)
-            solved = {v: (self._value(a, values, field), self._value(b, values, field)) for v, a, b in case.solved}
+            solved = {
+                v: (value_at(a.terms(), values, field.number), value_at(b.terms(), values, field.number))
+                for v, a, b in case.solved
+            }
             if not all(b for _, b in solved.values()):
                 continue
             for v, (a, b) in solved.items():
                 values[v] = a / b
-            if not any(self._value(q, values, field) for q in case.unsolved):
+            if not any(value_at(q.terms(), values, field.number) for q in case.unsolved):
                 found.append(tuple(field.to_sympy(value) for value in values))
         return found
 
@@ -267,14 +270,15 @@ class CofactorCases(CaseSplitting):
         equations = self._equations(case)
         if not self._is_finite(case):
             return False
-        for p in islice(_primes(), _MOST_PRIMES):
-            choices: dict[int, list[int]] = {}
+        for p in islice(primes(), _MOST_PRIMES):
+            number = PrimeField(p).number
+            choices: dict[int, list[Element]] = {}
             for v, q in equations.items():
                 coefficients = [0] * (q.degrees()[v] + 1)
                 for monomial, c in q.terms():
-                    coefficients[int(monomial[v])] = _residue(c, p)
+                    coefficients[int(monomial[v])] = int(number(c))
                 factors = nmod_poly(coefficients, p).factor()[1]
-                choices[v] = [int(-f[0] / f[1]) for f, _ in factors if f.degree() == 1]
+                choices[v] = [-f[0] / f[1] for f, _ in factors if f.degree() == 1]
             if len(equations) == 1 and all(choices.values()):
                 choices = {v: zeros[:1] for v, zeros in choices.items()}
             elif any(len(zeros) < equations[v].degrees()[v] for v, zeros in choices.items()):
@@ -285,16 +289,21 @@ class CofactorCases(CaseSplitting):
             )
         return False
 
-    def _nullity(self, given: Mapping[int, int], case: Case, block: Sequence[Exponents], p: int) -> int:
+    def _nullity(self, given: Mapping[int, Element], case: Case, block: Sequence[Exponents], p: int) -> int:
         """The dimension modulo a prime of the Darboux polynomials with the cofactor that some coefficients give."""
-        values = [given.get(v, 0) for v in range(self.n)]
-        solved = {v: (_at(a, values, p), _at(b, values, p)) for v, a, b in case.solved}
+        number = PrimeField(p).number
+        values = [given.get(v, number(0)) for v in range(self.n)]
+        solved = {
+            v: (value_at(a.terms(), values, number), value_at(b.terms(), values, number)) for v, a, b in case.solved
+        }
         if not all(b for _, b in solved.values()):
             # a denominator that does not vanish may do so modulo the prime
             return len(block)
         for v, (a, b) in solved.items():
-            values[v] = a * pow(b, -1, p) % p
-        rows = [{c: x for c, q in row.items() if (x := _at(q, values, p))} for row in self._rows(block)]
+            values[v] = a / b
+        rows = [
+            {c: x for c, q in row.items() if (x := value_at(q.terms(), values, number))} for row in self._rows(block)
+        ]
         return len(nullspace_mod(rows, len(block), p))
 
     def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
@@ -303,47 +312,8 @@ class CofactorCases(CaseSplitting):
             coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
         return roots(*reversed(coefficients))  # real if that is wanted: `_has_real_zero` has excluded the others
 
-    def _value(self, q: Poly, values: Sequence[Element], field: Any) -> Element:
-        total = field.one - field.one
-        for monomial, c in q.terms():
-            power = prod((x ** int(k) for x, k in zip(values, monomial, strict=True) if k), start=field.one)
-            total = total + field.number(Fraction(int(c.p), int(c.q))) * power
-        return total
-
     def _text(self, case: Case) -> str:
         return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"
-
-
-def _at(q: Poly, values: Sequence[int], p: int) -> int:
-    """The value of a polynomial modulo a prime."""
-    total = 0
-    for monomial, c in q.terms():
-        term = _residue(c, p)
-        for x, k in zip(values, monomial, strict=True):
-            if k:
-                term = term * pow(x, int(k), p) % p
-        total += term
-    return total % p
-
-
-def _residue(value: Any, p: int) -> int:
-    return int(value.p) * pow(int(value.q), -1, p) % p
-
-
-def _primes() -> Iterator[int]:
-    from flint import fmpz
-
-    return (p for p in range(PRIME, 2, -2) if fmpz(p).is_probable_prime())
-
-
-def _sum(first: Exponents, second: Exponents) -> Exponents:
-    return tuple(map(sum, zip(first, second, strict=True)))
-
-
-def _flint(value: Fraction) -> Any:
-    from flint import fmpq
-
-    return fmpq(value.numerator, value.denominator)
 
 
 def _name(derivation: Derivation, monomial: Exponents) -> list[str]:

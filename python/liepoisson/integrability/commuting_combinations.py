@@ -13,13 +13,14 @@ from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.echelon import transposed
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace
+from liepoisson.algebra.sparse_polynomials import add_multiple, multiply
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.completeness import fields_rank
 from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import Level, level_of
-from liepoisson.integrability.search import times
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -101,7 +102,7 @@ class _Algebra:
     def _product(self, product: tuple[int, ...]) -> Polynomial:
         i, *others = product
         return (
-            self.level.remainder(times(self.polynomials[i], self.polynomials[others[0]]))
+            self.level.remainder(multiply(self.polynomials[i], self.polynomials[others[0]]))
             if others
             else self.polynomials[i]
         )
@@ -112,7 +113,7 @@ class _Algebra:
         for i in range(len(self.generators)):
             total: Polynomial = {}
             for k, coefficient in combination.items():
-                _add(
+                add_multiple(
                     total, self._leibniz(self.products[k], [self.brackets[i, j] for j in self.products[k]]), coefficient
                 )
             found.append(self.level.remainder(total))
@@ -122,8 +123,8 @@ class _Algebra:
         """The derivative of a product, from those of its factors."""
         if len(product) == 1:
             return derivatives[0]
-        total = times(self.polynomials[product[0]], derivatives[1])
-        _add(total, times(self.polynomials[product[1]], derivatives[0]), self.field.one)
+        total = multiply(self.polynomials[product[0]], derivatives[1])
+        add_multiple(total, multiply(self.polynomials[product[1]], derivatives[0]), self.field.one)
         return total
 
     def commuting(self, with_generators: Sequence[Sequence[Polynomial]]) -> list[Combination]:
@@ -189,18 +190,5 @@ class _Chains:
                 yield candidate
 
 
-def _add(total: Polynomial, other: Polynomial, factor: Any) -> None:
-    for m, c in other.items():
-        value = total[m] + factor * c if m in total else factor * c
-        if value:
-            total[m] = value
-        else:
-            total.pop(m, None)
-
-
 def _null_vectors(columns: Sequence[Mapping[Any, Any]], field: Coefficients) -> list[Combination]:
-    rows: dict[Any, Combination] = {}
-    for k, column in enumerate(columns):
-        for key, value in column.items():
-            rows.setdefault(key, {})[k] = value
-    return [dict(v) for v in nullspace(list(rows.values()), len(columns), field).vectors]
+    return list(nullspace(transposed(columns), len(columns), field).vectors)

@@ -25,11 +25,12 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.algebra.coefficients import Coefficients, check_degree
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import rank_mod, solve
+from liepoisson.algebra.sparse_polynomials import multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import level_of
-from liepoisson.integrability.modular import modular, residues_of, value_at
-from liepoisson.integrability.search import point_on_level, times
+from liepoisson.integrability.modular import modular, residues_of
+from liepoisson.integrability.search import point_on_level
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -82,7 +83,7 @@ def fields_rank(system: System, functions: Sequence[Expr]) -> int:
     for skipped in range(_MOST_PRIMES):
         residues = residues_of(equations.derivation.field, (*entries, *equations.relations), skipped)
         p, point = residues.p, point_on_level(equations.relations, residues, variables)
-        values = [value_at(modular(e, residues), point, p) for e in entries]
+        values = [value_at(modular(e, residues).items(), point) for e in entries]
         rows = [{k: v for k, v in enumerate(values[i : i + n]) if v} for i in range(0, len(values), n)]
         found = max(found, rank_mod(rows, n, p))
         if found == len(functions):
@@ -162,7 +163,7 @@ def as_polynomials(system: System, functions: Sequence[Expr], generators: Mappin
             if degree and d + degree <= highest:
                 if len(products) == _MOST_PRODUCTS:
                     return None
-                products.append((d + degree, name * symbol, level.remainder(times(product, factor))))
+                products.append((d + degree, name * symbol, level.remainder(multiply(product, factor))))
     rows: dict[Any, int] = {}
     columns = [{rows.setdefault(m, len(rows)): c for m, c in f.items()} for _, _, f in products]
     found: list[Expr] = []

@@ -13,14 +13,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
 from liepoisson.algebra.residues import Residues
+from liepoisson.algebra.sparse_polynomials import multiply
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
-from liepoisson.integrability.modular import Modular, Span, modular, multiply
+from liepoisson.integrability.modular import modular
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -99,7 +101,7 @@ class DarbouxSearch:
 
     def add_known(self, polynomial: Polynomial) -> None:
         """Take the homogeneous parts of an integral as known."""
-        zero = self.field.one - self.field.one
+        zero = self.field.zero
         for part in homogeneous_parts(self.level.remainder(polynomial), self.gradings).values():
             if any(map(any, part)):
                 self.factors.append(Factor(part, (zero,) * len(self.monomials), is_new=False))
@@ -160,11 +162,7 @@ class DarbouxSearch:
         return {m: c for m, c in zip(self.monomials, cofactor, strict=True) if c}
 
     def _rows(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[dict[int, Element]]:
-        rows: dict[Exponents, dict[int, Element]] = {}
-        for column, monomial in enumerate(block):
-            for key, value in image(self.derivation, self._of(cofactor), monomial, self.level).items():
-                rows.setdefault(key, {})[column] = value
-        return list(rows.values())
+        return transposed(image(self.derivation, self._of(cofactor), monomial, self.level) for monomial in block)
 
     def _degrees(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[int]:
         """The degrees of a basis of the null space modulo the prime, as low as possible.
@@ -182,12 +180,12 @@ class DarbouxSearch:
         vectors = nullspace(self._rows(block, cofactor), len(block), self.field).vectors
         return sorted(({block[c]: v for c, v in vector.items()} for vector in vectors), key=len)
 
-    def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Span:
+    def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Echelon:
         """The products of factors up to a degree with a cofactor and in a block, modulo the prime."""
         p = self.residues.p
-        span = Span(p)
+        span = Echelon(self.residues.field)
         wanted = tuple(self.residues(c) for c in cofactor)
-        one: Modular = {(0,) * len(self.derivation.variables): 1}
+        one: Polynomial = {(0,) * len(self.derivation.variables): self.residues.field.one}
         factors = [
             (
                 f.degree,
@@ -202,8 +200,8 @@ class DarbouxSearch:
             if rate == wanted and weights == label:
                 product = one
                 for k in chosen:
-                    product = multiply(product, factors[k][1], p)
-                span.insert({m: v for m, c in self._level_mod.remainder(product, p).items() if (v := c % p)})
+                    product = multiply(product, factors[k][1])
+                span.insert(self._level_mod.remainder(product))
             for k in range(start, len(factors)):
                 degree, _, more, moved = factors[k]
                 if 0 < degree <= left:

@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from liepoisson.algebra import sparse_polynomials
 from liepoisson.algebra.coefficients import Coefficients, Element
 from liepoisson.algebra.exact_numbers import Exact
+from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
@@ -21,8 +23,7 @@ if TYPE_CHECKING:
 
     from liepoisson.model.system import System
 
-Exponents: TypeAlias = tuple[int, ...]
-Polynomial: TypeAlias = dict[Exponents, Element]
+Exponents: TypeAlias = Monomial
 
 
 @dataclass(frozen=True)
@@ -63,18 +64,12 @@ class Derivation:
             factor_of_power = self.field.number(power)
             lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
             for factor, coefficient in self.components[k].items():
-                found.append((tuple(map(sum, zip(lowered, factor, strict=True))), coefficient * factor_of_power))
+                found.append((of_exponents(lowered, factor), coefficient * factor_of_power))
         return found
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
         """A polynomial as a SymPy expression."""
-        from sympy import Add, Mul
-
-        terms: list[Any] = [
-            Mul(self.field.to_sympy(c), *(x**k for x, k in zip(self.variables, m, strict=True) if k))
-            for m, c in polynomial.items()
-        ]
-        return Add(*terms)
+        return sparse_polynomials.expression(polynomial.items(), self.variables, self.field.to_sympy)
 
 
 def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Polynomial]]:

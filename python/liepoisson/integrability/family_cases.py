@@ -15,6 +15,7 @@ from random import Random
 from typing import Any
 
 from liepoisson.algebra.ideals.limits import NotDecidedError
+from liepoisson.algebra.matrices import determinant
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.further_integrals import Comparison, IntegralsAtPoints, ParameterPolynomial
@@ -239,15 +240,4 @@ class FamilyCases:
                             value *= x[j] ** power if j != i else 1
                         gradient[i] = gradient[i] + q * value
             rows.append([sum((g * u for g, u in zip(gradient, d, strict=True)), zero) for d in directions])
-        return _determinant(rows, zero)
-
-
-def _determinant(rows: Sequence[Sequence[Poly]], zero: Poly) -> Poly:
-    if len(rows) == 1:
-        return rows[0][0]
-    total = zero
-    for k, entry in enumerate(rows[0]):
-        if entry:
-            minor = _determinant([[*row[:k], *row[k + 1 :]] for row in rows[1:]], zero)
-            total = total + (entry * minor if k % 2 == 0 else -entry * minor)
-    return total
+        return determinant(rows, zero)

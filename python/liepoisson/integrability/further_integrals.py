@@ -21,12 +21,14 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
+from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
+from liepoisson.algebra.number_fields import Element, PrimeField
 from liepoisson.algebra.residues import Residues
-from liepoisson.integrability.case_points import value_mod
-from liepoisson.integrability.derivation import Exponents
+from liepoisson.algebra.sparse_polynomials import gradient_at, multiply, value_at
+from liepoisson.integrability.derivation import Exponents, Polynomial
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.modular import Modular, Span, gradient_at, multiply, random_point
+from liepoisson.integrability.modular import random_point
 from liepoisson.integrability.parameter_cases import Poly, SparseRow
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.search import Label, point_on_level
@@ -80,55 +82,57 @@ class IntegralsAtPoints:
     def __init__(self, matrix: ParameterMatrix, blocks: Sequence[Block], degree: int) -> None:
         self.matrix, self.blocks, self.degree = matrix, blocks, degree
 
-    def compare(self, point: list[int], p: int, known: Sequence[ParameterPolynomial]) -> Comparison:
+    def compare(self, point: list[Element], p: int, known: Sequence[ParameterPolynomial]) -> Comparison:
         """The integrals at a point and polynomials in known ones."""
-        vectors: list[Modular] = []
+        vectors: list[Polynomial] = []
         nullities: dict[Label, int] = {}
-        values: dict[str, int] = {}
+        values: dict[str, Element] = {}
+        number = PrimeField(p).number
 
-        def value(q: Poly) -> int:
+        def value(q: Poly) -> Element:
             text = str(q)
             if text not in values:
-                values[text] = value_mod(q, point, p)
+                values[text] = value_at(q.terms(), point, number)
             return values[text]
 
         for block in self.blocks:
             rows = [{c: x for c, q in row.items() if (x := value(q))} for row in block.rows]
             found = nullspace_mod([row for row in rows if row], len(block.monomials), p)
             nullities[block.label] = len(found)
-            vectors += [{block.monomials[c]: int(x) for c, x in vector.items() if x % p} for vector in found]
+            vectors += [{block.monomials[c]: number(x) for c, x in vector.items()} for vector in found]
         is_further, is_independent = self._algebra(point, p, known).contains(vectors)
         return Comparison(None if is_further is None else not is_further, is_independent, nullities)
 
     def contains(
-        self, point: list[int], p: int, known: Sequence[ParameterPolynomial], function: ParameterPolynomial
+        self, point: list[Element], p: int, known: Sequence[ParameterPolynomial], function: ParameterPolynomial
     ) -> bool | None:
         """Whether a function is a polynomial in known ones at a point; None if it was not decided."""
         algebra = self._algebra(point, p, known)
-        return algebra.contains([algebra.level.remainder(_at(function, point, p), p)])[0]
+        return algebra.contains([algebra.level.remainder(_at(function, point, p))])[0]
 
-    def _algebra(self, point: list[int], p: int, known: Sequence[ParameterPolynomial]) -> _Algebra:
+    def _algebra(self, point: list[Element], p: int, known: Sequence[ParameterPolynomial]) -> _Algebra:
         level = Level(tuple((lead, _at(b, point, p)) for lead, b in self.matrix.level.basis))
         zeros = [_at(zero, point, p) for zero in self.matrix.zeros]
-        functions = [level.remainder(_at(f, point, p), p) for f in known]
+        functions = [level.remainder(_at(f, point, p)) for f in known]
         return _Algebra([{m: c for m, c in f.items() if any(m)} for f in functions], level, zeros, self.degree, p)
 
 
-def _at(polynomial: Mapping[Exponents, Poly], point: list[int], p: int) -> Modular:
-    return {m: c for m, q in polynomial.items() if (c := value_mod(q, point, p))}
+def _at(polynomial: Mapping[Exponents, Poly], point: list[Element], p: int) -> Polynomial:
+    number = PrimeField(p).number
+    return {m: c for m, q in polynomial.items() if (c := value_at(q.terms(), point, number))}
 
 
 class _Algebra:
     """Polynomials in some functions without constant terms, modulo a prime, on a level."""
 
     def __init__(
-        self, functions: Sequence[Modular], level: Level, zeros: Sequence[Modular], degree: int, p: int
+        self, functions: Sequence[Polynomial], level: Level, zeros: Sequence[Polynomial], degree: int, p: int
     ) -> None:
-        self.level, self.degree, self.p = level, degree, p
+        self.level, self.degree, self.residues = level, degree, Residues(p)
         self.zeros = [zero for zero in zeros if zero]
         self.functions = sorted((f for f in functions if f), key=lambda f: (_degree(f), len(f)))
 
-    def contains(self, vectors: Sequence[Modular]) -> tuple[bool | None, bool]:
+    def contains(self, vectors: Sequence[Polynomial]) -> tuple[bool | None, bool]:
         """Whether all of some polynomials up to the degree are polynomials in the functions; None if not decided.
 
         And whether one of them is functionally independent of the functions.
@@ -136,21 +140,21 @@ class _Algebra:
         if not vectors:
             return True, False
         n = len(next(iter(vectors[0])))
-        place: list[int] = point_on_level(self.zeros, Residues(self.p), n)
+        place = point_on_level(self.zeros, self.residues, n)
         basis = self._independent(self.functions, place)
-        gradients = [gradient_at(f, place, self.p) for f in (*self.zeros, *self.functions, *vectors)]
-        if rank_mod(gradients, n, self.p) > len(basis) + self._rank(self.zeros, place):
+        gradients = [gradient_at(f, place) for f in (*self.zeros, *self.functions, *vectors)]
+        if rank_mod(gradients, n, self.residues.p) > len(basis) + self._rank(self.zeros, place):
             return False, True
         return self._spans(vectors, basis, n), False
 
-    def _spans(self, vectors: Sequence[Modular], basis: Sequence[Modular], n: int) -> bool | None:
+    def _spans(self, vectors: Sequence[Polynomial], basis: Sequence[Polynomial], n: int) -> bool | None:
         degrees = sorted((_degree(f) for f in basis), reverse=True)
         tops = [{m: c for m, c in f.items() if sum(m) == _degree(f)} for f in basis]
         is_exact = len(basis) == len(self.functions) and not self.level.basis
         exact_up_to = self.degree * prod(degrees[:-1]) * max(degrees, default=1) if is_exact else None
-        if is_exact and self._rank(tops, random_point(n, self.p, seed=2)) == len(basis):
+        if is_exact and self._rank(tops, random_point(n, self.residues, seed=2)) == len(basis):
             exact_up_to = self.degree
-        span, total = Span(self.p), 0
+        span, total = Echelon(self.residues.field), 0
         weight = 0
         while True:
             weight += 1
@@ -170,38 +174,38 @@ class _Algebra:
             if exact_up_to is None and weight >= self.degree + max(map(_degree, self.functions), default=0):
                 return False
 
-    def _products(self, weight: int) -> list[Modular]:
+    def _products(self, weight: int) -> list[Polynomial]:
         """The products of the functions whose degrees have this sum."""
-        found: list[Modular] = []
+        found: list[Polynomial] = []
 
-        def extend(start: int, left: int, product: Modular | None) -> None:
+        def extend(start: int, left: int, product: Polynomial | None) -> None:
             if not left and product is not None:
-                remainder = self.level.remainder(product, self.p)
+                remainder = self.level.remainder(product)
                 found.append({m: c for m, c in remainder.items() if any(m)})
             for k in range(start, len(self.functions)):
                 f = self.functions[k]
                 if (size := _degree(f)) <= left and len(found) <= _MOST_PRODUCTS:
-                    extend(k, left - size, f if product is None else multiply(product, f, self.p))
+                    extend(k, left - size, f if product is None else multiply(product, f))
 
         extend(0, weight, None)
         return found
 
-    def _independent(self, functions: Sequence[Modular], place: list[int]) -> list[Modular]:
+    def _independent(self, functions: Sequence[Polynomial], place: list[Element]) -> list[Polynomial]:
         """Functions whose gradients at a point are independent of each other and of those of the level."""
-        found: list[Modular] = []
+        found: list[Polynomial] = []
         rank = self._rank(self.zeros, place)
         for f in functions:
             if self._rank([*self.zeros, *found, f], place) > rank + len(found):
                 found.append(f)
         return found
 
-    def _rank(self, functions: Sequence[Modular], place: list[int]) -> int:
-        return rank_mod([gradient_at(f, place, self.p) for f in functions], len(place), self.p)
+    def _rank(self, functions: Sequence[Polynomial], place: list[Element]) -> int:
+        return rank_mod([gradient_at(f, place) for f in functions], len(place), self.residues.p)
 
 
-def _by_degree(f: Modular) -> Modular:
-    """The polynomial with the degree before the exponents, so that the largest keys have the highest degree."""
-    return {(sum(m), *m): c for m, c in f.items()}
+def _by_degree(f: Polynomial) -> Polynomial:
+    """The polynomial with minus the degree before the exponents, so that the highest degree comes first."""
+    return {(-sum(m), *m): c for m, c in f.items()}
 
 
 def _degree(f: Mapping[Exponents, Any]) -> int:

@@ -11,7 +11,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.exact_numbers import is_sympy
 from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.errors import ParameterError
@@ -133,13 +133,8 @@ class _Form:
         else:
             function = self.system.expression(cast("str | Expr", symmetry))
             changes = [self.system.bracket(p, function) for p in self.products]
-        rows: dict[Exponents, dict[int, Exact]] = {}
-        for column, change in enumerate(changes):
-            for monomial, value in polynomial_terms(
-                change, self.system.variables, f"symmetry {shown(symmetry)}"
-            ).items():
-                rows.setdefault(monomial, {})[column] = value
-        self._equations += rows.values()
+        what = f"symmetry {shown(symmetry)}"
+        self._equations += transposed(polynomial_terms(change, self.system.variables, what) for change in changes)
 
     def _linear(self, symmetry: Mapping[str, str | Expr]) -> dict[Any, Any]:
         names = dict(zip(self.system.component_names, self.system.variables, strict=True))
@@ -187,8 +182,9 @@ class _Form:
                 dropped.insert(row)
         return [
             (
-                self.monomials[pivot],
-                cast("Any", sum(field.to_sympy(v) * self.products[k] for k, v in basis.rows[pivot].items())),
+                self.monomials[min(row)],
+                cast("Any", sum(field.to_sympy(v) * self.products[k] for k, v in row.items())),
             )
-            for pivot in sorted(basis.rows.keys() - dropped.rows.keys())
+            for row in basis.basis()
+            if min(row) not in dropped.rows
         ]

@@ -19,6 +19,8 @@ from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import check_degree
+from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.sparse_polynomials import divides, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -47,10 +49,10 @@ class Level:
 
     def is_standard(self, monomial: Exponents) -> bool:
         """Whether a monomial is no multiple of a leading one."""
-        return not any(_divides(lead, monomial) for lead, _ in self.basis)
+        return not any(divides(lead, monomial) for lead, _ in self.basis)
 
-    def remainder(self, polynomial: Mapping[Exponents, Any], p: int = 0) -> Polynomial:
-        """What is left of a polynomial modulo the ideal; all coefficients modulo the prime p, if one is given."""
+    def remainder(self, polynomial: Mapping[Exponents, Any]) -> Polynomial:
+        """What is left of a polynomial modulo the ideal."""
         left = {m: c for m, c in polynomial.items() if c}
         if not self.basis:
             return left
@@ -58,16 +60,15 @@ class Level:
         while left:
             checkpoint("a remainder on a level")
             monomial = max(left, key=order)
-            divisor = next((b for b in self.basis if _divides(b[0], monomial)), None)
+            divisor = next((b for b in self.basis if divides(b[0], monomial)), None)
             if divisor is None:
                 done[monomial] = left.pop(monomial)
                 continue
             lead, generator = divisor
             factor, shift = left[monomial], tuple(a - b for a, b in zip(monomial, lead, strict=True))
             for m, c in generator.items():
-                key = tuple(map(sum, zip(m, shift, strict=True)))
+                key = of_exponents(m, shift)
                 value = left[key] - factor * c if key in left else -(factor * c)
-                value = value % p if p else value
                 if value:
                     left[key] = value
                 else:
@@ -168,13 +169,12 @@ def _as_rational(value: Any) -> Fraction | None:
 
 
 def _over_the_rationals(generators: Sequence[Mapping[Exponents, Fraction]]) -> list[dict[Exponents, Fraction]]:
-    from flint import fmpq
 
     from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
     from liepoisson.algebra.ideals.limits import NotDecidedError
 
     context = rational_context([f"x{k}" for k in range(len(next(iter(generators[0]))))])
-    given = [context.from_dict({m: fmpq(c.numerator, c.denominator) for m, c in g.items()}) for g in generators]
+    given = [context.from_dict({m: as_fmpq(c) for m, c in g.items()}) for g in generators]
     try:
         basis = groebner_basis(given)
     except NotDecidedError as error:
@@ -196,7 +196,3 @@ def _over_a_domain(derivation: Derivation, generators: Sequence[Polynomial]) -> 
     expressions: list[Expr] = [derivation.expression(g) for g in generators]
     found: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
     return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in found.polys]
-
-
-def _divides(first: Exponents, second: Exponents) -> bool:
-    return all(a <= b for a, b in zip(first, second, strict=True))

@@ -12,7 +12,8 @@ from math import lcm
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.echelon import Echelon, transposed
+from liepoisson.algebra.sparse_polynomials import expression, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import gradings
@@ -100,11 +101,7 @@ class ParameterMatrix:
 
     def rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
         """The matrix of D on some monomials that are standard on the level."""
-        rows: dict[Exponents, SparseRow] = {}
-        for column, monomial in enumerate(block):
-            for key, value in self.level.remainder(self._image(monomial)).items():
-                rows.setdefault(key, {})[column] = value
-        return list(rows.values())
+        return transposed(self.level.remainder(self._image(monomial)) for monomial in block)
 
     def _image(self, monomial: Exponents) -> dict[Exponents, Poly]:
         total: dict[Exponents, Poly] = {}
@@ -112,7 +109,7 @@ class ParameterMatrix:
             if power:
                 lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
                 for factor, coefficient in self.components[k].items():
-                    key = tuple(map(sum, zip(lowered, factor, strict=True)))
+                    key = of_exponents(lowered, factor)
                     total[key] = total.get(key, self._zero) + coefficient * power
         return total
 
@@ -141,18 +138,7 @@ class ParameterMatrix:
 
     def fraction(self, numerator: Poly, denominator: Poly) -> Expr:
         """A fraction of polynomials in the parameters as an expression."""
-        from sympy import Add, Mul, Rational
-
-        parts: list[Any] = [
-            Add(
-                *(
-                    Mul(Rational(int(c.p), int(c.q)), *(s ** int(k) for s, k in zip(self.symbols, m, strict=True)))
-                    for m, c in polynomial.terms()
-                )
-            )
-            for polynomial in (numerator, denominator)
-        ]
-        return parts[0] / parts[1]
+        return expression(numerator.terms(), self.symbols) / expression(denominator.terms(), self.symbols)
 
     def sympy(self, polynomial: Poly) -> Expr:
         """A polynomial in the parameters as an expression with whole coefficients without a common factor."""

@@ -9,8 +9,10 @@ from math import lcm
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.linear_algebra import rank_mod
+from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.sparse_polynomials import gradient_at, value_at
 from liepoisson.integrability.darboux_search import DarbouxSearch, Factor
-from liepoisson.integrability.modular import gradient_at, modular, value_at
+from liepoisson.integrability.modular import modular
 from liepoisson.integrability.search import Search
 
 if TYPE_CHECKING:
@@ -89,24 +91,23 @@ class _Point:
     def __init__(self, search: DarbouxSearch) -> None:
         here = Search(search.derivation, search.gradings, search.level, search.equations, [])
         self.point, self.residues = here.point, here.residues
-        self.level = [gradient_at(modular(e, self.residues), self.point, self.residues.p) for e in search.equations]
+        self.level = [gradient_at(modular(e, self.residues), self.point) for e in search.equations]
 
-    def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, int]:
+    def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, Element]:
         """The gradient of the logarithm of a product of powers."""
-        total: dict[int, int] = {}
-        p = self.residues.p
+        total: dict[int, Element] = {}
         for factor, power in zip(factors, powers, strict=True):
             if power:
                 polynomial = modular(factor.polynomial, self.residues)
-                value = value_at(polynomial, self.point, p)
+                value = value_at(polynomial.items(), self.point)
                 if not value:
                     return {}  # it vanishes on a component of the level
-                scale = power * pow(value, -1, p)
-                for i, slope in gradient_at(polynomial, self.point, p).items():
-                    total[i] = (total.get(i, 0) + scale * slope) % p
+                scale = power / value
+                for i, slope in gradient_at(polynomial, self.point).items():
+                    total[i] = total.get(i, 0) + scale * slope
         return {i: slope for i, slope in total.items() if slope}
 
-    def rank(self, rows: Sequence[dict[int, int]]) -> int:
+    def rank(self, rows: Sequence[dict[int, Element]]) -> int:
         """The rank of gradients, along the level."""
         return rank_mod([*self.level, *rows], len(self.point), self.residues.p)
 

@@ -9,6 +9,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level
@@ -70,7 +71,7 @@ class PointSearch:
 
     def at(self, values: Sequence[Fraction]) -> PointResult:
         """Search at some values of the parameters."""
-        if not _value(self.denominator, values):
+        if not value_at(self.denominator, values):
             return PointResult("no system")
         names: Any = tuple(range(self.n))  # of the coordinates, which nothing here prints
         derivation = Derivation(names, tuple(_at(part, values) for part in self.components), Coefficients())
@@ -102,16 +103,5 @@ def plain_family(family: Mapping[Exponents, Poly]) -> Family:
     return {m: plain(c) for m, c in family.items()}
 
 
-def _value(terms: Terms, values: Sequence[Fraction]) -> Fraction:
-    total = Fraction(0)
-    for monomial, coefficient in terms:
-        term = coefficient
-        for value, power in zip(values, monomial, strict=True):
-            if power:
-                term *= value**power
-        total += term
-    return total
-
-
 def _at(family: Family, values: Sequence[Fraction]) -> Polynomial:
-    return {m: value for m, terms in family.items() if (value := _value(terms, values))}
+    return {m: value for m, terms in family.items() if (value := value_at(terms, values))}

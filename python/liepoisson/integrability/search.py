@@ -18,25 +18,18 @@ from functools import cached_property
 from itertools import count
 from typing import Any
 
-from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
+from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.residues import Residues
+from liepoisson.algebra.sparse_polynomials import gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.modular import (
-    Modular,
-    Span,
-    gradient_at,
-    modular,
-    multiply,
-    random_point,
-    residues_of,
-    value_at,
-)
+from liepoisson.integrability.modular import modular, random_point, residues_of
 from liepoisson.integrability.monomials import in_blocks
 
 Label = tuple[int, ...]
@@ -179,7 +172,7 @@ class Search:
         for size, part in sorted(candidates, key=lambda item: (item[0], len(item[1]))):
             if size > largest:
                 break
-            span = Span(self.residues.p)
+            span = Echelon(self.residues.field)
             self._insert_products({(): span}, highest, self.generators, whole=True)
             if span.reduce(modular(part, self.residues)):
                 others = [g.polynomial for g in self.generators]
@@ -196,16 +189,14 @@ class Search:
         """The dimension of the null space modulo the prime."""
         if not self.level.basis:
             return self._modular_derivation.nullity(block, progress=progress)
-        rows: dict[Exponents, dict[int, int]] = {}
-        p = self.residues.p
-        for column, monomial in enumerate(block):
+        columns: list[Polynomial] = []
+        for monomial in block:
             checkpoint("the search for integrals")
-            if progress and not column % 100:
-                progress(column / len(block))
+            if progress and not len(columns) % 100:
+                progress(len(columns) / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
-            for key, value in self._level_mod.remainder(image, p).items():
-                rows.setdefault(key, {})[column] = value
-        return len(nullspace_mod(list(rows.values()), len(block), p))
+            columns.append(self._level_mod.remainder(image))
+        return len(nullspace_mod(transposed(columns), len(block), self.residues.p))
 
     @cached_property
     def _modular_derivation(self) -> ModularDerivation:
@@ -217,9 +208,8 @@ class Search:
 
     def _compare(self, excess: list[tuple[Label, list[Exponents], int]]) -> None:
         """Blocks with integrals: those that products of known ones give, and the others, lowest degree first."""
-        p = self.residues.p
         highest = max((sum(block[0]) for _, block, _ in excess), default=0)
-        spans = {label: Span(p) for label, _, _ in excess}
+        spans = {label: Echelon(self.residues.field) for label, _, _ in excess}
         self._insert_products(spans, highest, self.generators)
         waiting: list[tuple[int, Label, Polynomial]] = []
         for label, block, nullity in excess:
@@ -239,21 +229,15 @@ class Search:
 
     def _exact_null_space(self, block: Sequence[Exponents]) -> list[Polynomial]:
         """The null space over the exact field, as polynomials of the lowest degrees possible."""
-        rows: dict[Exponents, dict[int, Any]] = {}
-        for column, monomial in enumerate(block):
-            for key, value in self._image(monomial).items():
-                rows.setdefault(key, {})[column] = value
-        found = nullspace(list(rows.values()), len(block), self.derivation.field)
+        found = nullspace(transposed(map(self._image, block)), len(block), self.derivation.field)
         # the columns are ordered by degree, highest first: leading monomials tell what is of lower degree
-        lowest = Echelon(self.derivation.field)
-        for vector in found.vectors:
-            lowest.insert(vector)
+        lowest = Echelon(self.derivation.field, found.vectors)
         return [{block[c]: v for c, v in vector.items()} for vector in lowest.basis()]
 
     def _simplest(self, polynomial: Polynomial, label: Label) -> Polynomial:
         """A sum of the polynomial and multiples of known products with few terms, by a greedy search."""
         products = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
-        best, zero = polynomial, self.derivation.field.one - self.derivation.field.one
+        best, zero = polynomial, self.derivation.field.zero
         while len(best) <= _MOST_TERMS:
             found = [
                 {m: c for m in best.keys() | q.keys() if (c := best.get(m, zero) - best[k] / q[k] * q.get(m, zero))}
@@ -282,14 +266,14 @@ class Search:
             for k in range(start, len(factors)):
                 degree, factor = factors[k]
                 if degree <= left and (product is None or len(product) * len(factor) <= _MOST_TERMS**2):
-                    extend(k, left - degree, factor if product is None else times(product, factor))
+                    extend(k, left - degree, factor if product is None else multiply(product, factor))
 
         extend(0, highest, None)
         return [{m: field_one * c for m, c in p.items()} for p in found if p]
 
     def _insert_products(
         self,
-        spans: Mapping[Label, Span],
+        spans: Mapping[Label, Echelon],
         highest: int,
         generators: Sequence[Generator],
         *,
@@ -301,23 +285,22 @@ class Search:
         Those of parts of one weight; of whole integrals into one span, with an empty label.
         """
         gradings = () if whole else self.gradings
-        factors: list[tuple[int, Modular, int]] = []
+        factors: list[tuple[int, Polynomial, int]] = []
         for index, generator in enumerate(generators):
             for part in homogeneous_parts(generator.polynomial, gradings).values():
                 factors.append((max(map(sum, part)), modular(part, self.residues), index))
-        p = self.residues.p
 
-        def extend(start: int, left: int, product: Modular | None, contains: bool) -> None:
+        def extend(start: int, left: int, product: Polynomial | None, contains: bool) -> None:
             checkpoint("products of integrals")
             if product is not None and contains:
                 label = tuple(g.of(next(iter(product))) for g in gradings)
                 if label in spans:
-                    reduced = {m: c % p for m, c in self._level_mod.remainder(product, p).items() if c % p}
+                    reduced = self._level_mod.remainder(product)
                     spans[label].insert({m: c for m, c in reduced.items() if any(m)})
             for k in range(start, len(factors)):
                 degree, factor, index = factors[k]
                 if 0 < degree <= left:
-                    further = factor if product is None else multiply(product, factor, p)
+                    further = factor if product is None else multiply(product, factor)
                     extend(k, left - degree, further, contains or must_contain is None or index == must_contain)
 
         extend(0, highest, None, must_contain is None)
@@ -340,12 +323,12 @@ class Search:
 
     def _rank(self, polynomials: Sequence[Polynomial]) -> int:
         point = self.point
-        rows = [gradient_at(modular(f, self.residues), point, self.residues.p) for f in (*self.equations, *polynomials)]
-        rows.append({k: value_at(modular(f, self.residues), point, self.residues.p) for k, f in enumerate(self.slope)})
+        rows = [gradient_at(modular(f, self.residues), point) for f in (*self.equations, *polynomials)]
+        rows.append({k: value_at(modular(f, self.residues).items(), point) for k, f in enumerate(self.slope)})
         return rank_mod(rows, len(point), self.residues.p)
 
     @cached_property
-    def point(self) -> list[int]:
+    def point(self) -> list[Element]:
         """A random point modulo the prime, on the level."""
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
 
@@ -355,17 +338,17 @@ def _part(progress: Callable[[float], Any] | None, start: float, share: float) -
     return None if progress is None else lambda fraction: progress(start + share * fraction)
 
 
-def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[int]:
+def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[Element]:
     """A random point modulo the prime at which some polynomials in n variables vanish.
 
     Raises:
         ParameterError: none was found.
     """
     if not equations:
-        return random_point(n, residues.p)
+        return random_point(n, residues)
     images = [modular(f, residues) for f in equations]
     for seed in range(1, _MOST_POINTS):
-        found = _point_on(images, random_point(n, residues.p, seed), residues.p)
+        found = _point_on(images, random_point(n, residues, seed), residues.p)
         if found is not None:
             return found
     raise ParameterError(
@@ -374,24 +357,13 @@ def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) 
     )
 
 
-def times(first: Polynomial, second: Polynomial) -> Polynomial:
-    """The product of two polynomials."""
-    product: Polynomial = {}
-    for m, c in first.items():
-        checkpoint("a product of polynomials")
-        for k, d in second.items():
-            key = tuple(map(sum, zip(m, k, strict=True)))
-            product[key] = product[key] + c * d if key in product else c * d
-    return {m: c for m, c in product.items() if c}
-
-
-def _last_and_number(equation: Modular) -> tuple[int, int]:
+def _last_and_number(equation: Polynomial) -> tuple[int, int]:
     """The last variable of an equation, for which it is solved, and the number of variables."""
     occurring = {i for m in equation for i, k in enumerate(m) if k}
     return max(occurring, default=0), len(occurring)
 
 
-def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[int] | None:
+def _point_on(equations: Sequence[Polynomial], point: list[Element], p: int) -> list[Element] | None:
     """The point, moved to the level by one coordinate for each equation; None if that has no solution.
 
     An equation may follow from those before, as some of the relations of exponentials do.
@@ -402,20 +374,18 @@ def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[in
     for equation in sorted(equations, key=_last_and_number):
         occurring = sorted({i for m in equation for i, k in enumerate(m) if k} - fixed)
         if not occurring:
-            if value_at(equation, point, p):
+            if value_at(equation.items(), point):
                 return None
             continue
         i = occurring[-1]
-        coefficients: dict[int, int] = {}
+        by_power: dict[int, Polynomial] = {}
         for monomial, c in equation.items():
-            for j, k in enumerate(monomial):
-                if j != i and k:
-                    c = c * pow(point[j], k, p) % p  # noqa: PLW2901
-            coefficients[monomial[i]] = (coefficients.get(monomial[i], 0) + c) % p
-        polynomial = nmod_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)], p)
+            by_power.setdefault(monomial[i], {})[*monomial[:i], 0, *monomial[i + 1 :]] = c
+        coefficients = [value_at(by_power.get(k, {}).items(), point) for k in range(max(by_power) + 1)]
+        polynomial = nmod_poly([int(c) for c in coefficients], p)
         roots = [r for r, _ in polynomial.factor()[1] if r.degree() == 1] if polynomial.degree() > 0 else []
         if not roots:
             return None
-        point[i] = int(-roots[0][0] / roots[0][1])
+        point[i] = -roots[0][0] / roots[0][1]
         fixed |= {j for m in equation for j, k in enumerate(m) if k}
     return point

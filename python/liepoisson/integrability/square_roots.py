@@ -40,7 +40,7 @@ def element(value: Expr, field: Coefficients) -> Any:
     """A number with these square roots as an element of the field."""
     from sympy import Add, I, Mul
 
-    total = field.one - field.one
+    total = field.zero
     for term in Add.make_args(value.expand()):
         product = field.one
         for factor in Mul.make_args(term):

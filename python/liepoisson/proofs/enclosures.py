@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson import _core
+from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import ReadOnlyArrays
@@ -19,7 +20,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.poincare.section_arguments import as_direction
 from liepoisson.proofs.box import Box, BoxLike, interval_text
 from liepoisson.proofs.interval_checker import core_terms
-from liepoisson.proofs.polynomial_field import PolynomialField, Terms, rational_terms, value
+from liepoisson.proofs.polynomial_field import PolynomialField, Terms, rational_terms
 from liepoisson.proofs.rigorous import (
     PRECISION,
     Arithmetic,
@@ -394,7 +395,7 @@ def _at(terms: Terms, state: Box) -> float:
         EnclosureError: no double holds it.
     """
     try:
-        return float(value(terms, [Fraction(float(v)) for v in state.midpoint]))
+        return float(value_at(terms.items(), [Fraction(float(v)) for v in state.midpoint], Fraction))
     except OverflowError as error:
         raise EnclosureError("numbers beyond the range of doubles; take a smaller box or another unit") from error
 
@@ -492,8 +493,8 @@ def _is_on(box: Box, section: Terms) -> bool:
     """Whether all states of a box lie on a hyperplane, exactly: it is a box on a plane of coordinates, or one point."""
     fixed = [a == b for a, b in zip(box.lower, box.upper, strict=True)]
     needed = [any(m[k] for m in section) for k in range(len(fixed))]
-    return all(f for f, n in zip(fixed, needed, strict=True) if n) and not value(
-        section, [Fraction(float(v)) for v in box.lower]
+    return all(f for f, n in zip(fixed, needed, strict=True) if n) and not value_at(
+        section.items(), [Fraction(float(v)) for v in box.lower]
     )
 
 

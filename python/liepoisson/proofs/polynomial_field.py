@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import prod
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
@@ -64,16 +63,6 @@ class PolynomialField:
         )
         return same and all(_signed(f, signs) == f for f in self.constants.values())
 
-    def rate_of(self, f: Terms) -> Terms:
-        r"""The rate of change along orbits, $\sum_k f_k\,\partial F/\partial x_k$; empty if F is constant."""
-        found: Terms = {}
-        for k, rate in enumerate(self.rates):
-            for m, c in derivative(f, k).items():
-                for n, d in rate.items():
-                    e = tuple(a + b for a, b in zip(m, n, strict=True))
-                    found[e] = found.get(e, Fraction(0)) + c * d
-        return {e: c for e, c in found.items() if c}
-
 
 def polynomial_field(system: System) -> PolynomialField:
     """The equations of a system as polynomials with rational coefficients.
@@ -113,11 +102,6 @@ def rational_terms(expression: Expr, variables: Sequence[Symbol], what: str) -> 
                 "such as 1/3, and no roots"
             )
     return {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in terms if c != 0}
-
-
-def derivative(terms: Terms, k: int) -> Terms:
-    """The derivative of a polynomial by its variable number k."""
-    return {(*m[:k], m[k] - 1, *m[k + 1 :]): c * m[k] for m, c in terms.items() if m[k]}
 
 
 def _signed(terms: Terms, signs: Sequence[int]) -> Terms:
@@ -168,23 +152,4 @@ def field_of_formulas(rates: Mapping[str, str], constants: Mapping[str, str] | N
         tuple(terms(text, f"the rate of {name}") for name, text in rates.items()),
         {name: terms(text, name) for name, text in (constants or {}).items()},
         tuple(f"d{name}/dt = {text}" for name, text in rates.items()),
-    )
-
-
-def along(terms: Terms, rates: Sequence[Terms]) -> Terms:
-    """The rate of change of a polynomial along a field, exactly."""
-    total: Terms = {}
-    for k, rate in enumerate(rates):
-        for m, c in derivative(terms, k).items():
-            for e, d in rate.items():
-                place = tuple(a + b for a, b in zip(m, e, strict=True))
-                total[place] = total.get(place, Fraction(0)) + c * d
-    return {m: c for m, c in total.items() if c}
-
-
-def value(terms: Terms, state: Sequence[Fraction]) -> Fraction:
-    """A polynomial at a rational point, exactly."""
-    return sum(
-        (c * prod((v**e for v, e in zip(state, m, strict=True)), start=Fraction(1)) for m, c in terms.items()),
-        Fraction(0),
     )

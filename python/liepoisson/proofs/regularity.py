@@ -13,7 +13,8 @@ from fractions import Fraction
 from typing import Any
 
 from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
-from liepoisson.proofs.polynomial_field import PolynomialField, Terms, derivative
+from liepoisson.algebra.sparse_polynomials import derivative, expression, rational_to_sympy
+from liepoisson.proofs.polynomial_field import PolynomialField
 
 
 def is_regular(field: PolynomialField, level: Mapping[str, Fraction]) -> bool:
@@ -22,34 +23,27 @@ def is_regular(field: PolynomialField, level: Mapping[str, Fraction]) -> bool:
     Raises:
         NotDecidedError: the Gröbner bases cost too much.
     """
-    from sympy import Add, Rational, Symbol
+    from sympy import Add, Symbol
 
     x = [Symbol(name) for name in field.names]
     m = [Symbol(f"m_{k}") for k in range(len(field.constants))]
     on_level: list[Any] = [
-        Add(_expression(f, x), -Rational(level[name].numerator, level[name].denominator))
-        for name, f in field.constants.items()
+        Add(expression(f.items(), x), -rational_to_sympy(level[name])) for name, f in field.constants.items()
     ]
     functions = list(field.constants.values())
     for k in range(len(m)):
         # the multipliers before the k-th vanish in what is left
         factors = [0] * k + [1] + m[k + 1 :]
         dependent = [
-            Add(*(factor * _expression(derivative(f, j), x) for factor, f in zip(factors, functions, strict=True)))
+            Add(
+                *(
+                    factor * expression(derivative(f, j).items(), x)
+                    for factor, f in zip(factors, functions, strict=True)
+                )
+            )
             for j in range(len(x))
         ]
         unknowns = [*x, *m[k + 1 :]]
         if not PolynomialSystem.of([*dependent, *on_level], unknowns).is_inconsistent:
             return False
     return True
-
-
-def _expression(terms: Terms, x: list[Any]) -> Any:
-    from sympy import Add, Mul, Rational
-
-    return Add(
-        *(
-            Mul(Rational(c.numerator, c.denominator), *(v**e for v, e in zip(x, m, strict=True) if e))
-            for m, c in terms.items()
-        )
-    )

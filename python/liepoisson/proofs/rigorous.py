@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
+from liepoisson.algebra.sparse_polynomials import along, value_at
 from liepoisson.errors import EnclosureError, ParameterError, ShapeError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import as_count, as_number, as_time_limit
@@ -21,7 +22,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import as_system
 from liepoisson.proofs.balls.lohner import How
 from liepoisson.proofs.box import Box, BoxLike, as_box
-from liepoisson.proofs.polynomial_field import PolynomialField, along, equations_of, polynomial_field, value
+from liepoisson.proofs.polynomial_field import PolynomialField, equations_of, polynomial_field
 
 if TYPE_CHECKING:
     from flint import arb
@@ -198,7 +199,7 @@ def level_values(
     """
     if given is None:
         at = [Fraction(v) for v in state]
-        return {name: _near(value(field.constants[name], at), name) for name in names}
+        return {name: _near(value_at(field.constants[name].items(), at, Fraction), name) for name in names}
     given = by_name(given, "level", "values", _example(names))
     if set(given) != set(names):
         raise ParameterError(

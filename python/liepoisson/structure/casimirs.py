@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.algebra.rational_polynomials import RationalPolynomial
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.certificates import RankCertificate
@@ -35,7 +36,7 @@ from liepoisson.structure.poisson.casimir_search import (
 )
 from liepoisson.structure.poisson.leading_monomials import leading, place
 from liepoisson.structure.poisson.poisson_tensor import CONSTANT
-from liepoisson.structure.poisson.polynomials import Polynomial, expression_of
+from liepoisson.structure.poisson.polynomials import expression_of
 from liepoisson.structure.poisson.takiff import leibniz_strength, lifted
 from liepoisson.structure.trace_casimirs import TraceCasimirs, replaces_search
 

@@ -10,6 +10,7 @@ from operator import add
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import Exact, to_sympy
+from liepoisson.algebra.matrices import determinant
 from liepoisson.algebra.real_fields import RealField, Surd
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import Parameter
@@ -291,29 +292,9 @@ def _verify(algebra: CommutativeAlgebra, form: Extension, rows: Sequence[SurdVec
         entries = [[c.field_value() if c else field.zero for c in row] for row in rows]
         assert len(algebra.echelon(entries)) == n, f"independent vectors for {form.name}"
         return
-    determinant = _determinant(rows)
-    assert determinant.norm(), f"independent vectors for {form.name}"
-    field.rely_on(determinant.norm())
-
-
-def _determinant(rows: Sequence[SurdVector]) -> Surd:
-    """Laplace's expansion, each minor of the last rows computed once."""
-    n = len(rows)
-    minors: dict[frozenset[int], Surd | None] = {frozenset(): None}
-    for row in reversed(rows):
-        wider: dict[frozenset[int], Surd | None] = {}
-        for columns, minor in minors.items():
-            for k in set(range(n)) - columns:
-                if not row[k]:
-                    continue
-                term = row[k] if minor is None else row[k] * minor
-                term = -term if sum(1 for c in columns if c < k) % 2 else term
-                key = columns | {k}
-                known = wider.get(key)
-                wider[key] = term if known is None else known + term
-        minors = wider
-    total = minors.get(frozenset(range(n)))
-    return Surd({}) if total is None else total
+    minor = determinant(rows, Surd({}))
+    assert minor.norm(), f"independent vectors for {form.name}"
+    field.rely_on(minor.norm())
 
 
 def _written(factor: RealFactor) -> LocalFactor:

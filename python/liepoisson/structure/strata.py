@@ -27,9 +27,9 @@ from liepoisson.structure.poisson.polynomials import expression_of
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.algebra.sparse_polynomials import Polynomial
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
-    from liepoisson.structure.poisson.polynomials import Polynomial
 
 
 _Functions: TypeAlias = "Callable[[], Sequence[Expr]]"

@@ -9,6 +9,7 @@ from operator import mul
 from typing import Any
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.algebra.residues import Residues
 from liepoisson.structure.lie.defining_matrices import sparse_product
 
@@ -49,14 +50,13 @@ def modular_arithmetic(residues: Residues) -> Arithmetic:
 
 def rational_arithmetic(field: Coefficients) -> Arithmetic:
     """In rational matrices, by python-flint; results are elements of the field."""
-    from flint import fmpq, fmpq_mat
+    from flint import fmpq_mat
 
     def matrix(m: int, entries: dict[tuple[int, int], Any]) -> Any:
         return fmpq_mat([[entries.get((i, j), 0) for j in range(m)] for i in range(m)])
 
     def number(value: Any) -> Any:
-        q = Fraction(value)
-        return fmpq(q.numerator, q.denominator)
+        return as_fmpq(Fraction(value))
 
     def result(value: Any) -> Any:
         return field.number(Fraction(int(value.p), int(value.q)))
@@ -66,7 +66,7 @@ def rational_arithmetic(field: Coefficients) -> Arithmetic:
 
 def cyclotomic_arithmetic(field: Coefficients) -> Arithmetic:
     """In sparse matrices of elements of a cyclotomic field."""
-    zero = field.number(0)
+    zero = field.zero
 
     def number(value: Any) -> Any:
         return field.number(value) if isinstance(value, (int, Fraction)) else value

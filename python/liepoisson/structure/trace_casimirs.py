@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.algebra.linear_algebra import rank_mod
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.structure.lie.defining_matrices import (
     DefiningMatrices,
     Entries,
@@ -36,7 +37,7 @@ from liepoisson.structure.lie.defining_matrices import (
     in_field,
 )
 from liepoisson.structure.poisson.casimir_search import MAX_WORK, CasimirSearch
-from liepoisson.structure.poisson.polynomials import Polynomial, gradient_at
+from liepoisson.structure.poisson.polynomials import gradient_at
 from liepoisson.structure.poisson.takiff import leibniz_strength, lifted
 from liepoisson.structure.trace_arithmetic import (
     Arithmetic,

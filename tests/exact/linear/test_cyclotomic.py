@@ -74,13 +74,13 @@ def test_identities_are_decided(zero):
 def test_squares_of_sine_and_cosine_add_up(p, q):
     field = CyclotomicField(math.lcm(4, 2 * q))
     s, c = field.sine(p, q), field.cosine(p, q)
-    assert not s * s + c * c - field.rational(1)
+    assert not s * s + c * c - field.one
 
 
 @pytest.mark.parametrize("prime", [2, 3, 5, 7, 11, 13])
 def test_gauss_sums_are_positive_square_roots(prime):
     root = CyclotomicField(8 * prime).square_root(prime)
-    assert not root * root - root.field.rational(prime)
+    assert not root * root - root.field.number(prime)
     assert cmath.isclose(value(root), math.sqrt(prime), rel_tol=1e-12)
 
 
@@ -88,7 +88,7 @@ def test_gauss_sums_are_positive_square_roots(prime):
 @given(st.sampled_from([atom for atom in ATOMS if atom.is_real]))
 def test_real_numbers_are_written_back(atom):
     image = cyclotomic_images([atom])[atom]
-    again = image.to_sympy()
+    again = image.field.to_sympy(image)
     assert not cyclotomic_images([again - atom])[again - atom]
 
 
@@ -112,4 +112,4 @@ def test_other_numbers_have_no_image(other):
 def test_division_by_zero_is_an_error():
     field = CyclotomicField(12)
     with pytest.raises(ZeroDivisionError):
-        field.rational(1) / field.rational(0)
+        field.one / field.zero

@@ -5,10 +5,10 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.algebra.real_fields import Rationals, Surd, real_field
+from liepoisson.algebra.real_fields import RealRationals, Surd, real_field
 from liepoisson.errors import ParameterError
 
-Q = Rationals()
+Q = RealRationals()
 positive = st.fractions(min_value=Fraction(1, 50), max_value=50, max_denominator=50)
 epsilon = sp.Symbol("epsilon")
 

@@ -1,8 +1,15 @@
+import pickle
+from itertools import islice
+
 import pytest
 import sympy as sp
+from flint import fmpq
+from hypothesis import given
+from hypothesis import strategies as st
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.residues import Residues
+from liepoisson.algebra.number_fields import PrimeField
+from liepoisson.algebra.residues import Lift, Residues, primes
 
 e = sp.Symbol("e")
 
@@ -36,3 +43,26 @@ def test_residues_are_refused_where_a_denominator_vanishes():
 
 def test_there_are_none_where_sympy_only_simplifies():
     assert Coefficients.containing([sp.sqrt(e) + sp.log(e + sp.sqrt(2))]).residues(1) is None
+
+
+@given(st.fractions(max_denominator=10**25), st.integers(0, 2**61 - 2))
+def test_numbers_are_lifted_from_their_residues(number, residue):
+    lift = Lift()
+    for p in islice(primes(), 6):
+        lift.add({(1,): int(PrimeField(p).number(number))}, p)
+    if abs(number.numerator) < 10**50:
+        assert lift.lifted() == ({(1,): fmpq(number.numerator, number.denominator)} if number else {})
+    # of other residues there is a number within the bound, or none
+    one = Lift()
+    one.add({(1,): residue}, 2**61 - 1)
+    found = one.lifted()
+    if residue and found is not None:
+        c = found[(1,)]
+        assert 2 * max(abs(int(c.p)), int(c.q)) ** 2 <= 2**61 - 1
+        assert (int(c.p) - residue * int(c.q)) % (2**61 - 1) == 0
+
+
+def test_a_field_that_was_used_is_copied():
+    residues = Coefficients.containing([e]).residues(1)
+    assert residues.field.one + residues.field.zero == 1
+    assert pickle.loads(pickle.dumps(residues)) == residues

@@ -9,10 +9,9 @@ from known_systems import cyclic, katsura
 
 from liepoisson.algebra.ideals import groebner
 from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
-from liepoisson.algebra.ideals.lifting import Residues, primes, residues_of
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.algebra.ideals.monomial_ideals import degree, dimension, standard_monomials
-from liepoisson.algebra.residues import PRIME
+from liepoisson.algebra.residues import PRIME, primes
 
 X, Y, Z = symbols = sp.symbols("x y z")
 CONTEXT = rational_context(["x", "y", "z"])
@@ -91,23 +90,6 @@ def test_without_a_proof_there_is_no_basis(monkeypatch):
     monkeypatch.setattr(groebner, "are_groebner", lambda *_: False)
     with pytest.raises(NotDecidedError):
         groebner_basis([x * y - 1, x + y], Limits(work=20_000))
-
-
-@given(st.fractions(max_denominator=10**25), st.integers(0, 2**61 - 2))
-def test_numbers_are_lifted_from_their_residues(number, residue):
-    lifting = Residues()
-    for p, _ in zip(primes(), range(6), strict=False):
-        lifting.add(residues_of([((1,), fmpq(number.numerator, number.denominator))], p), p)
-    if abs(number.numerator) < 10**50:
-        assert lifting.lifted() == ({(1,): fmpq(number.numerator, number.denominator)} if number else {})
-    # of other residues there is a number within the bound, or none
-    one = Residues()
-    one.add({(1,): residue}, 2**61 - 1)
-    found = one.lifted()
-    if residue and found is not None:
-        c = found[(1,)]
-        assert 2 * max(abs(int(c.p)), int(c.q)) ** 2 <= 2**61 - 1
-        assert (int(c.p) - residue * int(c.q)) % (2**61 - 1) == 0
 
 
 def test_work_that_is_too_much_is_not_decided():

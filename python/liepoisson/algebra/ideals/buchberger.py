@@ -14,14 +14,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import compress
-from operator import le, mul, sub
+from operator import mul, sub
 from typing import Any, TypeAlias
 
 from liepoisson.algebra.ideals.limits import Budget
+from liepoisson.algebra.sparse_polynomials import Monomial, divides
 
 Poly: TypeAlias = Any
 """A polynomial of FLINT over a field: fmpq_mpoly or nmod_mpoly."""
-Monomial: TypeAlias = tuple[int, ...]
 
 _CALL, _TERM = 3.0, 0.15
 """Work of one division of polynomials, and of each term in it, with coefficients of one word (measured)."""
@@ -30,11 +30,6 @@ _CALL, _TERM = 3.0, 0.15
 def leading(p: Poly) -> Monomial:
     """The exponents of the leading monomial."""
     return tuple(map(int, p.monomial(0)))
-
-
-def divides(first: Monomial, second: Monomial) -> bool:
-    """Whether a monomial divides another."""
-    return all(map(le, first, second))
 
 
 def common_multiple(first: Monomial, second: Monomial) -> Monomial:

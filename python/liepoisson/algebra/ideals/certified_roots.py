@@ -19,6 +19,8 @@ from typing import Any, cast
 
 from flint import acb, arb, arb_mat, ctx, fmpq, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
 
+from liepoisson.algebra.number_fields import as_fmpq
+
 PRECISIONS = (128, 256, 512, 1024, 2048)
 """Bits of the ball arithmetic, tried in this order.
 
@@ -47,8 +49,7 @@ def precision(bits: int) -> Generator[None]:
 
 def rational(value: Fraction | float) -> fmpq:
     """The number as a rational one; a double is one."""
-    exact = Fraction(value)
-    return fmpq(exact.numerator, exact.denominator)
+    return as_fmpq(Fraction(value))
 
 
 def ball(value: fmpq | int) -> arb:

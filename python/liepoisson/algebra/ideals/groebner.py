@@ -19,28 +19,27 @@ References: [arnold2003].
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from flint import Ordering, fmpq_mpoly_ctx, nmod_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mpoly_ctx, nmod_mpoly_ctx
 
 from liepoisson.algebra.flint_pickles import register
 from liepoisson.algebra.ideals.buchberger import (
-    Monomial,
     Poly,
     Run,
     are_groebner,
     buchberger,
-    divides,
     leading,
     reduced,
     remainder,
 )
-from liepoisson.algebra.ideals.lifting import Residues, primes, residues_of
 from liepoisson.algebra.ideals.limits import Budget, Limits
 from liepoisson.algebra.ideals.monomial_ideals import degree, dimension, standard_monomials
+from liepoisson.algebra.residues import Lift, primes
+from liepoisson.algebra.sparse_polynomials import Monomial, divides
 
 register()  # results have polynomials
 
@@ -151,7 +150,7 @@ class _Lift:
 
     def _with_shape(self, first: Run, shape: list[Monomial]) -> list[Poly] | None:
         """The proved basis with these leading monomials; None if another prime, or the proof, is against them."""
-        residues = [Residues() for _ in shape]
+        residues = [Lift() for _ in shape]
         n_primes, attempt = 0, 1
         candidate: list[Poly] | None = None
         while True:
@@ -170,7 +169,7 @@ class _Lift:
                 candidate = self._lifted(residues)
                 attempt = n_primes + max(1, n_primes // 4)
 
-    def _lifted(self, residues: list[Residues]) -> list[Poly] | None:
+    def _lifted(self, residues: list[Lift]) -> list[Poly] | None:
         found: list[Poly] = []
         for one in residues:
             terms = one.lifted()
@@ -181,7 +180,7 @@ class _Lift:
 
     def _predicts(self, candidate: list[Poly], terms: list[dict[Monomial, int]], p: int) -> bool:
         return all(
-            {m: c for m, c in (residues_of(q.terms(), p) or {}).items() if c} == found
+            {m: c for m, c in (_residues_of(q.terms(), p) or {}).items() if c} == found
             for q, found in zip(candidate, terms, strict=True)
         )
 
@@ -190,7 +189,7 @@ class _Lift:
         while True:
             p = next(self._primes)
             modular = nmod_mpoly_ctx.get(self._context.names(), modulus=p, ordering=self._context.ordering())
-            images = [residues_of(((tuple(map(int, m)), c) for m, c in g.terms()), p) for g in self._generators]
+            images = [_residues_of(((tuple(map(int, m)), c) for m, c in g.terms()), p) for g in self._generators]
             known = [image for image in images if image is not None]
             if len(known) == len(images):
                 return p, buchberger([modular.from_dict(image) for image in known], self._budget, idle)
@@ -202,6 +201,17 @@ class _Lift:
         words = _words(candidate)
         in_ideal = all(not remainder(g, candidate, self._budget, words, shape) for g in self._generators)
         return in_ideal and are_groebner(candidate, self._budget, words)
+
+
+def _residues_of(terms: Iterable[tuple[Monomial, fmpq]], p: int) -> dict[Monomial, int] | None:
+    """The coefficients modulo a prime, or None if it divides a denominator."""
+    found: dict[Monomial, int] = {}
+    for monomial, c in terms:
+        denominator = int(c.q) % p
+        if not denominator:
+            return None
+        found[monomial] = int(c.p) * pow(denominator, -1, p) % p
+    return found
 
 
 def _homogeneous(generators: Sequence[Poly]) -> list[Poly]:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from flint import fmpz_poly
 
-from liepoisson.algebra.ideals.buchberger import Monomial, divides
+from liepoisson.algebra.sparse_polynomials import Monomial, divides
 
 
 def dimension(leads: Sequence[Monomial], n: int) -> int:

@@ -22,6 +22,7 @@ from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
 from liepoisson.algebra.ideals.signs import never_vanishes
 from liepoisson.algebra.ideals.solutions import Solution, Solutions, solutions
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.refusals import shown
 
@@ -204,8 +205,7 @@ def polynomial(expression: Any, context: Any) -> Poly:
         ParameterError: it is none in these variables, or a coefficient is not rational.
     """
     if isinstance(expression, int | Fraction | fmpq):
-        number = expression if isinstance(expression, fmpq) else fmpq(expression.numerator, expression.denominator)
-        return context.constant(number)
+        return context.constant(as_fmpq(expression))
     names = context.names()
     if hasattr(expression, "context"):
         occurring = {n for n, k in zip(expression.context().names(), expression.degrees(), strict=True) if k}

@@ -14,9 +14,10 @@ from typing import Any
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 
-from liepoisson.algebra.ideals.buchberger import Monomial, Poly
+from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Budget, NotDecidedError
+from liepoisson.algebra.sparse_polynomials import Monomial, of_exponents
 
 
 class Quotient:
@@ -81,7 +82,7 @@ class Quotient:
         for m in self.monomials:
             found[m] = fmpq_mat(d, 1)
             found[m][self._place[m], 0] = fmpq(1)
-        wanted = {tuple(map(sum, zip(a, b, strict=True))) for a in self.monomials for b in self.monomials}
+        wanted = {of_exponents(a, b) for a in self.monomials for b in self.monomials}
         for m in sorted(wanted, key=sum):
             self._column(m, found)
         return found
@@ -103,7 +104,7 @@ class Quotient:
         for k, m in enumerate(self.monomials):
             total = fmpq(0)
             for j, other in enumerate(self.monomials):
-                total += self._products[tuple(map(sum, zip(m, other, strict=True)))][j, 0]
+                total += self._products[of_exponents(m, other)][j, 0]
             row[0, k] = total
         return row
 
@@ -113,7 +114,7 @@ class Quotient:
         d = self.dimension
         self._budget.spend(0.02 * d**3 * self._words(), "the rank of the trace form")
         values = {m: (self.traces * column)[0, 0] for m, column in self._products.items()}
-        entries = [values[tuple(map(sum, zip(a, b, strict=True)))] for a in self.monomials for b in self.monomials]
+        entries = [values[of_exponents(a, b)] for a in self.monomials for b in self.monomials]
         return int(fmpq_mat(d, d, entries).rank())
 
     def multiplication(self, form: tuple[int, ...]) -> fmpq_mat:

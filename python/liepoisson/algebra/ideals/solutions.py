@@ -28,9 +28,9 @@ from flint import acb, arb, ctx, fmpq, fmpq_mat, fmpq_poly, fmpz_poly, nmod_mat,
 from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.certified_roots import ball, precision
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
-from liepoisson.algebra.ideals.lifting import primes
 from liepoisson.algebra.ideals.limits import Budget, NotDecidedError
 from liepoisson.algebra.ideals.quotient import Quotient
+from liepoisson.algebra.residues import primes
 
 _MOST_BITS = 1 << 16
 """Bits of the ball arithmetic after which a ball is given up."""

@@ -24,6 +24,7 @@ from itertools import chain, combinations, count, islice, product
 from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
@@ -523,7 +524,7 @@ class _Restricted:
         for point in sorted(product(grid, repeat=len(self.coordinates)), key=lambda p: sum(order[c] for c in p)):
             if any(point[k] == 0 for k in fixed):  # it lies on a smaller plane
                 continue
-            if any(_value(one, point) for one in rates):
+            if any(value_at(one, point) for one in rates):
                 continue
             squared = _trace_of_square(jacobian, point) / 2
             if squared <= 0:
@@ -531,7 +532,7 @@ class _Restricted:
             for factor in (Fraction(1), squared, 1 / squared):
                 multiple = tuple(factor * c for c in point)
                 here = _trace_of_square(jacobian, multiple) / 2
-                if _is_square(here) and not any(_value(one, multiple) for one in rates):
+                if _is_square(here) and not any(value_at(one, multiple) for one in rates):
                     yield tuple(Rational(c.numerator, c.denominator) for c in multiple)
                     break
 
@@ -595,19 +596,8 @@ def _terms_of(polynomial: Any, variables: Sequence[Any]) -> Terms:
     return [(m, Fraction(int(c.p), int(c.q))) for m, c in Poly(polynomial, *variables).terms()]
 
 
-def _value(terms: Terms, point: Sequence[Fraction]) -> Fraction:
-    total = Fraction(0)
-    for m, c in terms:
-        value = c
-        for x, power in zip(point, m, strict=True):
-            if power:
-                value *= x**power
-        total += value
-    return total
-
-
 def _trace_of_square(jacobian: list[list[Terms]], point: Sequence[Fraction]) -> Fraction:
-    matrix = [[_value(entry, point) for entry in row] for row in jacobian]
+    matrix = [[value_at(entry, point) for entry in row] for row in jacobian]
     places = range(len(matrix))
     return sum((matrix[i][j] * matrix[j][i] for i in places for j in places), Fraction(0))
 

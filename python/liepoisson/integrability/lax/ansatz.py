@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.algebra.sparse_polynomials import add_multiple, multiply
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.refusals import shown
 from liepoisson.structure.lie.defining_matrices import defining_matrices
@@ -106,7 +107,7 @@ class Ansatz:
                         f"{shown(str(e))}; verify a pair of your own with lax_pair"
                     )
                 for place, factor in movers[k - self.n].items():
-                    _add(part[1].setdefault(place, {}), {factors: Fraction(int(c.p), int(c.q))}, factor)
+                    add_multiple(part[1].setdefault(place, {}), {factors: Fraction(int(c.p), int(c.q))}, factor)
         return parts, common
 
     @property
@@ -121,7 +122,7 @@ class Ansatz:
             return self._constant(self.constants[k - len(self.fields)])
         for x, matrix in self.fields[k]:
             for place, c in matrix.items():
-                _add(found.setdefault(place, {}), {_unit(x, self.n): c}, Fraction(1))
+                add_multiple(found.setdefault(place, {}), {_unit(x, self.n): c}, Fraction(1))
         return found
 
     def residual(self, k: int, part: Part) -> EntryMatrix:
@@ -132,9 +133,9 @@ class Ansatz:
         for place, entry in e.items():
             for monomial, c in entry.items():
                 if any(monomial):
-                    _add(found.setdefault(place, {}), rates[monomial.index(1)], c)
+                    add_multiple(found.setdefault(place, {}), rates[monomial.index(1)], c)
         for place, value in _commutator(e, omega).items():
-            _add(found.setdefault(place, {}), value, Fraction(-1))
+            add_multiple(found.setdefault(place, {}), value, Fraction(-1))
         return found
 
     def partner_terms(self, k: int) -> list[EntryMatrix]:
@@ -199,15 +200,6 @@ def _unit(x: int, n: int) -> tuple[int, ...]:
     return tuple(int(k == x) for k in range(n))
 
 
-def _add(total: Linear, polynomial: Mapping[tuple[int, ...], Fraction], factor: Fraction) -> None:
-    for monomial, c in polynomial.items():
-        value = total.get(monomial, Fraction(0)) + factor * c
-        if value:
-            total[monomial] = value
-        else:
-            total.pop(monomial, None)
-
-
 def _commutator(a: EntryMatrix, b: EntryMatrix) -> EntryMatrix:
     found: EntryMatrix = {}
     for first, second, sign in ((a, b, Fraction(1)), (b, a, Fraction(-1))):
@@ -215,7 +207,5 @@ def _commutator(a: EntryMatrix, b: EntryMatrix) -> EntryMatrix:
             for (m, j), v in second.items():
                 if m != k:
                     continue
-                for monomial, c in u.items():
-                    product = {tuple(map(sum, zip(monomial, n, strict=True))): c * e for n, e in v.items()}
-                    _add(found.setdefault((i, j), {}), product, sign)
+                add_multiple(found.setdefault((i, j), {}), multiply(u, v), sign)
     return found

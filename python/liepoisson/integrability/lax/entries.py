@@ -10,10 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
+from liepoisson.algebra.matrices import Rows, characteristic_polynomial, product
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
@@ -188,14 +191,13 @@ class EntryArithmetic:
             return expression.expand()
         return self._made(cast("Any", _terms(expression.expand(), self.steps)))
 
-    def number(self, numerator: int, denominator: int = 1) -> Element:
+    def number(self, value: Fraction | int) -> Element:
         """A rational number."""
-        from flint import fmpq
         from sympy import Rational
 
         if not self.is_rational:
-            return Rational(numerator, denominator)
-        return self.context.constant(fmpq(numerator, denominator))
+            return Rational(value.numerator, value.denominator)
+        return self.context.constant(as_fmpq(value))
 
     def canonical(self, element: Element) -> Element:
         """The same element; it is zero only if this is."""
@@ -229,6 +231,16 @@ class EntryArithmetic:
                     factors.append(variable.key ** (int(n) * variable.power))
             terms.append(Mul(*factors, exp(exponent)) if exponent else Mul(*factors))
         return Add(*terms)
+
+    def commutator(self, first: Rows, second: Rows) -> list[list[Element]]:
+        """The matrix AB - BA."""
+        zero = self.number(0)
+        ab, ba = product(first, second, zero, self.canonical), product(second, first, zero, self.canonical)
+        return [[x - y for x, y in zip(r, s, strict=True)] for r, s in zip(ab, ba, strict=True)]
+
+    def characteristic_coefficients(self, matrix: Rows) -> list[Element]:
+        r"""The coefficients $c_k$ of $\det(w - A) = \sum_k c_k w^{n-k}$, with $c_0 = 1$."""
+        return characteristic_polynomial(matrix, self.number, self.canonical)[::-1]
 
     def by_power(self, element: Element, symbol: Any) -> dict[int, Element]:
         """The coefficients of the powers of a symbol, negative ones too."""

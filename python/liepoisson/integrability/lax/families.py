@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.algebra import sparse_polynomials
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
@@ -236,7 +237,10 @@ class _Splitting:
         from liepoisson.model.hamiltonian import symbols_in
         from liepoisson.model.system import System
 
-        given, at = self.ansatz.system, {s: _sympy(values[str(s)]) for s in self.ansatz.parameters}
+        given, at = (
+            self.ansatz.system,
+            {s: sparse_polynomials.rational_to_sympy(values[str(s)]) for s in self.ansatz.parameters},
+        )
         bracket = given.bracket.substitute({s: v for s, v in values.items() if s in given.bracket.symbols})
         energy = cast("Any", given.hamiltonian).xreplace(at)
         one = System(bracket, energy, name=given.name, symbols=symbols_in(energy, given.component_names))
@@ -259,17 +263,6 @@ class _Splitting:
 
     def expression(self, polynomial: Any) -> Expr:
         """A polynomial as an expression with whole coefficients, the first of them positive."""
-        from sympy import Add, Mul, Rational
-
-        terms: list[Any] = [
-            Mul(Rational(int(c.p), int(c.q)), *(s ** int(e) for s, e in zip(self.symbols, m, strict=True)))
-            for m, c in polynomial.terms()
-        ]
-        whole: Any = Add(*terms).as_numer_denom()[0].primitive()[1]
+        read: Any = sparse_polynomials.expression(polynomial.terms(), self.symbols)
+        whole = read.as_numer_denom()[0].primitive()[1]
         return -whole if whole.could_extract_minus_sign() else whole
-
-
-def _sympy(value: Fraction) -> Any:
-    from sympy import Rational
-
-    return Rational(value.numerator, value.denominator)

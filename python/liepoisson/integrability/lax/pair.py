@@ -18,7 +18,6 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.lax.characteristic import characteristic_coefficients, commutator
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
 from liepoisson.report.printing import Formula
 
@@ -87,7 +86,7 @@ class LaxPair:
     def characteristic(self) -> tuple[Element, ...]:
         r"""The coefficients of $\det(w - L)$, that of $w^n$ first, as elements of `arithmetic`."""
         rows = [[self.arithmetic.read(e) for e in row] for row in self.L.tolist()]
-        return tuple(characteristic_coefficients(rows, self.arithmetic))
+        return tuple(self.arithmetic.characteristic_coefficients(rows))
 
     @cached_property
     def characteristic_polynomial(self) -> Expr:
@@ -244,7 +243,7 @@ def _algebra_bracket(
 
 
 def _matrix_commutator(a: Any, b: Any, arithmetic: EntryArithmetic) -> Any:
-    return commutator(a, b, arithmetic)
+    return arithmetic.commutator(a, b)
 
 
 def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:

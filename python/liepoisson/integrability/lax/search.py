@@ -19,15 +19,18 @@ Multiples of pairs by powers of z, and pairs whose eigenvalues are Casimirs only
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.linear_algebra import nullspace
+from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
@@ -180,14 +183,11 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -
 
 def trivial_vectors(ansatz: Ansatz) -> list[Vector]:
     """Constant matrices that commute with M for every B, and for all parameters."""
-    rows: dict[Any, Vector] = {}
+    columns: list[dict[Any, Fraction]] = []
     for k in range(ansatz.n_per_power):
-        residuals = [ansatz.residual(k, part) for part in ansatz.parts.values()]
-        for number, matrix in enumerate([*residuals, *ansatz.partner_terms(k)]):
-            for place, monomial, c in _terms(matrix):
-                rows.setdefault((number, place, monomial), {})[k] = c
-    found = nullspace(list(rows.values()), ansatz.n_per_power, Coefficients()).vectors
-    return [{k: Fraction(c) for k, c in vector.items()} for vector in found]
+        parts = [*(ansatz.residual(k, part) for part in ansatz.parts.values()), *ansatz.partner_terms(k)]
+        columns.append({(number, place, m): c for number, one in enumerate(parts) for place, m, c in _terms(one)})
+    return list(nullspace(transposed(columns), ansatz.n_per_power, Coefficients()).vectors)
 
 
 def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], context: Any) -> list[dict[int, Any]]:
@@ -199,8 +199,6 @@ def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], contex
         components: Of B.
         context: FLINT's context of the entries of the matrix.
     """
-    from flint import fmpq
-
     rows: dict[Any, dict[int, Any]] = {}
 
     def put(key: Any, column: int, value: Any) -> None:
@@ -215,10 +213,10 @@ def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], contex
             column = power * ansatz.n_per_power + k
             for factor, residual in residuals:
                 for place, monomial, c in _terms(residual):
-                    put((place, power, monomial), column, factor * fmpq(c.numerator, c.denominator))
+                    put((place, power, monomial), column, factor * as_fmpq(c))
             for b, partner in zip(components, partners, strict=True):
                 for place, monomial, c in _terms(partner) if b else ():
-                    put((place, power + 1, monomial), column, b * fmpq(c.numerator, c.denominator))
+                    put((place, power + 1, monomial), column, b * as_fmpq(c))
     return [kept for row in rows.values() if (kept := {c: v for c, v in row.items() if v})]
 
 
@@ -241,7 +239,9 @@ def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[
         return None
     samples = [_SAMPLES[k % len(_SAMPLES) :] + _SAMPLES[: k % len(_SAMPLES)] for k in range(len(free))]
     for chosen in islice(product(*samples), _MOST_SAMPLES):
-        values = dict(zip(free, chosen, strict=True))
+        values = [Fraction(0)] * n
+        for v, x in zip(free, chosen, strict=True):
+            values[v] = x
         if any(_value(q, values) for q in case.unsolved):
             continue
         if any(not _value(q, values) for q in case.nonzero.values() if not _uses(q, solved)):
@@ -249,10 +249,11 @@ def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[
         below = [_value(denominator, values) for _, _, denominator in case.solved]
         if all(below):
             found = [_value(numerator, values) / d for (_, numerator, _), d in zip(case.solved, below, strict=True)]
-            values |= dict(zip([v for v, _, _ in case.solved], found, strict=True))
+            for (v, _, _), x in zip(case.solved, found, strict=True):
+                values[v] = x
             if any(values[v] <= 0 for v in positive):
                 continue
-            return tuple(values[k] for k in range(n))
+            return tuple(values)
     return None
 
 
@@ -260,39 +261,31 @@ def _uses(p: Any, variables: set[int]) -> bool:
     return any(p.degrees()[v] > 0 for v in variables)  # of the polynomial 0 they are -1
 
 
-def _value(p: Any, values: Mapping[int, Fraction]) -> Fraction:
-    total = Fraction(0)
-    for monomial, c in p.terms():
-        term = Fraction(int(c.p), int(c.q))
-        for k, e in enumerate(monomial):
-            if e:
-                term *= values[k] ** int(e)
-        total += term
-    return total
+def _value(p: Any, values: Sequence[Fraction]) -> Fraction:
+    return value_at(p.terms(), values, Coefficients().number)
 
 
 def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]) -> list[Vector]:
     """Solutions for one B that are no combinations of those of lower degree and their multiples by powers of z."""
-    from flint import fmpq
-
     context = rational_context(["unused"])
-    components = [context.constant(fmpq(c.numerator, c.denominator)) for c in b]
+    components = [context.constant(as_fmpq(c)) for c in b]
     n = ansatz.n_per_power
     rows = [
         {column: _constant(value) for column, value in row.items()}
         for row in linear_system(ansatz, degree, components, context)
     ]
     solutions = nullspace(rows, (degree + 1) * n, Coefficients()).vectors
-    span = _Span()
+    span = Echelon(Coefficients())  # by the last columns, which are negative to come first
     for d, vector in known:
         for shift in range(degree - d + 1):
-            span.insert({column + shift * n: c for column, c in vector.items()})
+            span.insert({-column - shift * n: c for column, c in vector.items()})
     found: list[Vector] = []
     for solution in solutions:
-        rest = span.insert({column: Fraction(c) for column, c in solution.items()})
-        if rest:
-            lead = next((c for k, c in sorted(rest.items()) if k % n == 0), Fraction(1))  # of the first field
-            found.append({k: c / lead for k, c in rest.items()})
+        if rest := span.reduce({-column: c for column, c in solution.items()}):
+            span.insert(rest)
+            of_first_field = (c for k, c in sorted(rest.items(), reverse=True) if k % n == 0)
+            lead = next(of_first_field, rest[min(rest)])
+            found.append({-k: c / lead for k, c in rest.items()})
             known.append((degree, found[-1]))
     return found
 
@@ -300,25 +293,3 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
 def _constant(p: Any) -> Fraction:
     [(_, c)] = list(p.terms())
     return Fraction(int(c.p), int(c.q))
-
-
-class _Span:
-    """A space of vectors in echelon form, by their last columns."""
-
-    def __init__(self) -> None:
-        self.rows: dict[int, Vector] = {}
-
-    def insert(self, vector: Vector) -> Vector:
-        """What is left of a vector modulo the space, to which it is added; empty if it lies in it."""
-        rest = dict(vector)
-        while pivots := [k for k, c in rest.items() if c and k in self.rows]:
-            column = max(pivots)
-            factor = rest[column]
-            for k, c in self.rows[column].items():
-                rest[k] = rest.get(k, Fraction(0)) - factor * c
-        rest = {k: c for k, c in rest.items() if c}
-        if rest:
-            lead = max(rest)
-            rest = {k: c / rest[lead] for k, c in rest.items()}
-            self.rows[lead] = rest
-        return rest

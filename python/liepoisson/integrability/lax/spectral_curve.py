@@ -18,11 +18,11 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.lax.characteristic import characteristic_coefficients
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
 
@@ -178,7 +178,7 @@ def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | Non
     arithmetic = EntryArithmetic(list(matrix))
     rows = [[arithmetic.read(e) for e in row] for row in matrix.tolist()]
     n, curve = pair.size, dict[tuple[int, int], Fraction]()
-    for k, c in enumerate(characteristic_coefficients(rows, arithmetic)):
+    for k, c in enumerate(arithmetic.characteristic_coefficients(rows)):
         for power, coefficient in arithmetic.by_power(c, pair.spectral).items():
             value: Any = arithmetic.write(coefficient)
             if not value.is_Rational:
@@ -263,11 +263,11 @@ def _values(
 
 def _factors(curve: Curve) -> Iterator[tuple[Curve, int]]:
     """The irreducible factors over the rationals that contain w, monic in w, with multiplicities; low degrees first."""
-    from flint import Ordering, fmpq, fmpq_mpoly_ctx
+    from flint import Ordering, fmpq_mpoly_ctx
 
     lowest = min(i for i, _ in curve)
     context = fmpq_mpoly_ctx.get(["z", "w"], Ordering.lex)
-    f = context.from_dict({(i - lowest, j): fmpq(c.numerator, c.denominator) for (i, j), c in curve.items()})
+    f = context.from_dict({(i - lowest, j): as_fmpq(c) for (i, j), c in curve.items()})
     found: list[tuple[Curve, int]] = []
     for factor, multiplicity in f.factor()[1]:
         terms = {(int(m[0]), int(m[1])): Fraction(int(c.p), int(c.q)) for m, c in factor.terms()}

@@ -13,18 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol
 
 from flint import fmpq, fmpq_poly
 
 from liepoisson.algebra.ideals.components import irreducible_factors
 from liepoisson.algebra.ideals.groebner import rational_context
+from liepoisson.algebra.number_fields import AlgebraicNumber, Element, NumberField, Rational, as_fmpq
 
-Element: TypeAlias = Any
 
-
-class Field(Protocol):
+class Field(NumberField, Protocol):
     """What the algebra of a balance needs of a field."""
 
     @property
@@ -35,14 +33,6 @@ class Field(Protocol):
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters $s_j$."""
-        ...
-
-    def number(self, value: fmpq | Fraction | int) -> Element:
-        """A rational number as an element."""
-        ...
-
-    def inverse(self, element: Element) -> Element:
-        """One over an element that is not zero."""
         ...
 
     def rational_parts(self, elements: Sequence[Element]) -> list[list[fmpq]]:
@@ -74,19 +64,14 @@ class Field(Protocol):
         ...
 
 
-def as_fmpq(value: fmpq | Fraction | int) -> fmpq:
-    """A rational number as FLINT's."""
-    return value if isinstance(value, fmpq) else fmpq(value.numerator, value.denominator)
-
-
 @dataclass(frozen=True)
-class Rationals:
+class Rationals(NumberField):
     """The rational numbers."""
 
     degree: int = 1
     parameters: tuple[str, ...] = ()
 
-    def number(self, value: fmpq | Fraction | int) -> fmpq:
+    def number(self, value: Rational) -> fmpq:
         """The number itself."""
         return as_fmpq(value)
 
@@ -117,7 +102,7 @@ class Rationals:
         return ""
 
 
-class NumberField:
+class AlgebraicNumbers(NumberField):
     """A number field, by the irreducible polynomial of a generator, of degree at least two."""
 
     parameters: tuple[str, ...] = ()
@@ -130,32 +115,31 @@ class NumberField:
         """The degree of the field."""
         return int(self.modulus.degree())
 
-    def element(self, polynomial: fmpq_poly) -> Residue:
+    def element(self, polynomial: fmpq_poly) -> AlgebraicNumber:
         """The value of a polynomial at the generator."""
-        return Residue(polynomial % self.modulus, self.modulus)
+        return AlgebraicNumber(polynomial % self.modulus, self)
 
-    def number(self, value: fmpq | Fraction | int) -> Residue:
+    def number(self, value: Rational) -> AlgebraicNumber:
         """A rational number."""
-        return Residue(fmpq_poly([as_fmpq(value)]), self.modulus)
+        return AlgebraicNumber(fmpq_poly([as_fmpq(value)]), self)
 
-    def inverse(self, element: Residue) -> Residue:
-        """One over an element, by Bézout's identity."""
-        common, inverse, _ = element.polynomial.xgcd(self.modulus)
-        return self.element(inverse / common.coeffs()[0])
+    def inverse(self, element: AlgebraicNumber) -> AlgebraicNumber:
+        """One over an element."""
+        return self.one / element
 
-    def rational_parts(self, elements: Sequence[Residue]) -> list[list[fmpq]]:
+    def rational_parts(self, elements: Sequence[AlgebraicNumber]) -> list[list[fmpq]]:
         """The coefficients of the powers of the generator."""
         return [[_coefficient(e.polynomial, k) for e in elements] for k in range(self.degree)]
 
-    def rational(self, element: Residue) -> fmpq | None:
+    def rational(self, element: AlgebraicNumber) -> fmpq | None:
         """The number, if it is rational."""
         return _coefficient(element.polynomial, 0) if element.polynomial.degree() < 1 else None
 
-    def text(self, element: Residue) -> str:
+    def text(self, element: AlgebraicNumber) -> str:
         """A polynomial in theta."""
         return str(element.polynomial).replace("x", "theta")
 
-    def zeros(self, element: Residue) -> str:
+    def zeros(self, element: AlgebraicNumber) -> str:
         """A number has none."""
         del element
         return "1"
@@ -170,31 +154,7 @@ def _coefficient(polynomial: fmpq_poly, k: int) -> fmpq:
     return polynomial[k] if k <= polynomial.degree() else fmpq(0)
 
 
-class Residue:
-    """An element of a number field."""
-
-    __slots__ = ("modulus", "polynomial")
-
-    def __init__(self, polynomial: fmpq_poly, modulus: fmpq_poly) -> None:
-        self.polynomial, self.modulus = polynomial, modulus
-
-    def __bool__(self) -> bool:
-        return bool(self.polynomial)
-
-    def __add__(self, other: Residue) -> Residue:
-        return Residue(self.polynomial + other.polynomial, self.modulus)
-
-    def __sub__(self, other: Residue) -> Residue:
-        return Residue(self.polynomial - other.polynomial, self.modulus)
-
-    def __neg__(self) -> Residue:
-        return Residue(-self.polynomial, self.modulus)
-
-    def __mul__(self, other: Residue) -> Residue:
-        return Residue(self.polynomial * other.polynomial % self.modulus, self.modulus)
-
-
-class RationalFunctions:
+class RationalFunctions(NumberField):
     """Rational functions of some parameters with rational coefficients."""
 
     degree = 1
@@ -207,7 +167,7 @@ class RationalFunctions:
         """A quotient of polynomials of the context."""
         return Ratio(numerator, self.context.constant(1) if denominator is None else denominator).reduced()
 
-    def number(self, value: fmpq | Fraction | int) -> Ratio:
+    def number(self, value: Rational) -> Ratio:
         """A rational number."""
         return Ratio(self.context.constant(as_fmpq(value)), self.context.constant(1))
 
@@ -303,7 +263,7 @@ def polynomial_at(polynomial: Any, values: Mapping[str, Element], field: Field) 
 
 def total(elements: Iterable[Element], field: Field) -> Element:
     """The sum of elements."""
-    found = field.number(0)
+    found = field.zero
     for e in elements:
         found = found + e
     return found

@@ -7,7 +7,6 @@ family at once; no parametrisation of the family is needed.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from typing import Any
 
 from flint import fmpq
@@ -16,15 +15,16 @@ from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Budget
 from liepoisson.algebra.ideals.operations import radical_contains
+from liepoisson.algebra.number_fields import Element, NumberField, Rational
 from liepoisson.errors import LiePoissonError
-from liepoisson.integrability.painleve.coefficient_fields import Element, as_fmpq, polynomial_at
+from liepoisson.integrability.painleve.coefficient_fields import as_fmpq, polynomial_at
 
 
 class DivisionError(LiePoissonError):
     """A division in a coordinate ring, which is no field."""
 
 
-class CoordinateRing:
+class CoordinateRing(NumberField):
     """Polynomials modulo an ideal.  An element is false if it is in the ideal; `vanishes` looks at its zeros.
 
     Args:
@@ -57,7 +57,7 @@ class CoordinateRing:
         p = element.polynomial
         return not p or (not self.is_prime and not p.is_constant() and radical_contains(self.basis, p, self.budget))
 
-    def number(self, value: fmpq | Fraction | int) -> RingElement:
+    def number(self, value: Rational) -> RingElement:
         """A rational number."""
         return RingElement(self.basis.context.constant(as_fmpq(value)), self)
 

@@ -23,9 +23,9 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
 from liepoisson.integrability.painleve.exponents import Exponents
-from liepoisson.integrability.painleve.linear import Matrix, Solved, eliminated
+from liepoisson.integrability.painleve.linear import Matrix, Solved, eliminated, independent_columns
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
-from liepoisson.integrability.painleve.resolvent import Resolvent, independent_columns
+from liepoisson.integrability.painleve.resolvent import Resolvent
 
 Powers = tuple[int, ...]
 Polynomial = dict[Powers, Element]
@@ -116,7 +116,7 @@ class Expansion:
     def _product(self, factors: tuple[int, ...], order: int, at: int | None) -> Polynomial:
         """The coefficient of order/q of a product of coordinates; those of the order `at` count as zero."""
         if not factors:
-            return {(): self.local.field.number(1)} if not order else {}
+            return {(): self.local.field.one} if not order else {}
         if at == order and len(factors) == 1:
             return {}
         if len(factors) == 1:
@@ -195,7 +195,7 @@ class OverField:
 
     def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
         """The kernel, a solution and the conditions for it."""
-        number, zero = self.field.number(k), self.field.number(0)
+        number, zero = self.field.number(k), self.field.zero
         shifted = [[(number if i == j else zero) - x for j, x in enumerate(row)] for i, row in enumerate(self.matrix)]
         return eliminated(shifted, right, self.field)
 

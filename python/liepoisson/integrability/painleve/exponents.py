@@ -19,9 +19,9 @@ from flint import acb, acb_poly, fmpq_poly
 
 from liepoisson.algebra.ideals.certified_roots import ball, precision
 from liepoisson.integrability.painleve.coefficient_fields import (
+    AlgebraicNumbers,
     Element,
     Field,
-    NumberField,
     RationalFunctions,
 )
 from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
@@ -107,7 +107,7 @@ class Exponents:
             parts += [f"the roots of {_readable(str(p).replace('x', 'r'))} ({roots})"] * k
         if len(self.rest) > 1:
             degree = len(self.rest) - 1
-            if isinstance(self.field, NumberField):
+            if isinstance(self.field, AlgebraicNumbers):
                 shown = ", ".join(shown_number(z) for z in self.others[-degree * self.field.degree :][:degree])
                 parts.append(f"{degree} that are irrational, for one conjugate {shown}")
             else:
@@ -167,7 +167,7 @@ def _roots(p: fmpq_poly) -> list[acb]:
 
 
 def _embeddings(field: Field) -> list[acb]:
-    if isinstance(field, NumberField):
+    if isinstance(field, AlgebraicNumbers):
         return _roots(field.modulus)
     return [acb(0)]
 

@@ -3,18 +3,19 @@ r"""Fields of algebraic functions, $\mathbb Q(s_1,\dots,s_k)[\theta]/(m)$."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 
 from flint import fmpq
 
+from liepoisson.algebra.matrices import determinant
+from liepoisson.algebra.number_fields import NumberField, Rational
 from liepoisson.integrability.painleve.coefficient_fields import Ratio, RationalFunctions
-from liepoisson.integrability.painleve.linear import characteristic_polynomial, solved
+from liepoisson.integrability.painleve.linear import solved
 
 # Norms of larger degrees are long polynomials.
 _MOST_CONJUGATES = 4
 
 
-class AlgebraicFunctions:
+class AlgebraicFunctions(NumberField):
     """Rational functions of parameters with one root theta of a polynomial over them, of degree at least two."""
 
     def __init__(self, base: RationalFunctions, modulus: Sequence[Ratio]) -> None:
@@ -32,7 +33,7 @@ class AlgebraicFunctions:
         """A polynomial in theta, by powers."""
         return AlgebraicFunction(self._reduced(list(coefficients)), self)
 
-    def number(self, value: fmpq | Fraction | int) -> AlgebraicFunction:
+    def number(self, value: Rational) -> AlgebraicFunction:
         """A rational number."""
         zero = self.base.number(0)
         return AlgebraicFunction((self.base.number(value), *[zero] * (self.degree - 1)), self)
@@ -88,8 +89,7 @@ class AlgebraicFunctions:
         for _ in range(self.degree):
             rows.append(list(self._reduced(power)))
             power = [self.base.number(0), *rows[-1]]
-        determinant = characteristic_polynomial(rows, self.base)[0]
-        return -determinant if self.degree % 2 else determinant
+        return determinant(rows, self.base.zero)
 
     @property
     def generator(self) -> str:

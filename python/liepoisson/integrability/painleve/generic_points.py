@@ -26,9 +26,9 @@ from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
 from liepoisson.algebra.ideals.solutions import solutions
 from liepoisson.integrability.painleve.coefficient_fields import (
+    AlgebraicNumbers,
     Element,
     Field,
-    NumberField,
     Ratio,
     RationalFunctions,
     Rationals,
@@ -156,7 +156,7 @@ def _isolated(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
             values = {name: g(root) / one(root) for name, g in zip(basis.names, numerators, strict=True)}
             found.append(GenericPoint(Rationals(), values))
             continue
-        field = NumberField(modulus / modulus.leading_coefficient())
+        field = AlgebraicNumbers(modulus / modulus.leading_coefficient())
         scale = field.inverse(field.element(one))
         elements = {name: field.element(g) * scale for name, g in zip(basis.names, numerators, strict=True)}
         found.append(GenericPoint(field, elements))
@@ -287,8 +287,8 @@ def _point(
     for name in reversed(others):
         p = linear[name]
         place = others.index(name)
-        slope: Element = field.number(0)
-        rest: Element = field.number(0)
+        slope: Element = field.zero
+        rest: Element = field.zero
         for m, c in p.terms():
             value: Element = field.number(c)
             for other, k in zip(p.context().names(), m, strict=True):

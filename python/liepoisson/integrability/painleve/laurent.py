@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 from liepoisson.algebra.ideals.groebner import groebner_basis
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.solutions import solutions
+from liepoisson.algebra.number_fields import NumberField
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.painleve.coefficient_fields import (
+    AlgebraicNumbers,
     Element,
     Field,
-    NumberField,
     as_fmpq,
 )
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, RingElement
@@ -68,7 +69,7 @@ class LaurentSeries:
         return float(min(rates))
 
 
-class _Complex:
+class _Complex(NumberField):
     """Complex numbers as a field."""
 
     degree = 1
@@ -120,7 +121,7 @@ class _Values:
         n = field.degree
         if not 0 <= conjugate < n:
             raise ParameterError(f"conjugate: wanted a number from 0 to {n - 1}; got {conjugate}; take 0")
-        if isinstance(field, NumberField):
+        if isinstance(field, AlgebraicNumbers):
             coefficients = [complex(_float(c)) for c in field.modulus.coeffs()]
         elif isinstance(field, AlgebraicFunctions):
             coefficients = [*map(self.value, field.modulus), 1 + 0j]

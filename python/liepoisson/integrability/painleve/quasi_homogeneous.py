@@ -141,7 +141,7 @@ class LocalField:
         n = len(self.weights)
         found: Matrix = []
         for i, of_one in enumerate(self.terms):
-            row = [self.field.number(0)] * n
+            row = [self.field.zero] * n
             row[i] = self.field.number(self.weights[i])
             for exponents, c, defect in of_one:
                 if defect:

@@ -14,13 +14,13 @@ So this holds over rings, for all balances of a family at once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpq_poly
 
-from liepoisson.integrability.painleve.coefficient_fields import Element, Field, as_fmpq
+from liepoisson.algebra.matrices import product
+from liepoisson.integrability.painleve.coefficient_fields import Field, as_fmpq
 from liepoisson.integrability.painleve.linear import Matrix
 
 
@@ -56,25 +56,15 @@ class Resolvent:
 
     def applied(self, polynomial: fmpq_poly, vectors: Matrix) -> Matrix:
         """A polynomial in K times the columns of a matrix."""
-        found = [[self.field.number(0) for _ in row] for row in vectors]
+        found = [[self.field.zero for _ in row] for row in vectors]
         for c in reversed(polynomial.coeffs()):
             number = self.field.number(c)
-            found = self._times(found)
+            found = product(self.matrix, found, self.field.zero)
             if c:
                 found = [
                     [x + number * y if y else x for x, y in zip(row, other, strict=True)]
                     for row, other in zip(found, vectors, strict=True)
                 ]
-        return found
-
-    def _times(self, vectors: Matrix) -> Matrix:
-        found: Matrix = []
-        for row in self.matrix:
-            total = [self.field.number(0) for _ in vectors[0]]
-            for x, other in zip(row, vectors, strict=True):
-                if x:
-                    total = [t + x * y if y else t for t, y in zip(total, other, strict=True)]
-            found.append(total)
         return found
 
     def projector(self, r: Fraction, m: int) -> Matrix:
@@ -88,7 +78,7 @@ class Resolvent:
         number = self.field.number(r)
         return [
             [x - number * y for x, y in zip(row, other, strict=True)]
-            for row, other in zip(self._times(projector), projector, strict=True)
+            for row, other in zip(product(self.matrix, projector, self.field.zero), projector, strict=True)
         ]
 
     def solved(self, k: Fraction, m: int, right: Matrix) -> tuple[Matrix, Matrix]:
@@ -103,22 +93,3 @@ class Resolvent:
         projecting = self._projecting(k, m)
         q = (1 - projecting) // fmpq_poly([as_fmpq(k), -1])
         return self.applied(q, right), self.applied(projecting, right)
-
-
-def independent_columns(columns: Sequence[Sequence[Element]], field: Field, n: int) -> list[int]:
-    """The numbers of the first n linearly independent columns, over a field."""
-    kept: list[list[Element]] = []
-    found: list[int] = []
-    for k, column in enumerate(columns):
-        rest = list(column)
-        for vector in kept:
-            pivot = next(i for i, x in enumerate(vector) if x)
-            if rest[pivot]:
-                factor = rest[pivot] * field.inverse(vector[pivot])
-                rest = [x - factor * y for x, y in zip(rest, vector, strict=True)]
-        if any(rest):
-            kept.append(rest)
-            found.append(k)
-        if len(found) == n:
-            break
-    return found

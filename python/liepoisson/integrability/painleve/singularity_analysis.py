@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import radical_contains
+from liepoisson.algebra.matrices import characteristic_polynomial
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import MOST, as_deadline
@@ -31,7 +32,6 @@ from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, Di
 from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
 from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
-from liepoisson.integrability.painleve.linear import characteristic_polynomial
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
 from liepoisson.integrability.painleve.resolvent import Resolvent
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
@@ -386,7 +386,7 @@ class _Analysis:
         if any(local.indicial_residuals(values)):
             raise AssertionError(equations)
         matrix = local.kovalevskaya_matrix(values)
-        characteristic = characteristic_polynomial(matrix, field)
+        characteristic = characteristic_polynomial(matrix, field.number)
         ring = field if isinstance(field, CoordinateRing) else None
         if ring is not None and any(field.rational(c) is None for c in characteristic):
             raise _NotConstantError

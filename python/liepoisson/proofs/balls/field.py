@@ -14,7 +14,8 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_series, ctx, fmpq
 
-from liepoisson.proofs.polynomial_field import PolynomialField, Terms, derivative
+from liepoisson.algebra.sparse_polynomials import derivative
+from liepoisson.proofs.polynomial_field import PolynomialField, Terms
 
 Ball: TypeAlias = arb
 Vector: TypeAlias = "list[arb]"

@@ -162,7 +162,7 @@ class CommutativeAlgebra:
         raise AssertionError
 
     def _combination(self, weights: Sequence[int]) -> Vector:
-        return tuple(self.field.integer(weight) for weight in weights)
+        return tuple(self.field.number(weight) for weight in weights)
 
     def _minimal_polynomial(self, x: Vector) -> list[Scalar]:
         assert self.unit is not None
@@ -224,7 +224,7 @@ class Component:
     def discriminant(self) -> Scalar:
         r"""$D = p^2/4 - q$ of a quadratic polynomial $x^2 + p x + q$: the residue field is $K(\sqrt D)$."""
         _, p, q = self.polynomial
-        return p * p / self.algebra.field.integer(4) - q
+        return p * p / self.algebra.field.number(4) - q
 
     @cached_property
     def powers(self) -> list[list[Vector]]:

@@ -128,7 +128,7 @@ def _one_relation(component: Component) -> RealFactor:
     u, w = _generators(component)
     square_u, mixed, square_w = algebra.multiply(u, u), algebra.multiply(u, w), algebra.multiply(w, w)
     ((p, q, r),) = null_space(field, list(zip(square_u, mixed, square_w, strict=True)), 3)
-    half = q / field.integer(2)
+    half = q / field.number(2)
     relation = [[p, half], [half, r]]
     # The relation lives on the dual space: in the basis dual to orthogonal covectors it is a sum of squares.
     signs, (x, y) = _factored(component, relation, (u, w))
@@ -203,7 +203,7 @@ def _quadratic(component: Component) -> list[RealFactor]:
         i = tuple(weight * c for c in root)
         basis = tuple(v for power in powers for v in (power, _multiply(algebra, i, power)))
         return [RealFactor(component, "C", complex_truncated_polynomials(length), basis)]
-    half = field.one / field.integer(2)
+    half = field.one / field.number(2)
     (unit,) = _lift([component.unit])
     weight = Surd.root(field, D) * (half / D)
     factors: list[RealFactor] = []
@@ -217,7 +217,7 @@ def _quadratic(component: Component) -> list[RealFactor]:
 def _root_of_discriminant(component: Component) -> Vector:
     r"""An element $\xi$ with $\xi^2 = D$ exactly, by Newton's iteration from one that is a root modulo nilpotents."""
     algebra, field, D = component.algebra, component.algebra.field, component.discriminant
-    half = field.one / field.integer(2)
+    half = field.one / field.number(2)
     xi = _combine_scalars((field.one, component.polynomial[1] * half), (component.generator, component.unit))
     while any(error := _combine_scalars((field.one, -D), (algebra.multiply(xi, xi), component.unit))):
         xi = _combine_scalars((field.one, -(half / D)), (xi, algebra.multiply(error, xi)))

@@ -115,7 +115,7 @@ def _element(roots: Roots, field: Coefficients, order: int) -> Any:
     if order == 1:
         return field.number(sum((q for q, _ in roots), Fraction(0)))
     step = field.domain.order // order
-    total = field.number(0)
+    total = field.zero
     for q, power in roots:
         total = total + field.number(q) * field.domain.root(power * step)
     return total

@@ -15,9 +15,8 @@ from operator import mul
 from typing import Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients, Element
-from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
-from liepoisson.algebra.linear_algebra import Vector
 from liepoisson.errors import ParameterError
 
 _FEW = 100  # distinct constants up to which products are remembered: at most 4 x 10^4 of them
@@ -49,7 +48,7 @@ class LieStructure:
     def __init__(self, dimension: int, brackets: Mapping[tuple[int, int], Mapping[int, Exact]]) -> None:
         self.dimension = dimension
         self.field = Coefficients.containing(c for row in brackets.values() for c in row.values())
-        self.zero: Exact = self.field.write(self.field.number(0))
+        self.zero: Exact = self.field.write(self.field.zero)
         self.brackets: dict[tuple[int, int], Vector] = {}
         self.ad: list[dict[int, Vector]] = [{} for _ in range(dimension)]
         # Equal constants share one number, so that products of the same two need to be made only once.

@@ -9,9 +9,8 @@ from itertools import combinations
 from typing import Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients, Element
-from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, is_sympy
-from liepoisson.algebra.linear_algebra import Vector
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.tensors import Brackets

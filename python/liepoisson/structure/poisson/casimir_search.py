@@ -20,10 +20,12 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.linear_algebra import echelon_form, nullspace, nullspace_mod, rank, rank_mod
+from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank, rank_mod
+from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial
 from liepoisson.structure.poisson.leading_monomials import leading, place, size
 from liepoisson.structure.poisson.poisson_tensor import CONSTANT
-from liepoisson.structure.poisson.polynomials import Monomial, Polynomial, gradient_at, multiply
+from liepoisson.structure.poisson.polynomials import gradient_at, multiply
 
 if TYPE_CHECKING:
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
@@ -82,9 +84,10 @@ class CasimirSearch:
             return list(space)
         monomials = sorted({m for p in (*space, *given) for m in p}, key=lambda m: size(m, block), reverse=True)
         order = {monomial: column for column, monomial in enumerate(monomials)}
-        ends, pivots = echelon_form([{order[m]: c for m, c in p.items()} for p in given], self.tensor.field)
-        self._keep(pivots)
-        return [polynomial for polynomial in space if order[leading(polynomial, block)] not in ends]
+        rows = ({order[m]: c for m, c in p.items()} for p in given)
+        echelon = Echelon(self.tensor.field, sorted(rows, key=len))
+        self._keep(() if self.tensor.field.is_rational else echelon.pivots)
+        return [polynomial for polynomial in space if order[leading(polynomial, block)] not in echelon.rows]
 
     def image(self, polynomial: Polynomial) -> dict[tuple[int, Monomial], Any]:
         r"""The nonzero coefficients of $J\nabla C$, by component and monomial."""

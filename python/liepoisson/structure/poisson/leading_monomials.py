@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from liepoisson.structure.poisson.polynomials import Monomial, Polynomial
+    from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial
 
 Key: TypeAlias = tuple[int, tuple[int, ...], tuple[int, ...]]
 

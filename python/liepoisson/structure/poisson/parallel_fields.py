@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.linear_algebra import echelon_columns, nullspace
+from liepoisson.algebra.echelon import Echelon, transposed
+from liepoisson.algebra.linear_algebra import nullspace
+from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial
 from liepoisson.structure.poisson.casimir_search import CasimirSearch
 from liepoisson.structure.poisson.leading_monomials import size
-from liepoisson.structure.poisson.polynomials import Monomial, Polynomial
 
 if TYPE_CHECKING:
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
@@ -28,15 +29,14 @@ def casimirs_on_parallel_fields(tensor: LinearPoissonTensor, blocks: Blocks) -> 
     search = CasimirSearch(tensor)
     every = combinations_with_replacement(range(tensor.dimension), 2)
     monomials = sorted(every, key=lambda monomial: size(monomial, tensor.block))
-    rows: dict[Any, dict[int, Any]] = {}
-    for column, monomial in enumerate(monomials):
+    columns: list[dict[Any, Any]] = []
+    for monomial in monomials:
         by_component: dict[int, Polynomial] = {}
         for (i, image), value in search.image({monomial: tensor.field.one}).items():
             by_component.setdefault(i, {})[image] = value
-        for i, polynomial in by_component.items():
-            for key, value in _restricted(polynomial, blocks).items():
-                rows.setdefault((i, key), {})[column] = value
-    vectors = nullspace(list(rows.values()), len(monomials), tensor.field).vectors
+        restricted = ((i, _restricted(polynomial, blocks)) for i, polynomial in by_component.items())
+        columns.append({(i, key): value for i, terms in restricted for key, value in terms.items()})
+    vectors = nullspace(transposed(columns), len(monomials), tensor.field).vectors
     found: list[Polynomial] = []
     for candidate in search.sorted({monomials[c]: value for c, value in vector.items()} for vector in vectors):
         if _n_independent([*found, candidate], tensor, blocks) > len(found):
@@ -47,7 +47,7 @@ def casimirs_on_parallel_fields(tensor: LinearPoissonTensor, blocks: Blocks) -> 
 def _n_independent(polynomials: Sequence[Polynomial], tensor: LinearPoissonTensor, blocks: Blocks) -> int:
     restricted = [_restricted(polynomial, blocks) for polynomial in polynomials]
     order = {m: k for k, m in enumerate(sorted({m for p in restricted for m in p}))}
-    return len(echelon_columns([{order[m]: c for m, c in p.items()} for p in restricted], tensor.field))
+    return len(Echelon(tensor.field, ({order[m]: c for m, c in p.items()} for p in restricted)))
 
 
 def _restricted(polynomial: Polynomial, blocks: Blocks) -> dict[tuple[int, int, Monomial], Any]:

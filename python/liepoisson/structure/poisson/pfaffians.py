@@ -10,7 +10,8 @@ from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.linear_algebra import solve
-from liepoisson.structure.poisson.polynomials import Polynomial, multiply
+from liepoisson.algebra.sparse_polynomials import Polynomial
+from liepoisson.structure.poisson.polynomials import multiply
 
 if TYPE_CHECKING:
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor

@@ -1,30 +1,24 @@
-"""Polynomials in the coordinates of a Poisson tensor, as dictionaries."""
+"""Polynomials in the coordinates of a Poisson tensor, whose monomials are the sorted numbers of their factors.
+
+(-1, 0) is x0 made homogeneous of degree 2.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra import sparse_polynomials
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.sparse_polynomials import Polynomial
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-Monomial: TypeAlias = tuple[int, ...]
-"""Indices of the factors in increasing order: (0, 0, 2) is x0^2 x2, and (-1, 0) is x0 made homogeneous of degree 2."""
-
-Polynomial: TypeAlias = dict[Monomial, Any]
-"""Coefficients, elements of the field, by monomial."""
-
 
 def multiply(first: Polynomial, second: Polynomial) -> Polynomial:
     """The product of two polynomials."""
-    product: Polynomial = {}
-    for m1, c1 in first.items():
-        for m2, c2 in second.items():
-            key, value = tuple(sorted(m1 + m2)), c1 * c2
-            product[key] = product[key] + value if key in product else value
-    return {m: c for m, c in product.items() if c}
+    return sparse_polynomials.multiply(first, second, sparse_polynomials.of_factors)
 
 
 def gradient_at(polynomial: Polynomial, point: Sequence[Any]) -> dict[int, Any]:

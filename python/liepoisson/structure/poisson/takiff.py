@@ -20,8 +20,8 @@ from liepoisson.algebra.exact_numbers import Exact, is_zero
 from liepoisson.structure.poisson.leading_monomials import monic
 
 if TYPE_CHECKING:
+    from liepoisson.algebra.sparse_polynomials import Polynomial
     from liepoisson.structure.extension import Extension
-    from liepoisson.structure.poisson.polynomials import Polynomial
 
 
 def leibniz_strength(extension: Extension) -> Exact | None:
