@@ -55,7 +55,11 @@ def test_systems_without_vectors_and_fields_alone_have_the_names_of_their_compon
     ("wrong", "kind", "message"),
     [
         ({"L1": 1}, ParameterError, r"starts must name a field or a component; got 'L1'\. Did you mean l1\?"),
-        ({"alfa": 1}, ParameterError, r"got 'alfa'\. Did you mean alpha\? Known: l, alpha, beta, l1"),
+        (
+            {"alfa": 1},
+            ParameterError,
+            r"got 'alfa'\. Did you mean one of alpha1, alpha2, alpha3\? Known: l, alpha, beta, l1",
+        ),
         ({1: 1}, ParameterError, r"got '1'"),
         ({"l": 1}, ShapeError, r"starts l must have 3 numbers; got shape \(\)"),
         ({"l": (1, 2)}, ShapeError, "starts l must have 3 numbers; got 2"),

@@ -24,8 +24,8 @@ OF_LIBRARIES = (DeprecationWarning, PendingDeprecationWarning, FutureWarning, Im
 """Warnings that depend on what was imported before."""
 _MASKS = (
     (re.compile(r"0x[0-9a-f]{6,}"), "0x..."),
-    (re.compile(re.escape(tempfile.gettempdir()) + r"[^\s'\",:;)\]}]*"), "(temporary path)"),
     (re.compile(re.escape(str(ROOT))), "(repository)"),
+    (re.compile(re.escape(tempfile.gettempdir()) + r"[^\s'\",:;)\]}]*"), "(temporary path)"),
 )
 
 
