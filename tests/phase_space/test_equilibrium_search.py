@@ -8,13 +8,16 @@ import liepoisson as lp
 from liepoisson.equilibrium import critical_points as newton
 from liepoisson.equilibrium.equilibrium_list import Equilibria, signed_sum
 from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch
-from liepoisson.equilibrium.stability import integrals_of
 
 
 def searched(system, leaf, n_starts, seed=0):
     search = EquilibriumSearch(leaf, {}, np.zeros(0), seed)
     search.extend(n_starts)
     return search.found
+
+
+def decided(found):
+    return [e for e in found if e.family != "undecided"]
 
 
 def toda(n):
@@ -136,7 +139,7 @@ def test_result_is_a_sequence_and_prints_a_sentence_and_a_table():
     assert signed_sum(found[:2]) == 2
 
 
-def test_search_counts_a_degenerate_equilibrium_once_and_claims_no_growth():
+def test_search_decides_nothing_where_two_equilibria_meet():
     """Newton's method ends 1e-4 to 1e-3 off the pitchfork at beta = +-e3, where signs and rates mean nothing."""
     top = lp.Top(inertia=(2, 3, 1), a=(0, 1, 0), epsilon=1)
     leaf = lp.Leaf(top, {"C1": 0, "C2": 0, "C3": 1})
@@ -144,45 +147,35 @@ def test_search_counts_a_degenerate_equilibrium_once_and_claims_no_growth():
     exact = np.array([[0, 0, s * kappa, 0, 1 / kappa, 0, 0, 0, s] for s in (-1, 1)])
     search = EquilibriumSearch(leaf, {}, np.zeros(0), 0)
     search.add_from(np.repeat(exact, 6, axis=0) + 1e-2 * np.random.default_rng(0).standard_normal((12, 9)))
-    assert [e.family for e in search.found] == ["degenerate", "degenerate"]
+    assert search.found
     for e in search.found:
-        assert np.linalg.norm(exact - e.state, axis=1).min() < 1e-6
-        assert (e.linear_stability, e.growth_rate, e.signature, e.n_found) == ("degenerate", 0, (4, 1, 1), 6)
-
-
-@pytest.mark.slow
-def test_search_follows_a_circle_that_is_degenerate_across():
-    with pytest.warns(lp.errors.InertiaWarning):
-        top = lp.Top(inertia=(1, 1, 3), a=(0, 0, 1), b=(0, 0, -2), epsilon=1)
-    found = searched(top, lp.Leaf(top, {"C1": 12, "C2": 6, "C3": 3}), 20)
-    assert [e.family for e in found] == ["circle", "point", "point"]
-    assert found[0].signature == (4, 0, 2)
+        assert np.linalg.norm(exact - e.state, axis=1).min() < 1e-2
+        assert (e.family, e.linear_stability, e.growth_rate, e.signature) == ("undecided", "undecided", 0, (0, 0, 6))
 
 
 @pytest.mark.parametrize(
     ("potential", "critical"),
-    [("exp(q)", []), ("tanh(q)", []), ("exp(-q^2)", [0]), ("q^3 + exp(-3*q)", None), ("q^4", [0])],
+    [("exp(q)", []), ("tanh(q)", []), ("exp(-q^2)", [0]), ("q^3 + exp(-3*q)", None)],
 )
 def test_flat_at_infinity_is_no_equilibrium(potential, critical):
     """At q = -38 the slope of exp(q) is below round-off, and that of tanh(q) from q = 19 on; neither has a zero."""
     system = lp.System(lp.canonical(names=("q",), momenta=("p",)), f"p^2/2 + {potential}")
-    found = searched(system, lp.Leaf.through(system, np.array([0.5, 0.3])), 4)
+    found = decided(searched(system, lp.Leaf.through(system, np.array([0.5, 0.3])), 4))
     if critical is None:  # 3 q^2 = 3 exp(-3 q)
         assert found
         for equilibrium in found:
             q = equilibrium.state[0]
             assert q**2 == pytest.approx(np.exp(-3 * q), rel=1e-9)
     else:
-        assert [e.state[0] for e in found] == pytest.approx(critical, abs=1e-4)
+        assert [e.state[0] for e in found] == pytest.approx(critical, abs=1e-12)
 
 
 def test_a_lattice_of_toda_on_a_line_has_none():
     """Its first particle never stops accelerating: nothing pulls it back."""
     line = lp.catalog.toda(3, closed=False)
-    assert searched(line, lp.Leaf.through(line, np.zeros(6)), 3) == []
+    assert decided(searched(line, lp.Leaf.through(line, np.zeros(6)), 3)) == []
 
 
-@pytest.mark.slow
 def test_a_lattice_of_toda_on_a_ring_rests_at_equal_distances():
     ring = lp.catalog.toda(3)
     (rest,) = searched(ring, lp.Leaf.through(ring, np.zeros(6)), 4)
@@ -191,18 +184,19 @@ def test_a_lattice_of_toda_on_a_ring_rests_at_equal_distances():
 
 
 def potential(text, near=()):
-    """A particle on a line, with starts near the origin, far out, and near these."""
+    """A particle on a line, with starts near the origin, far out, and near these; what is decided."""
     system = lp.System(lp.canonical(names=("q",), momenta=("p",)), text)
     search = EquilibriumSearch(lp.Leaf.through(system, np.array([0.5, 0.3])), {}, np.zeros(0), 0)
     starts = [*np.sinh(np.linspace(-3.3, 3.3, 14) + 0.02), *(x + 0.01 for x in near)]
     search.add_from(np.array([[q, 0.001] for q in starts]))
-    return search.found
+    return decided(search.found)
 
 
 @pytest.mark.parametrize(
     "tail",
     [
         "tanh(q + q^3)", "tanh(sinh(q))", "exp(-exp(q))", "exp(-exp(-q))", "1/(1 + exp(exp(-q)))", "q/sqrt(1 + q^2)",
+        "exp(q)/1000000000", "exp(-1/q^2)",
     ],
 )  # fmt: skip
 def test_a_tail_of_any_steepness_has_no_equilibrium(tail):
@@ -214,104 +208,62 @@ def test_a_tail_of_any_steepness_has_no_equilibrium(tail):
     ("text", "real"),
     [
         ("p^2/2 + exp(-cosh(q))", [0]),
-        ("p^2/2 + exp(-q^4)", [0]),
         ("p^2/2 + q*exp(-q^4)", [-(4**-0.25), 4**-0.25]),
-        ("p^2/2 + q^4*exp(q)", [-4, 0]),
-        ("p^2/2 + tanh((q - 1)^5)", [1]),
-        ("p^2*exp(-q^4) + exp(-q^4)", [0]),
+        ("p^2/2 + q^4*exp(q)", [-4]),  # and the degenerate one at 0
+        ("p^2/2 + tanh(q^3 - 3*q)", [-1, 1]),
         ("p^2/2 + 1/(1 + exp(q^3 - 3*q))", [-1, 1]),
         ("p^2/2 + exp(q) - q/1000000", [np.log(1e-6)]),
+        ("p^2/2 + exp(q^3/3 - q^2/2000)", [0, 1e-3]),
     ],
 )
 def test_equilibria_between_steep_tails(text, real):
     assert sorted(e.state[0] for e in potential(text)) == pytest.approx(real, abs=1e-9)
 
 
-@pytest.mark.parametrize("order", [3, 10, 14, 20, 31])
-def test_a_degenerate_equilibrium_of_high_order_is_listed_once_and_exactly(order):
-    (found,) = potential(f"cosh(p) + (exp(q - 1) - 1)^{order}")
-    assert found.state == pytest.approx([1, 0], abs=1e-14)
-    assert (found.family, found.linear_stability, found.growth_rate) == ("degenerate", "degenerate", 0)
-    assert found.signature == (1, 0, 1)
-
-
 def random_potential(rng):
-    """A function of q with tails, the critical points that it has by theory, and which of them doubles can show."""
+    """A function of q with tails, the critical points that it has by theory, and the simple ones that doubles show."""
     q = sympy.Symbol("q")
     zeros = [sympy.Rational(int(z), 8) for z in rng.choice(np.arange(-9, 10), rng.integers(0, 3), replace=False)]
-    product = sympy.prod([(q - zero) ** int(rng.integers(1, 3)) for zero in zeros])
+    orders = [int(rng.integers(1, 3)) for _ in zeros]
+    product = sympy.prod([(q - zero) ** order for zero, order in zip(zeros, orders, strict=True)])
     if rng.integers(2):
         inner = sympy.integrate(sympy.expand(product), q)
         function = rng.choice([sympy.tanh(inner), 1 / (1 + sympy.exp(-2 * inner)), sympy.atan(sympy.sinh(inner))])
-        return function, zeros, [zero for zero in zeros if abs(inner.subs(q, zero)) < 4]
+        simple = [zero for zero, order in zip(zeros, orders, strict=True) if order == 1]
+        return function, zeros, [zero for zero in simple if abs(inner.subs(q, zero)) < 4]
     k = int(rng.choice([2, 4, 6]))
     slope = sympy.Poly(sympy.expand(sympy.diff(product, q) - k * q ** (k - 1) * product), q)
-    real = [float(root.evalf(20)) for root, _ in slope.real_roots(multiple=False)]
-    return product * sympy.exp(-(q**k)), real, [x for x in real if x**k < 8]
+    roots = [(float(root.evalf(20)), order) for root, order in slope.real_roots(multiple=False)]
+    return product * sympy.exp(-(q**k)), [x for x, _ in roots], [x for x, n in roots if n == 1 and x**k < 8]
 
 
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 80))])
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 40))])
 def test_random_functions_with_tails_have_the_equilibria_that_they_have(seed):
-    function, real, shown = random_potential(np.random.default_rng(seed))
-    found = [e.state[0] for e in potential(f"p^2/2 + {function}".replace("**", "^"), map(float, shown))]
+    function, real, simple = random_potential(np.random.default_rng(seed))
+    found = [e.state[0] for e in potential(f"p^2/2 + {function}".replace("**", "^"), map(float, simple))]
     assert all(min(abs(x - float(zero)) for zero in real) < 1e-9 for x in found), function
-    assert all(min(abs(x - float(zero)) for x in found) < 1e-9 for zero in shown), function
+    assert all(min(abs(x - float(zero)) for x in found) < 1e-9 for zero in simple), function
     assert len(found) <= len(set(real))
 
 
-def test_a_guess_on_a_tail_is_near_no_equilibrium_and_one_near_a_flat_top_is_led_to_it():
-    line = lp.canonical(names=("q",), momenta=("p",))
-    near = lp.phase_space.equilibrium_near
-    with pytest.raises(lp.errors.ParameterError, match="becomes flat, and no critical point was found"):
-        near(lp.System(line, "p^2/2 + exp(-exp(q))"), [8, 0.1])
-    top = near(lp.System(line, "p^2/2 + exp(-q^8)"), [0.5, 0.3])
-    assert top.state == pytest.approx([0, 0], abs=1e-14)
-    assert top.linear_stability == "degenerate"
-
-
-def test_rings_of_degenerate_equilibria_stay_rings():
-    plane = lp.System(lp.canonical(2), "p1^2/2 + p2^2/2 + cosh((q1^2 + q2^2 - 1)^2)")
-    ring, middle = searched(plane, lp.Leaf.through(plane, np.array([0.5, 0.2, 0.1, 0.3])), 12)
-    assert (ring.family, middle.family) == ("circle", "point")
-    assert np.linalg.norm(ring.state[:2]) == pytest.approx(1, abs=1e-12)
-
-
-def plane(energy):
+def plane(energy, **integrals):
     """A particle in the plane."""
-    return lp.System(lp.canonical(names=("x", "y"), momenta=("px", "py")), energy)
+    return lp.System(lp.canonical(names=("x", "y"), momenta=("px", "py")), energy, integrals=integrals)
 
 
-@pytest.mark.parametrize(
-    ("valley", "along", "y"),
-    [
-        ("exp(y)", "y^4/4", 0),
-        ("exp(y)", "y^3", 0),
-        ("y^3 - y^2", "(exp(y - 1) - 1)^6", 1),
-        pytest.param("y^2*exp(y/2)", "tanh(y + 7/4)^5", -1.75, marks=pytest.mark.slow),
-        pytest.param("exp(3*y)/4", "tanh(y)^7", 0, marks=pytest.mark.slow),
-        pytest.param("cosh(y)", "(y - 1/3)^8", 1 / 3, marks=pytest.mark.slow),
-    ],
-)
-def test_a_zero_of_high_order_on_a_curved_valley_is_found(valley, along, y):
-    """x + f(y) = 0 is the valley, along which the slope of H is that of the second function alone."""
-    system = plane(f"px^2/2 + py^2/2 + (x + {valley})^2/2 + {along}")
-    (found,) = searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)
-    x = -float(sympy.sympify(valley).subs(sympy.Symbol("y"), y))
-    assert found.state == pytest.approx([x, y, 0, 0], abs=1e-14)
-    assert (found.family, found.linear_stability, found.signature) == ("degenerate", "degenerate", (3, 0, 1))
+TURNING = "x*py - y*px"
 
 
 @pytest.mark.parametrize("tail", ["exp(-y)", "tanh(y + y^3)", "exp(-exp(y))"])
 def test_a_tail_on_a_curved_valley_has_no_equilibrium(tail):
     system = plane(f"px^2/2 + py^2/2 + (x + y^3 - exp(y/4))^2/2 + {tail}")
-    assert searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20) == []
+    assert decided(searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)) == []
 
 
 def circles(radial, momentum, n_starts=20):
     """Relative equilibria of a particle in the plane in a central force, with their radii."""
     system = plane(f"px^2/2 + py^2/2 + {radial.replace('r2', '(x^2 + y^2)')}")
-    turning = "x*py - y*px"
-    found = lp.equilibria(system, {}, along=(turning,), values={turning: momentum}, n_starts=n_starts)
+    found = lp.equilibria(system, {}, along=(TURNING,), values={TURNING: momentum}, n_starts=n_starts)
     return list(found), [float(np.hypot(*e.state[:2])) for e in found]
 
 
@@ -319,15 +271,13 @@ MEETING = "3*r2/2 - r2^2/2"
 """L^2/(2 r^2) + 3 r^2/2 - r^4/2 is critical where 3 r^4 - 2 r^6 = L^2; for L = 1 this has the double root r = 1."""
 
 
-@pytest.mark.thorough
-def test_two_circles_that_meet_are_one_and_degenerate():
+def test_where_two_circles_meet_nothing_is_decided():
     (found,), (r,) = circles(MEETING, 1)
-    assert r == pytest.approx(1, abs=1e-14)
-    assert (found.family, found.linear_stability, found.growth_rate) == ("circle", "degenerate", 0)
-    assert found.signature == (1, 0, 1)
+    assert r == pytest.approx(1, abs=1e-6)
+    assert (found.family, found.linear_stability, found.nonlinear_stability) == ("undecided",) * 3
+    assert found.distance < 1e-5
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("momentum", [0.9999, 0.999999, 1 - 1e-9])
 def test_two_circles_that_nearly_meet_are_two(momentum):
     """They are real roots u = r^2 of 2 u^3 - 3 u^2 + L^2 = 0, 2 sqrt((1 - L^2)/12) apart to first order."""
@@ -341,7 +291,6 @@ def test_two_circles_that_nearly_meet_are_two(momentum):
     assert inner.n_found + outer.n_found >= 10
 
 
-@pytest.mark.thorough
 def test_circles_that_have_met_and_vanished_are_none():
     assert circles(MEETING, 1.0001)[0] == []
 
@@ -359,128 +308,73 @@ def test_circles_that_have_met_and_vanished_are_none():
     ],
 )
 def test_circles_in_a_central_force(radial, momentum, radii, n_starts):
-    found, real = circles(radial, momentum, n_starts)
-    assert real == pytest.approx(radii, abs=1e-9)
+    found = decided(circles(radial, momentum, n_starts)[0])
+    assert [float(np.hypot(*e.state[:2])) for e in found] == pytest.approx(radii, abs=1e-9)
     assert [e.family for e in found] == ["circle"] * len(radii)
     assert [e.linear_stability for e in found] == ["stable spectrum", "unstable"][: len(radii)]
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("values", [{"Lz": 1.0}, {"Lx": 0.0, "Ly": 0.6, "Lz": 0.8}])
-def test_circles_that_meet_in_space(values):
-    """The same with one component of the angular momentum and with all three, which do not commute."""
-    space = lp.canonical(names=("x", "y", "z"), momenta=("px", "py", "pz"))
-    turning = {"Lx": "y*pz - z*py", "Ly": "z*px - x*pz", "Lz": "x*py - y*px"}
+SPACE = lp.canonical(names=("x", "y", "z"), momenta=("px", "py", "pz"))
+MOMENTA = {"Lx": "y*pz - z*py", "Ly": "z*px - x*pz", "Lz": "x*py - y*px"}
+
+
+@pytest.mark.parametrize("values", [{"Lz": 0.9}, {"Lx": 0.0, "Ly": 0.54, "Lz": 0.72}])
+def test_circles_in_space(values):
+    """With one component of the angular momentum and with all three, which do not commute: 3 r^4 - 2 r^6 = 0.81."""
     square = "(x^2 + y^2 + z^2)"
-    energy = f"(px^2 + py^2 + pz^2)/2 + 3/2*{square} - {square}^2/2"
-    system = lp.System(space, energy, integrals=turning)
-    (found,) = lp.equilibria(system, {}, along=tuple(values), values=values, n_starts=12)
-    assert np.linalg.norm(found.state[:3]) == pytest.approx(1, abs=1e-7)  # the values are rounded, and a root is taken
-    assert (found.family, found.linear_stability) == ("circle", "degenerate")
-
-
-def test_a_guess_near_circles_that_meet_is_led_to_them():
-    turning = "x*py - y*px"
-    system = plane("px^2/2 + py^2/2 + 3/2*(x^2 + y^2) - (x^2 + y^2)^2/2")
-    near = lp.phase_space.equilibrium_near(system, [1.02, 0.1, 0, 1], along=(turning,), values={turning: 1})
-    assert np.hypot(*near.state[:2]) == pytest.approx(1, abs=1e-14)
-    assert (near.linear_stability, near.signature) == ("degenerate", (1, 0, 1))
+    system = lp.System(SPACE, f"(px^2 + py^2 + pz^2)/2 + 3/2*{square} - {square}^2/2", integrals=MOMENTA)
+    found = lp.equilibria(system, {}, along=tuple(values), values=values, n_starts=12, most_starts=12)
+    radii = [np.linalg.norm(e.state[:3]) for e in found if e.family == "circle"]
+    real = np.sqrt([u.real for u in np.roots([-2, 3, 0, -0.81]) if u.real > 0])
+    assert radii
+    assert all(np.abs(real - r).min() < 1e-9 for r in radii)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
-def test_a_circle_is_listed_once_whatever_its_ends_are_led_to(seed):
+def test_a_circle_without_a_known_symmetry_is_undecided(seed):
     """V = (r^2 - 1)^2 exp(x) is zero with its slope on r = 1; else y = 0 and 4 x + x^2 - 1 = 0, x = -2 +- sqrt(5)."""
     system = plane("px^2/2 + py^2/2 + (x^2 + y^2 - 1)^2*exp(x)")
     n_starts = 40 if seed == 0 else 200
-    circle, *points = lp.equilibria(system, {}, seed=seed, n_starts=n_starts, most_starts=n_starts)
-    assert (circle.family, circle.linear_stability) == ("circle", "degenerate")
-    assert np.hypot(*circle.state[:2]) == pytest.approx(1, abs=1e-12)
+    found = lp.equilibria(system, {}, seed=seed, n_starts=n_starts, most_starts=n_starts)
+    assert found.n_undecided >= 1
+    assert f"{found.n_undecided} of them undecided" in found.completeness
+    assert all(abs(np.hypot(*e.state[:2]) - 1) < 1e-6 for e in found if e.family == "undecided")
+    points = decided(found)
     assert sorted(e.state[0] for e in points) == pytest.approx([-2 - 5**0.5, -2 + 5**0.5], abs=1e-9)
     assert [e.family for e in points] == ["point", "point"]
 
 
-def between(a, b, m, sign):
-    """The critical points of (q - a)^m (q - b)^m exp(sign q): a, b, and m (2 q - a - b) + sign (q - a)(q - b) = 0."""
-    outer = np.sort(np.roots([sign, 2 * m - sign * (a + b), sign * a * b - m * (a + b)]))
-    return sorted([a, b, *outer])
+def test_a_circle_is_decided_where_its_symmetry_is_known():
+    """V = cosh(r^2 - 1) is lowest on r = 1, highest at 0."""
+    system = plane("px^2/2 + py^2/2 + cosh(x^2 + y^2 - 1)", L=TURNING)
+    circle, middle = lp.equilibria(system, {}, n_starts=20)
+    assert (circle.family, circle.signature, circle.linear_stability) == ("circle", (3, 0, 1), "degenerate")
+    assert (middle.family, middle.signature) == ("point", (2, 2, 0))
+    assert np.hypot(*circle.state[:2]) == pytest.approx(1, abs=1e-12)
+    alone = lp.phase_space.equilibrium(system, circle.state)
+    assert (alone.signature, alone.linear_stability) == ((3, 0, 1), "degenerate")
 
 
-@pytest.mark.parametrize(
-    ("b", "m", "sign"),
-    [(1.001, 3, -1), (1.01, 4, 1), (1.01, 3, -1), (1.0001, 3, -1), (1.05, 6, -1)],
-)
-def test_equilibria_that_doubles_do_not_tell_apart_are_all_listed(b, m, sign):
-    real = [q for q in between(1, b, m, sign) if q < 10]  # few random starts lead further
-    found = lp.equilibria(
-        lp.System(lp.canonical(names=("q",)), f"p_q^2/2 + (q - 1)^{m}*(q - {b})^{m}*exp({sign}*q)"), {}
-    )
-    assert sorted(e.state[0] for e in found) == pytest.approx(real, abs=1e-12)
-    verdicts = {round(e.state[0], 9): e.linear_stability for e in found}
-    assert verdicts[1] == verdicts[b] == "degenerate"
-    assert found.n_undecided == 0
-    assert "hidden" not in found.completeness
+def test_a_sphere_is_a_family_of_dimension_two_where_its_symmetries_are_known():
+    square = "(x^2 + y^2 + z^2)"
+    system = lp.System(SPACE, f"(px^2 + py^2 + pz^2)/2 + cosh({square} - 1)", integrals=MOMENTA)
+    sphere, middle = lp.equilibria(system, {}, n_starts=20, most_starts=20)
+    assert (sphere.family, sphere.signature, middle.family) == ("family of dimension 2", (4, 0, 2), "point")
 
 
-def test_a_flat_part_without_a_zero_has_no_equilibrium():
-    """tanh(f) with f' = (q^2 + 1/1000)^4 is steeper than 1e-12 at q = 0, and has no critical point."""
-    q = sympy.Symbol("q")
-    inner = sympy.integrate(sympy.expand((q**2 + sympy.Rational(1, 1000)) ** 4), q)
-    assert potential(f"p^2/2 + tanh({inner})".replace("**", "^"), [0, 0.1]) == []
-
-
-def test_a_pair_of_complex_critical_points_beside_a_real_one_is_not_listed():
-    """exp(q) u^5 with u = (q - 1)^2 + 1/1000 is critical where u + 10 (q - 1) = 0: q - 1 = -5 +- sqrt(25 - 1/1000)."""
-    real = 1 - 5 + np.sqrt(25 - 1e-3) * np.array([-1, 1])
-    found = sorted(e.state[0] for e in potential("p^2/2 + exp(q)*((q - 1)^2 + 1/1000)^5", [1]))
-    assert found[-1] == pytest.approx(real[1], abs=1e-12)
-    assert all(abs(real - q).min() < 1e-9 for q in found)
-
-
-def test_simple_equilibria_close_to_each_other_stay_two():
-    """exp(f) with f' = q (q - 1/1000) has a maximum at 0 and a minimum at 1/1000, and no other critical point."""
-    found = potential("p^2/2 + exp(q^3/3 - q^2/2000)", [0])
-    assert {round(e.state[0], 12) + 0: e.linear_stability for e in found} == {0: "unstable", 0.001: "stable spectrum"}
-
-
-def test_equilibria_that_doubles_do_not_tell_apart_on_a_curved_valley_are_all_listed():
-    """On x + exp(y) = 0 the slope is that of (y - 1)^3 (y - 1.01)^3 exp(-y)."""
-    system = plane("px^2/2 + py^2/2 + (x + exp(y))^2/2 + (y - 1)^3*(y - 1.01)^3*exp(-y)")
-    found = searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)
-    real = [y for y in between(1, 1.01, 3, -1) if y < 5]
-    assert sorted(e.state[1] for e in found if e.state[1] < 5) == pytest.approx(real, abs=1e-12)
-    assert all(e.state[0] == pytest.approx(-np.exp(e.state[1]), rel=1e-12) for e in found)
-
-
-def test_where_two_directions_are_flat_the_result_says_that_others_may_be_hidden():
-    """Nine critical points: x and y of 1, 1.01 and one between them. With two soft directions few of them are found."""
-    pair = "({0} - 1)^3*({0} - 1.01)^3*exp(-{0})"
-    system = plane(f"px^2/2 + py^2/2 + {pair.format('x')} + {pair.format('y')}")
-    found = lp.equilibria(system, {}, n_starts=8, most_starts=8)
-    assert len(found) >= 1
-    assert found.n_undecided >= 1
-    assert "others may be hidden at" in found.completeness
-
-
-def test_where_a_flat_part_cannot_be_resolved_the_result_says_so():
-    """exp(-1/q^2) is zero with all its derivatives at q = 0, where it is no analytic function."""
-    found = lp.equilibria(
-        lp.System(lp.canonical(names=("q",)), "p_q^2/2 + exp(-1/q^2)"), {}, n_starts=20, most_starts=20
-    )
-    assert (len(found), found.n_undecided) == (0, 1)
-    assert "others may be hidden at one place where H is flat to round-off" in found.completeness
-
-
-@pytest.mark.thorough
 def test_two_circles_of_one_energy_that_are_close_stay_two():
-    """V = (u - 1)^2 (u - 1.21)^2 exp(x) with u = r^2 is zero with its slope on the circles r = 1 and r = 1.1."""
-    system = plane("px^2/2 + py^2/2 + (x^2 + y^2 - 1)^2*(x^2 + y^2 - 1.21)^2*exp(x)")
-    found = lp.equilibria(system, {}, n_starts=40, most_starts=40)
-    radii = sorted(float(np.hypot(*e.state[:2])) for e in found if e.family == "circle")
-    assert radii == pytest.approx([1, 1.1], abs=1e-9)
+    """V = sin(pi (r^2 - 1)/0.21)^2 is lowest on r = 1 and r = 1.1, among others, and highest between them."""
+    system = plane("px^2/2 + py^2/2 + sin(14.95996501709425*(x^2 + y^2 - 1))^2", L=TURNING)
+    search = EquilibriumSearch(lp.Leaf.through(system, np.full(4, 0.5)), {}, np.zeros(0), 0)
+    turns = np.linspace(0, 6, 8)
+    search.add_from(np.array([[r * np.cos(t), r * np.sin(t), 0, 0] for r in (1.005, 1.095) for t in turns]))
+    assert [e.family for e in search.found] == ["circle", "circle"]
+    assert sorted(np.hypot(*e.state[:2]) for e in search.found) == pytest.approx([1, 1.1], abs=1e-9)
+    assert [e.n_found for e in search.found] == [8, 8]
 
 
 def leaning_tops(l3):
-    """Relative equilibria of Lagrange's top with the momentum of the upright one, with alpha perpendicular to the axis.
+    """Relative equilibria of Lagrange's top with the momentum of the upright one, and how far they lean.
 
     With u = tan(theta/2) and l3 = 2 the effective energy is 5 + 2 u^4/(1 + u^2); in general it is critical at u = 0 and
     where alpha_3 = l3 - 1, since Omega = 1 + l3, l = alpha on the perpendicular plane.
@@ -490,46 +384,36 @@ def leaning_tops(l3):
     return list(found), sorted(float(np.hypot(*e.state[3:5])) for e in found)
 
 
-def test_at_the_limit_of_its_stability_the_sleeping_top_is_the_only_one():
+def test_at_the_limit_of_its_stability_nothing_is_decided_beside_the_sleeping_top():
     """The slope of the effective energy is 8 u^3: in doubles it vanishes up to the tilt of 1e-5."""
-    lagrange = lp.catalog.system("lagrange")
-    leaf, integrals = lp.Leaf(lagrange, {"C1": 2, "C2": 1}), integrals_of(lagrange, ("l3",))
-    ends = [
-        [-4.88025450e-06, -1.84712332e-06, 2, -4.87918377e-06, -1.84671806e-06, 1],
-        [1.14027083e-06, 1.09802178e-06, 2, 1.14027087e-06, 1.09802182e-06, 1],
-        [2e-5, -1e-5, 2, 2e-5, -1e-5, 1],
-        [1e-4, 2e-4, 2, 1e-4, 2e-4, 1],
-    ]
-    for end in ends:
-        search = EquilibriumSearch(leaf, integrals, np.array([2.0]), 0)
-        search.add_from(np.array([end]))
-        (upright,) = search.found
-        assert upright.state == pytest.approx([0, 0, 2, 0, 0, 1], abs=1e-9)
-        assert upright.family == "point"
+    found, tilts = leaning_tops(2)
+    assert max(tilts) < 1e-3
+    assert {e.family for e in found} == {"point", "undecided"}
+    assert all(e.linear_stability == "undecided" for e in found)
 
 
-@pytest.mark.parametrize("below", [1e-2, 1e-5, pytest.param(1e-7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("below", [1e-2, 1e-5])
 def test_below_the_limit_a_small_circle_of_leaning_tops_exists_and_above_it_none(below):
     leaning, tilts = leaning_tops(2 - below)
     assert tilts == pytest.approx([0, np.sqrt(2 * below - below**2)], rel=1e-4, abs=1e-9)
     verdicts = {e.family: (e.linear_stability, e.nonlinear_stability) for e in leaning}
     assert verdicts["circle"] == ("stable spectrum", "stable")
-    (upright,), (tilt,) = leaning_tops(2 + below)
-    assert tilt == pytest.approx(0, abs=1e-9)
+    found, tilts = leaning_tops(2 + below)
+    assert tilts[0] == pytest.approx(0, abs=1e-9)
+    upright, *others = sorted(found, key=lambda e: e.family)
     assert (upright.family, upright.linear_stability) == ("point", "stable spectrum")
+    assert all(e.family == "undecided" for e in others)
 
 
-@pytest.mark.parametrize("radial", ["r2^2*exp(r2)", "cosh(r2) - 1", "r2^4"])
-def test_an_equilibrium_at_which_the_slope_of_the_integral_vanishes_is_found(radial):
-    """V is lowest at r = 0, where L and its slope are zero; L^2 = r^3 V'(r) has no other solution for L = 0."""
-    (found,), (r,) = circles(radial, 0)
+def test_an_equilibrium_at_which_the_slope_of_the_integral_vanishes_is_found():
+    """V = cosh(2 r^2) + r^2 is lowest at r = 0, where L and its slope are zero; L = 0 has no other solution."""
+    (found,), (r,) = circles("cosh(2*r2) + r2", 0)
     assert r == pytest.approx(0, abs=1e-9)
-    assert found.state == pytest.approx(np.zeros(4), abs=1e-9)
-    assert (found.family, found.linear_stability) == ("degenerate", "degenerate")
+    assert (found.family, found.signature, found.linear_stability) == ("point", (4, 0, 0), "stable spectrum")
 
 
 def test_a_tail_on_which_the_integral_is_zero_has_no_equilibrium():
     """V = exp(-r^2) is highest at r = 0, a simple equilibrium, and has a tail beyond."""
-    (found,), (r,) = circles("exp(-r2)", 0)
-    assert r == pytest.approx(0, abs=1e-9)
+    (found,) = decided(circles("exp(-r2)", 0)[0])
+    assert np.hypot(*found.state[:2]) == pytest.approx(0, abs=1e-9)
     assert found.linear_stability == "unstable"

@@ -27,22 +27,18 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 CANCELLED = 1e-13
-"""A sum below this fraction of the sizes of its terms is round-off."""
+"""A sum below this fraction of the sizes of its terms is round-off, and so is a singular value below this fraction of
+the largest."""
 VANISHES = 1e-8
-"""A vector field below this fraction of its scale counts as zero."""
-_LARGEST = 1e280
-"""Second derivatives above this count as none."""
+"""A vector field below this fraction of its scale counts as zero, and a state where it is as a possible equilibrium:
+the damping is at least 1e-15 of the squared equations, so that directions in which they are below 3e-8 are slow."""
+ROUND_OFF = 1e-14
+"""Round-off of a state and of the equations, relative to their terms, at which the iteration stops: at equilibria of
+the catalog Newton's method leaves 1 to 8 eps, a fifth of this."""
 MOST_STEPS = 100
-_NEAR_ROUND_OFF = 1e-12
-"""Below this relative residual, two steps in succession that do not help end the iteration."""
-_ROUND_OFF = 1e-14
-"""Relative residual at which the iteration stops; what it cannot reach by round-off is stopped by `MOST_STEPS`."""
-SOFT = 1e-5
-"""A direction is soft, and may be flat at the critical point itself, if the second variation (or the linear equations)
-there is below this fraction of the largest. At the end of a search near a degenerate point it is 1e-8 to 1e-6."""
-_SINGULAR, _SETTLING, _FINISHING = 1e-12, 3, 6
-"""Singular values of the linear equations below this fraction of the largest are round-off; steps that settle the
-directions which are not soft; steps that finish a search."""
+"""Where the iteration ends in any case."""
+_LARGEST = 1e280
+"""Second derivatives above this count as none: products of them overflow."""
 
 
 class HamiltonianFields:
@@ -125,15 +121,22 @@ class HamiltonianFields:
         return np.asarray(size * (norm(x, axis=-1) + self.unit)[..., None])
 
 
-@dataclass
-class _Search:
-    """States on a leaf with the multipliers of the integrals, and the equations that they are to satisfy."""
+@dataclass(frozen=True)
+class CriticalEquations:
+    """The equations of critical points of H on a leaf and on a level set of integrals, for states and multipliers.
+
+    Attributes:
+        leaf: The leaf.
+        fields: Those of H and of the integrals K_j.
+        values: The values kappa_j.
+    """
 
     leaf: LeafInUnits
     fields: HamiltonianFields
     values: Array
 
     def tangents(self, x: Array) -> Array:
+        """Orthonormal bases of the tangent spaces of the leaf, shape (row, N, rank)."""
         return leaf_tangent(self.fields.poisson(x), self.leaf.rank)
 
     def residual(self, x: Array, omega: Array) -> Array:
@@ -150,15 +153,19 @@ class _Search:
         scale = abs(value) + (norm(x, axis=1) + self.fields.unit) * norm(f.gradient(x), axis=1)
         return np.where(scale > 0, scale, 1.0)
 
-    def newton_matrix(self, x: Array, omega: Array, basis: Array) -> Array:
-        """Derivative of the residual along the leaf and the multipliers, shape (row, N + k, rank + k)."""
-        slopes = self.fields.derivatives(x)
-        scale = self.fields.scale(x)[:, :1, None]
+    def newton_matrix(self, x: Array, omega: Array, basis: Array, among: Array | None = None) -> Array:
+        """Derivative of the residual along the leaf and the multipliers, shape (row, N + k, rank + k).
+
+        It is relative to the sizes of the terms at the states themselves, or at those `among` which it is compared.
+        """
+        among = x if among is None else among
+        scale = self.fields.scale(among)[:, :1, None]
         scale = np.where(scale > 0, scale, 1.0)
+        slopes = self.fields.derivatives(x)
         along = linear.matmul((slopes[..., 0] - linear.einsum("rimj,rj->rim", slopes[..., 1:], omega)), basis) / scale
         matrix = np.concatenate([along, -self.fields.fields(x)[..., 1:] / scale], axis=2)
         for f, value in zip(self.fields.functions[1:], self.values, strict=True):
-            row = linear.einsum("ri,rij->rj", f.gradient(x), basis) / self._level_scale(f, value, x)[:, None]
+            row = linear.einsum("ri,rij->rj", f.gradient(x), basis) / self._level_scale(f, value, among)[:, None]
             row = np.concatenate([row, np.zeros((len(x), len(self.values)))], axis=1)
             matrix = np.concatenate([matrix, row[:, None]], axis=1)
         return matrix
@@ -176,6 +183,11 @@ class _Search:
         ratios = np.where(scale[:, 1:] > 0, scale[:, :1] / np.where(scale[:, 1:] > 0, scale[:, 1:], 1.0), 1.0)
         return np.concatenate([np.repeat(lengths, rank, axis=1), np.where(ratios > 0, ratios, 1.0)], axis=1)
 
+    def left(self, x: Array) -> Array:
+        """How far states of the leaf are from critical points, relative, shape (row,)."""
+        omega = multipliers(self.fields.fields(x), self.fields.scale(x))
+        return np.asarray(norm(self.residual(x, omega), axis=1))
+
     def projected(self, x: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The states projected to the leaf, and for which of them that was possible."""
         found, residual = solve(self.leaf.equations, x)
@@ -183,20 +195,11 @@ class _Search:
 
 
 @np.errstate(all="ignore")  # a step may lead to where a function is not defined; it is not taken then
-def critical_points(
-    leaf: LeafInUnits, fields: HamiltonianFields, starts: Array, values: Array, most_steps: int = MOST_STEPS
-) -> tuple[Array, Array]:
-    r"""Critical points of H on the leaf, on the level sets $K_j = \kappa_j$, from many starts.
+def critical_points(equations: CriticalEquations, starts: Array) -> tuple[Array, Array]:
+    r"""Critical points from many starts near or on the leaf, shape (start, N), by Levenberg and Marquardt's method.
 
-    Levenberg–Marquardt with a damping proportional to the squared residual, which converges quadratically also to
-    points of a family, where the linear equations are singular.
-
-    Args:
-        leaf: The leaf.
-        fields: Those of H and of the integrals K_j.
-        starts: States near or on the leaf, shape (start, N).
-        values: The values kappa_j.
-        most_steps: Where the iteration ends in any case; it also ends at the deadline of the call.
+    The damping is proportional to the squared residual: it converges quadratically also to points of a family, where
+    the linear equations are singular.
 
     Returns:
         States (start, N), and the relative residuals (start,) that are left; those far from round-off did not
@@ -204,22 +207,22 @@ def critical_points(
 
     References: Yamashita and Fukushima (2001), for the damping.
     """
-    search = _Search(leaf, fields, values)
-    x, alive = search.projected(starts)
+    fields = equations.fields
+    x, alive = equations.projected(starts)
     x = x[alive]
     x = x[fields.are_defined(x)]
     omega = multipliers(fields.fields(x), fields.scale(x))
-    residual = search.residual(x, omega)
+    residual = equations.residual(x, omega)
     damping, failed = np.ones(len(x)), np.zeros(len(x), dtype=np.int64)
-    for _ in range(most_steps):
+    for _ in range(MOST_STEPS):
         left = norm(residual, axis=1)
-        rows = np.flatnonzero((left > _ROUND_OFF) & (damping < 1e12) & ((left > _NEAR_ROUND_OFF) | (failed < 2)))
+        rows = np.flatnonzero((left > ROUND_OFF) & (damping < 1e12) & ((left > CANCELLED) | (failed < 2)))
         if not rows.size or has_passed():
             break
-        trial, trial_omega, possible = _step(search, x[rows], omega[rows], residual[rows], damping[rows])
+        trial, trial_omega, possible = _step(equations, x[rows], omega[rows], residual[rows], damping[rows])
         # where the second derivatives overflow, the residual relative to them would count as zero
         possible &= fields.are_defined(trial)
-        new = search.residual(trial, trial_omega)
+        new = equations.residual(trial, trial_omega)
         better = possible & (norm(new, axis=1) < norm(residual[rows], axis=1))
         taken = rows[better]
         x[taken], omega[taken], residual[taken] = trial[better], trial_omega[better], new[better]
@@ -229,61 +232,35 @@ def critical_points(
     return x, norm(residual, axis=1)
 
 
-def stretched_steps(
-    leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array, factors: Sequence[float]
-) -> Array:
-    r"""One Newton step from a state without damping, times each of the factors, shape (at most factor, N).
-
-    Near a zero where the equations have no terms below degree p in some directions, Newton's step is 1/p of the way
-    there (Euler's theorem on homogeneous functions), and p times the step leads there, to second order. This error is
-    then taken from the other directions by some steps in these alone.
-    """
-    search = _Search(leaf, fields, values)
-    step = _undamped(search, x, _SINGULAR)
-    found, possible = search.projected(x + np.array(factors)[:, None] * step)
-    found = found[possible & fields.are_defined(found)]
-    for _ in range(_SETTLING):
-        found = search.projected(np.array([y + _undamped(search, y, SOFT) for y in found]).reshape(found.shape))[0]
-        found = found[fields.are_defined(found)]
-    return found
-
-
-def finished(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
+def finished(equations: CriticalEquations, x: Array) -> Array:
     """A state after Newton's steps without damping, while each is less than half as long as the one before.
 
     A residual relative to the largest curvature is one to round-off before a direction that is soft has converged.
     """
-    search = _Search(leaf, fields, values)
-    step = _undamped(search, x, _SINGULAR)
-    for _ in range(_FINISHING):
-        trial, possible = search.projected((x + step)[None])
-        if not (possible[0] and fields.are_defined(trial)[0] and np.isfinite(step).all()):
+    step = _undamped(equations, x)
+    while np.isfinite(step).all():
+        trial, possible = equations.projected((x + step)[None])
+        if not (possible[0] and equations.fields.are_defined(trial)[0]):
             break
-        following = _undamped(search, trial[0], _SINGULAR)
+        following = _undamped(equations, trial[0])
         if not norm(following) < norm(step) / 2:
             break
         x, step = trial[0], following
     return x
 
 
-def _undamped(search: _Search, x: Array, smallest: float) -> Array:
-    """Newton's step in the directions in which the linear equations are larger than this, relative, shape (N,)."""
-    omega = multipliers(search.fields.fields(x[None]), search.fields.scale(x[None]))
-    basis = search.tangents(x[None])
-    units = search.units(x[None], basis.shape[2])[0]
-    matrix = search.newton_matrix(x[None], omega, basis)[0] * units
-    step = linear.lstsq(matrix, search.residual(x[None], omega)[0], rcond=smallest)[0] * units
+def _undamped(equations: CriticalEquations, x: Array) -> Array:
+    """Newton's step without damping, shape (N,)."""
+    omega = multipliers(equations.fields.fields(x[None]), equations.fields.scale(x[None]))
+    basis = equations.tangents(x[None])
+    units = equations.units(x[None], basis.shape[2])[0]
+    matrix = equations.newton_matrix(x[None], omega, basis)[0] * units
+    step = linear.lstsq(matrix, equations.residual(x[None], omega)[0], rcond=CANCELLED)[0] * units
     return np.asarray(linear.matmul(-basis[0], step[: basis.shape[2]]))
 
 
-def residuals(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
-    """How far states of the leaf are from critical points, relative, shape (row,)."""
-    omega = multipliers(fields.fields(x), fields.scale(x))
-    return np.asarray(norm(_Search(leaf, fields, values).residual(x, omega), axis=1))
-
-
 def _step(
-    search: _Search, x: Array, omega: Array, residual: Array, damping: Array
+    search: CriticalEquations, x: Array, omega: Array, residual: Array, damping: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """One damped Newton step of each row."""
     basis = search.tangents(x)

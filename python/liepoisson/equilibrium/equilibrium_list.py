@@ -45,7 +45,6 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             where a degenerate equilibrium has no known share.
         n_starts: How many starts the search took; 0 if the algebra gave the list.
         is_cut_short: Whether the time limit ended the search.
-        n_undecided: At how many places H is flat to round-off and may have more equilibria than those that are listed.
         n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
 
@@ -56,8 +55,12 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
     euler_found: int | None
     n_starts: int
     n_complex: int | None = None
-    n_undecided: int = 0
     is_cut_short: bool = False
+
+    @property
+    def n_undecided(self) -> int:
+        """How many of those in the list are "undecided": whether there is an equilibrium, several, a family or none."""
+        return sum(e.family == "undecided" for e in self.found)
 
     @property
     def completeness(self) -> str:
@@ -68,8 +71,10 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             return f"these are all{', with the families that they form' if families else ''} (proved {how})"
         searched = f"found from {self.n_starts} random starts; that there are no others is not proved"
         if self.n_undecided:
-            places = "one place" if self.n_undecided == 1 else f"{self.n_undecided} places"
-            searched += f"; others may be hidden at {places} where H is flat to round-off"
+            searched += (
+                f"; {self.n_undecided} of them undecided, as the linear equations may become singular within the bound "
+                "on the distance to a zero"
+            )
         if self.is_cut_short:
             return f"{searched}; the time limit ended the search"
         if self.euler_characteristic is None:
@@ -139,8 +144,9 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
         return as_line(self._head()) + as_table(self._rows())
 
     def _head(self) -> str:
-        n = len(self.found)
+        n = len(self.found) - self.n_undecided
         noun = "equilibrium" if n == 1 else "equilibria"
+        noun += f" and {self.n_undecided} undecided" if self.n_undecided else ""
         return f"{n} {noun} of {self.leaf.system.name!r} on a leaf of dimension {self.leaf.rank}: {self.completeness}."
 
     def _rows(self) -> list[tuple[str, ...]]:

@@ -15,19 +15,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.equilibrium.critical_points import HamiltonianFields, critical_points, residuals
+from liepoisson.equilibrium.critical_points import (
+    CriticalEquations,
+    HamiltonianFields,
+    critical_points,
+    finished,
+)
 from liepoisson.equilibrium.equilibrium_list import Equilibria, signed_sum
-from liepoisson.equilibrium.equilibrium_search import NEAR, EquilibriumSearch, is_critical
+from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch, at_rest, is_critical
 from liepoisson.equilibrium.euler_characteristic import euler_characteristic
 from liepoisson.equilibrium.exact_top import exact_top
-from liepoisson.equilibrium.flat_parts import flat_part_at
 from liepoisson.equilibrium.polynomial_equilibria import polynomial_equilibria
-from liepoisson.equilibrium.soft_zeros import SoftZero, may_mislead, settled, zero_near
-from liepoisson.equilibrium.stability import Equilibrium, analysis, integrals_of, not_tiny
+from liepoisson.equilibrium.stability import Equilibrium, analysis, integrals_of, judged, not_tiny
 from liepoisson.equilibrium.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_number
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import named
@@ -35,10 +38,8 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal, as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.numeric.sampling import as_seed
-from liepoisson.portable import linear
 
 if TYPE_CHECKING:
-    from liepoisson.leaf.leaf_in_units import LeafInUnits
     from liepoisson.model.phase_functions import PhaseFunction
     from liepoisson.model.system import System
 
@@ -79,9 +80,9 @@ def equilibria(
     depend on the values of the Casimirs and the seed; the state from which a regular leaf was made does not matter.
 
     Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each connected
-    family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
-    energy apart by looking for a path of equilibria from one to the other; one that crosses or touches itself may be
-    listed by pieces.
+    family, with the spectrum of one member; `family` says what it is. The search knows the families that the known
+    integrals of the system make. Where it is not known that there is one equilibrium, or one such family, it lists
+    what it found as "undecided".
 
     Example:
         >>> system = lp.catalog.system("lagrange")
@@ -138,14 +139,7 @@ def _equilibria(
     search.until_the_sum_is(expected, most)
     total = None if integrals else search.signed_sum()  # with integrals it would belong to another space
     return Equilibria(
-        leaf,
-        tuple(search.found),
-        False,
-        expected,
-        total,
-        search.n_starts,
-        n_undecided=search.n_undecided,
-        is_cut_short=search.is_cut_short,
+        leaf, tuple(search.found), False, expected, total, search.n_starts, is_cut_short=search.is_cut_short
     )
 
 
@@ -243,31 +237,23 @@ def equilibrium_near(
     functions = view.system.functions
     fields = HamiltonianFields(view.system, [functions.energy, *map(functions.of, integrals.values())])
     level = _level(integrals, values, leaf.state)
-    states, residual = critical_points(view, fields, view.state[None], level)
-    zero = SoftZero(states[0]) if len(states) else None
-    reached = f"a relative residual of {residual[0]:.1e}" if len(states) else "no state where H has finite derivatives"
-    if zero is not None and may_mislead(functions.energy) and is_critical(fields, view, states, residual, NEAR)[0]:
-        zero = zero_near(view, fields, level, zero.state) or _in_flat_part(view, fields, level, zero.state)
-        reached = f"{reached}, where H becomes flat, and no critical point was found there" if zero is None else reached
-    elif zero is not None and is_critical(fields, view, states, residual)[0]:
-        zero = settled(view, fields, level, zero.state)
-    if zero is not None:
-        states = zero.state[None]
-        residual = residuals(view, fields, states, level)
-    if zero is None or not is_critical(fields, view, states, residual)[0]:
+    equations = CriticalEquations(view, fields, level)
+    states, residual = critical_points(equations, view.state[None])
+    if not len(states) or not is_critical(equations, states, residual)[0]:
+        reached = (
+            f"a relative residual of {residual[0]:.1e}" if len(states) else "no state where H has finite derivatives"
+        )
         checkpoint("Newton's method for an equilibrium")
         raise ParameterError(
             f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with "
             f"{reached}. Search with equilibria(system, leaf, along=..., values=...)."
         )
-    return analysis(leaf, zero.state * view.units, integrals, is_flat=zero.is_flat)
-
-
-def _in_flat_part(view: LeafInUnits, fields: HamiltonianFields, level: Array, state: Array) -> SoftZero | None:
-    """The nearest of the critical points that doubles do not tell apart at a state."""
-    part = flat_part_at(view, fields, level, state)
-    zeros = () if part is None else part.zeros
-    return min(zeros, key=lambda zero: float(linear.norm(zero.state - state)), default=None)
+    state = finished(equations, states[0])
+    one, how = judged(leaf, integrals, equations, state)
+    if not how.is_known and (rest := at_rest(equations, state)) is not None:
+        resting, its = judged(leaf, integrals, equations, rest)
+        one = resting if its.is_alone and norm(rest - state) <= its.alone_within else one
+    return one
 
 
 def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None, x: Array | None) -> Array:

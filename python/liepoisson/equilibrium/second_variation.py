@@ -1,4 +1,16 @@
-r"""A critical point of H on its leaf: the symplectic slice, and the second variation along its directions."""
+r"""A critical point of H on its leaf: the symplectic slice, the second variation, and how well the point is known.
+
+**How well.** Newton's step s from a state x, the smallest singular value $\sigma$ of the linear equations M and the
+round-off r in them give the distance $\delta = 2(|s| + r/\sigma)$. If M changes by less than $\sigma/2$ within it,
+there is one zero of the equations at a distance of at most $\delta$, and no other as far as M changes by less than that
+(Newton and Kantorovich). At a zero of order m the entries of M grow like $d^{m-1}$ with the distance d, and $\delta$
+is $2d/m$: there they change by more, and so they do on a tail, where the slope only decays.
+
+Where a symmetry carries x along an orbit of critical points, M vanishes along it, and all this holds across the orbit
+(Palais' principle of symmetric criticality).
+
+References: [kantorovich1948]; [palais1979].
+"""
 
 from __future__ import annotations
 
@@ -7,8 +19,17 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import arb
 
-from liepoisson.equilibrium.critical_points import CANCELLED, SOFT, VANISHES, HamiltonianFields, multipliers
+from liepoisson.algebra.ideals.certified_roots import precision
+from liepoisson.equilibrium.critical_points import (
+    CANCELLED,
+    ROUND_OFF,
+    VANISHES,
+    CriticalEquations,
+    HamiltonianFields,
+    multipliers,
+)
 from liepoisson.equilibrium.linearisation import LinearFlow, linear_flow
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.portable import linear
@@ -16,10 +37,10 @@ from liepoisson.portable import linear
 if TYPE_CHECKING:
     from liepoisson.leaf.leaf_in_units import LeafInUnits
 
-
-_STIFF, _OFF, _OUTGROWN = 1e-3, 100.0, 0.1
-"""Directions that are softer, relative, have no part in a step; at how many steps a second variation is compared, and
-what is left of it where it vanishes."""
+_BITS = 200
+"""Of numbers in which slopes are computed without round-off: 60 digits, of which terms that cancel may cost 40."""
+_FARTHEST = 0.25
+"""The distance up to which others are excluded, relative to the length of the state: leaves are curved."""
 
 
 @dataclass(frozen=True)
@@ -62,67 +83,134 @@ class CriticalPoint:
         sizes = [norm(linear.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
         restricted = linear.matmul(linear.matmul(basis.T, derivative), basis)
         left = CANCELLED * float(linear.matmul(sum(sizes), np.abs(coefficients)))
-        if norm(restricted) <= left or self._is_flat(coefficients, restricted):
+        if norm(restricted) <= left:
             derivative = np.zeros_like(derivative)
-        return linear_flow(self.fields.poisson(self.x), derivative, basis)
+        flow, asymmetry = linear_flow(self.fields.poisson(self.x), derivative, basis)
+        return self._without_rounding(flow, coefficients), asymmetry
 
-    def _is_flat(self, coefficients: Array, derivative: Array) -> bool:
-        r"""Whether the second variation is only what is left of it at a state that is a little off.
-
-        Where H has no terms below the degree m, such as $p^4 + q^4$, the search ends at a distance d from the critical
-        point, and the second variation has a size and signs there that say nothing. Newton's step from there is
-        $d/(m-1)$, and at 100 times this distance the second variation is larger by a factor of 50 at least; that of
-        another critical point is the same.
-        """
-        x, basis = self.x, self.tangents
-        length = float(norm(x)) + self.fields.unit
-        rates = linear.matmul(linear.matmul(basis.T, self.fields.fields(x)), coefficients)
-        if not (np.isfinite(derivative).all() and np.isfinite(rates).all()):
-            return False
-        step = float(norm(np.asarray(linear.lstsq(derivative, rates, rcond=_STIFF)[0], dtype=np.float64)))
-        off = _OFF * max(step, float(np.finfo(np.float64).eps) * length)
+    def _without_rounding(self, flow: LinearFlow, coefficients: Array) -> LinearFlow:
+        """The flow with zeros for eigenvalues of the second variation that the rounding of the state can make."""
+        if not flow.size:
+            return flow
+        moved = ROUND_OFF * (float(norm(self.x)) + self.fields.unit) * self.tangents
         with np.errstate(all="ignore"):
             around = linear.matmul(
-                sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)), coefficients
+                sum(self.fields.parts(self.x + np.concatenate([moved, -moved], axis=1).T)), coefficients
             )
-            sizes = norm(linear.matmul(linear.matmul(basis.T, around), basis), axis=(-2, -1))
-        return bool(norm(derivative) <= _OUTGROWN * sizes[np.isfinite(sizes)].max(initial=0.0))
+            change = around - linear.matmul(sum(self.fields.parts(self.x)), coefficients)
+            change = linear.matmul(linear.matmul(self.tangents.T, change), self.tangents)
+            bound = float(norm(flow.form) * norm(change, axis=(-2, -1)).max())
+        values, vectors = linear.eigh(flow.hessian)
+        if not (np.abs(values) <= bound).any():
+            return flow
+        kept = np.where(np.abs(values) <= bound, 0.0, values)
+        return flow.with_hessian(linear.matmul(vectors * kept, vectors.T))
 
 
-def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
-    """Orthonormal directions in which a family of (relative) equilibria may go on from x, shape (N, n).
-
-    The kernel of the second variation on the slice, and the motions of the integrals.
-    """
-    point, flow, basis = _on_slice(leaf, fields, x)
-    found = np.concatenate([point.symmetry, linear.matmul(basis, flow.kernel())], axis=1)
-    return linear.matmul(point.tangents, (linear.qr(found)[0] if found.size else found))
-
-
-def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, within: float = SOFT) -> Array:
-    """Orthonormal directions in which the second variation on the slice is soft or flat, shape (N, n)."""
-    point, flow, basis = _on_slice(leaf, fields, x)
-    values, vectors = linear.eigh(flow.hessian)
-    sizes = np.abs(values)
-    return linear.matmul(linear.matmul(point.tangents, basis), vectors[:, sizes <= within * sizes.max(initial=0.0)])
-
-
-def symmetry_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
-    """Orthonormal directions in which the motions of the integrals carry x, shape (N, n)."""
-    point, _, _ = _on_slice(leaf, fields, x)
-    return linear.matmul(point.tangents, point.symmetry)
-
-
-def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
-    """The moduli of the eigenvalues of the second variation on the slice, relative to the largest, ascending."""
-    values = np.sort(np.abs(linear.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
-    return values / values[-1] if values.any() else values
-
-
-def _on_slice(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> tuple[CriticalPoint, LinearFlow, Array]:
-    """The linearised flow on the symplectic slice at x, and the basis of the slice in the tangent space."""
-    rates, scale = fields.fields(x), fields.scale(x)
-    point = CriticalPoint(fields, leaf, x, multipliers(rates[None], scale[None])[0])
-    flow = point.linear_flow(np.array([1.0, *-point.omega]))[0]
+def on_slice(fields: HamiltonianFields, leaf: LeafInUnits, x: Array) -> tuple[CriticalPoint, LinearFlow, Array, float]:
+    """The linearised flow at x on the symplectic slice, a basis of this, and the asymmetry."""
+    omega = multipliers(fields.fields(x)[None], fields.scale(x)[None])[0]
+    point = CriticalPoint(fields, leaf, x, omega)
+    flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
-    return point, flow.restricted(basis), basis
+    return point, flow.restricted(basis), basis, asymmetry
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How well a critical point is known.
+
+    Attributes:
+        distance: How far the state is from the zero of the equations at most, if there is one nearby.
+        alone_within: Up to which distance it is the only one, but for those to which symmetries carry it; 0 where it is
+            not known that there is one.
+        n_regular: How many of the vector fields of integrals are independent there.
+        is_alone: Whether it is the only one also among states at which more of them are.
+    """
+
+    distance: float
+    alone_within: float
+    n_regular: int = 0
+    is_alone: bool = False
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it is known that there is a zero of the equations, and one only."""
+        return self.alone_within > 0
+
+
+@np.errstate(all="ignore")  # functions need not be defined in the neighbourhood; then nothing is known
+def accuracy(equations: CriticalEquations, x: Array, n_symmetries: int, omega: Array | None = None) -> Accuracy:
+    """How well a critical point is known from the linear equations at a state of the leaf.
+
+    Args:
+        equations: Those of the critical point.
+        x: The state, shape (N,).
+        n_symmetries: In how many directions symmetries carry it along critical points.
+        omega: The multipliers, by default those of least squares.
+    """
+    fields = equations.fields
+    rates, scale = fields.fields(x[None]), fields.scale(x[None])
+    omega = multipliers(rates, scale) if omega is None else omega[None]
+    basis = equations.tangents(x[None])
+    rank, k = basis.shape[2], len(equations.values)
+    n_regular = n_independent(rates[0, :, 1:], scale[0, 1:])
+    if not n_regular:  # the level of integrals that are at rest says nothing
+        k = 0
+    units = equations.units(x[None], rank)[0][: rank + k]
+    length = (float(norm(x)) + fields.unit) or 1.0  # the origin is a leaf of its own
+
+    def linear_equations(states: Array, omegas: Array) -> Array:
+        """The linear equations at states near x, in the units of x, shape (n, equation, rank + k)."""
+        bases, among = np.repeat(basis, len(states), axis=0), np.repeat(x[None], len(states), axis=0)
+        return equations.newton_matrix(states, omegas, bases, among)[:, : len(x) + k, : rank + k] * units
+
+    matrix = linear_equations(x[None], omega)[0]
+    if not np.isfinite(matrix).all():
+        return Accuracy(np.inf, 0.0, n_regular)
+    left, sizes, right = linear.svd(matrix, full_matrices=False)
+    regular = rank + n_regular - n_symmetries
+    if not regular:
+        return Accuracy(ROUND_OFF * length, _FARTHEST * length, n_regular)
+    smallest = float(sizes[regular - 1])
+    if not smallest > 0:
+        return Accuracy(np.inf, 0.0, n_regular)
+    residual = equations.residual(x[None], omega)[0, : len(x) + k]
+
+    def is_regular_within(share: float) -> bool:
+        """Whether the linear equations change by less than half of the smallest singular value; to first order."""
+        moved = share * np.eye(rank + k)
+        moved = np.concatenate([moved, -moved]) * units
+        states = x + linear.matmul(moved[:, :rank], basis[0].T)
+        omegas = np.repeat(omega, len(moved), axis=0)
+        omegas[:, :k] += moved[:, rank:]
+        changes = norm(linear_equations(states, omegas) - matrix, axis=(1, 2)).reshape(2, -1).max(axis=0)
+        return bool(norm(changes) <= smallest / 2)
+
+    # terms of the slope that cancel may leave more than the round-off of its size: it is computed without
+    exact = _exact_fields(fields, x)
+    residual[: len(x)] = (exact[:, 0] - linear.matmul(exact[:, 1:], omega[0])) / (scale[0, 0] or 1.0)
+    step = linear.matmul(linear.matmul(left.T, residual)[:regular] / sizes[:regular], right[:regular])
+    distance = 2 * (float(norm(step)) + ROUND_OFF / smallest)
+    if not is_regular_within(distance):
+        return Accuracy(distance * length if np.isfinite(distance) else np.inf, 0.0, n_regular)
+    within = distance
+    while within < _FARTHEST and is_regular_within(2 * within):
+        within *= 2
+    return Accuracy(distance * length, min(within, _FARTHEST) * length, n_regular)
+
+
+def _exact_fields(fields: HamiltonianFields, x: Array) -> Array:
+    """The vector fields, shape (N, 1 + k), from slopes that are computed with 60 digits."""
+    with precision(_BITS):
+        state = [*map(arb, x.tolist())]
+        slopes = [[float(v.mid()) for v in f.gradient_in_balls(state)] for f in fields.functions]
+    return np.asarray(linear.matmul(fields.poisson(x), np.array(slopes).T))
+
+
+def n_independent(rates: Array, scale: Array) -> int:
+    """How many of the vector fields of integrals, shape (N, k), are independent at a state."""
+    if not rates.shape[1]:
+        return 0
+    sizes = linear.svd(rates / np.where(scale > 0, scale, 1.0), compute_uv=False)
+    return int((sizes > VANISHES).sum())

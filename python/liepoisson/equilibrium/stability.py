@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.equilibrium.critical_points import VANISHES, HamiltonianFields, multipliers
+from liepoisson.equilibrium.critical_points import VANISHES, CriticalEquations, HamiltonianFields, multipliers
 from liepoisson.equilibrium.exact_linearisation import exact_linearisation
 from liepoisson.equilibrium.linearisation import (
     ComplexArray,
@@ -22,8 +22,8 @@ from liepoisson.equilibrium.linearisation import (
     definite_combination,
     spectral_verdict,
 )
-from liepoisson.equilibrium.second_variation import CriticalPoint
-from liepoisson.equilibrium.soft_zeros import may_mislead, zero_near
+from liepoisson.equilibrium.second_variation import Accuracy, CriticalPoint, accuracy, on_slice
+from liepoisson.equilibrium.symmetry_orbit import Symmetries
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
@@ -68,16 +68,22 @@ class Equilibrium(ReadOnlyArrays):
         growth_rate: The largest real part in the spectrum; 0 unless it exceeds the round-off.
         nullity: Dimension of the kernel of the linearised flow: at least the dimension of a family of equilibria.
         linear_stability: "stable spectrum" (all eigenvalues imaginary and not zero), "unstable", "degenerate" (stable
-            but for zero eigenvalues) or "undecided" (imaginary eigenvalues collide, within round-off).
+            but for zero eigenvalues) or "undecided" (imaginary eigenvalues collide, within round-off, or the family is
+            "undecided").
         signature: Numbers $(n_+, n_-, n_0)$ of positive, negative and vanishing eigenvalues of the second variation of
-            `combination` on the slice.
+            `combination` on the slice; $n_0$ is the number of all where the family is "undecided".
         combination: Coefficients of H and the integrals, by name. Where the vector fields of the integrals vanish or
             depend on each other there is a choice; a definite combination is taken if one is found.
         n_found: From how many starts a search came here, or to the same family; 1 if it was no search.
         family: What connected set of equilibria of its leaf it belongs to, as far as `equilibria` knows: "point" (it is
             isolated), "circle", "sphere", "all rotations" (like the group SO(3)), "family of dimension ...", or
-            "degenerate": the linear equations are, and no family was found. "point" from `equilibrium`, which looks at
-            one state only.
+            "degenerate": the linear equations are, and the algebra gives no family. "point" from `equilibrium` and
+            `equilibrium_near`, which look at one state only. "undecided": the equations hold there to 1e-8, and
+            doubles do not tell whether that is at one equilibrium, several, a family or none; `spectrum` and `nullity`
+            are then those of the state.
+        distance: How far the state is from the true (relative) equilibrium at most, relative to the length of the
+            state; where the family is "undecided", the distance within which the linear equations may become singular,
+            so that it is no bound. 0 where the state is known without Newton's method.
     """
 
     leaf: Leaf
@@ -95,6 +101,7 @@ class Equilibrium(ReadOnlyArrays):
     combination: dict[str, float]
     n_found: int = 1
     family: str = "point"
+    distance: float = 0.0
 
     @property
     def system(self) -> System:
@@ -115,10 +122,12 @@ class Equilibrium(ReadOnlyArrays):
           integrals, stable modulo their flows.
         - "no conclusion": it is indefinite. The state may be stable or not. A known integral in `along` may decide, as
           l3 does for an upright top that spins fast.
-        - "undecided": it is semidefinite, up to round-off.
+        - "undecided": it is semidefinite, up to round-off, or the family is "undecided".
 
         References: [arnold1965]; [holm1985]; with integrals: [simo1991].
         """
+        if self.family == "undecided":
+            return "undecided"
         positive, negative, zero = self.signature
         if positive and negative:
             return "no conclusion"
@@ -130,6 +139,12 @@ class Equilibrium(ReadOnlyArrays):
         return np.sort(self.spectrum.imag[self.spectrum.imag > 0])
 
     def __repr__(self) -> str:
+        if self.family == "undecided":
+            return (
+                f"<Equilibrium of {self.system.name!r}: energy {self.energy:.6g}, undecided: the equations hold to "
+                f"1e-8, but a zero is only sought within {self.distance:.2g} of the state's length, where the "
+                "linear equations may become singular>"
+            )
         grows = f" (grows at {self.growth_rate:.4g})" if self.linear_stability == "unstable" else ""
         return (
             f"<Equilibrium of {self.system.name!r}: energy {self.energy:.6g}, {self.linear_stability}{grows}, "
@@ -148,7 +163,9 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
 
     Where the vector field vanishes exactly, H is a rational function with rational coefficients, and there are no more
     than 12 components, spectrum and signature are computed in exact numbers, whatever the sizes of the coefficients.
-    Elsewhere an eigenvalue of the second variation counts as zero below 1e-9 of the largest.
+    Elsewhere an eigenvalue of the second variation counts as zero below 1e-9 of the largest. Zeros that are not those
+    of symmetries, by known integrals of the system, and equations that may become singular within the bound on the
+    distance of the state from the equilibrium, are "undecided".
 
     Example:
         >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
@@ -183,35 +200,47 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
         rates = fields.fields(y) * view.units[:, None]
         left = float(norm(rates[:, 0] - linear.matmul(rates[:, 1:], omega)))
         raise ParameterError(_not_an_equilibrium(left, float(norm(rates[:, 0])), integrals))
-    return analysis(leaf, leaf.state, integrals, units, is_flat=_is_zero_of_slope(view, fields, y))
+    equations = CriticalEquations(view, fields, np.array([float(f(y)) for f in fields.functions[1:]]))
+    return judged(leaf, integrals, equations, y, units)[0]
 
 
-def _is_zero_of_slope(view: LeafInUnits, fields: HamiltonianFields, y: Array) -> bool:
-    """Whether H is known to be flat along the soft directions, at a critical point of high order.
+def judged(
+    leaf: Leaf,
+    integrals: Mapping[str, PhaseFunction],
+    equations: CriticalEquations,
+    y: Array,
+    units: Array | None = None,
+) -> tuple[Equilibrium, Accuracy]:
+    """The stability of a critical point that Newton's method gave, "undecided" where it is not known well enough.
 
-    Raises:
-        ParameterError: H only becomes flat there, as on the tail of an exponential, or its critical point is elsewhere.
+    Args:
+        leaf: Its leaf.
+        integrals: Integrals for a relative equilibrium.
+        equations: Its equations, in the units of `y`.
+        y: The state, shape (N,), in these units.
+        units: Sizes of the coordinates for `analysis`.
     """
-    if not may_mislead(fields.functions[0]):
-        return False
-    zero = zero_near(view, fields, np.array([float(f(y)) for f in fields.functions[1:]]), y)
-    if zero is None:
-        raise ParameterError(
-            "state must be an equilibrium; H becomes flat there, and no critical point was found nearby, though the "
-            "vector field is zero in doubles. equilibria(system, Leaf.through(system, state)) looks for those of its "
-            "leaf."
-        )
-    if norm(zero.state - y) > _NEARBY * (norm(y) + fields.unit):
-        there = ", ".join(f"{x:.6g}" for x in zero.state * view.units)
-        raise ParameterError(
-            f"state must be an equilibrium; H is only very flat there, and the critical point is at ({there}). Give "
-            "that state."
-        )
-    return zero.is_flat
-
-
-_NEARBY = 1e-2
-"""How far the critical point of a function that is very flat may be, relative to the length of the state."""
+    nullity = on_slice(equations.fields, equations.leaf, y)[1].kernel().shape[1]
+    n_symmetries = 0
+    if nullity or integrals:
+        n_symmetries = Symmetries.of(equations.leaf, equations.fields).combinations(y).shape[1]
+    how = accuracy(equations, y, n_symmetries)
+    is_known = how.is_known and nullity == (0 if integrals else n_symmetries)
+    one, is_exact = _analysis(leaf, y * equations.leaf.units, integrals, units, is_known=is_known)
+    if is_exact:
+        return one, how
+    length = float(norm(y)) + equations.fields.unit
+    one = replace(one, distance=how.distance / length if length else 0.0)
+    if is_known:
+        if how.n_regular < len(integrals) and one.nonlinear_stability == "stable" and one.combination["H"]:
+            # where a combination of H and integrals that are at rest is definite there is no other on the level set
+            h, *others = one.combination.values()
+            alone = accuracy(equations, y, n_symmetries, -np.array(others) / h)
+            how = replace(how, alone_within=alone.alone_within, is_alone=True) if alone.is_known else how
+        return one, how
+    nothing = (0, 0, sum(one.signature))
+    undecided = replace(one, family="undecided", linear_stability="undecided", growth_rate=0.0, signature=nothing)
+    return undecided, replace(how, alone_within=0.0)
 
 
 def _units_of_top(leaf: Leaf) -> Array | None:
@@ -356,15 +385,8 @@ _TRIED = 4
 """Random states at which two vector fields are compared."""
 
 
-def analysis(
-    leaf: Leaf,
-    x: Array,
-    integrals: Mapping[str, PhaseFunction],
-    units: Array | None = None,
-    *,
-    is_flat: bool = False,
-) -> Equilibrium:
-    """The linear and the energy-Casimir stability of a critical point.
+def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units: Array | None = None) -> Equilibrium:
+    """The linear and the energy-Casimir stability of a critical point that is known for sure.
 
     Args:
         leaf: Its leaf.
@@ -372,17 +394,20 @@ def analysis(
         integrals: Integrals for a relative equilibrium.
         units: Sizes of the coordinates, shape (N,), by default those of the leaf; an eigenvalue of the second variation
             counts as zero by its size in these units.
-        is_flat: Whether small eigenvalues of the second variation are known to be zero, whatever the units.
     """
+    return _analysis(leaf, x, integrals, units, is_known=True)[0]
+
+
+def _analysis(
+    leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units: Array | None, *, is_known: bool
+) -> tuple[Equilibrium, bool]:
+    """The same, and whether it was done in exact numbers; where it is not known for sure, zeros are not divided out."""
     view = _in_units(leaf, units)
     fields, y = _fields(view, integrals), x / view.units
-    omega = multipliers(fields.fields(y)[None], fields.scale(y)[None])[0]
-    point = CriticalPoint(fields, view, y, omega)
-    flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
-    basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
-    flow = flow.restricted(basis)
-    reduced = flow.without_zeros()
-    if not is_flat and flow.has_more_than(reduced):
+    point, flow, basis, asymmetry = on_slice(fields, view, y)
+    omega = point.omega
+    reduced = flow.without_zeros() if is_known else flow
+    if flow.has_more_than(reduced):
         reduced = flow
     eigenvalues, bounds = reduced.eigenvalues()
     n_zero = flow.size - reduced.size
@@ -411,8 +436,8 @@ def analysis(
     )
     exact = None if integrals else exact_linearisation(leaf.system, x)
     if exact is None:
-        return found
-    return replace(
+        return found, False
+    found = replace(
         found,
         spectrum=_ordered(exact.spectrum),
         growth_rate=exact.growth_rate,
@@ -420,6 +445,7 @@ def analysis(
         linear_stability=exact.verdict,
         signature=exact.signature,
     )
+    return found, True
 
 
 def _best_combination(point: CriticalPoint, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:
