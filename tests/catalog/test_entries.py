@@ -383,7 +383,7 @@ def test_an_integral_that_is_not_constant_with_other_values_is_left_out():
         ({"epsilom": 1}, "'twisted-top' has no parameter 'epsilom'. Did you mean epsilon.*Known: epsilon, I, a, b"),
         ({"l": 1}, "'twisted-top' has no parameter 'l'"),
         ({"I1": 1}, "'twisted-top' has no parameter 'I1'. Did you mean I"),
-        ({"a": 1}, r"a must have 3 components; got one number. Give for example \[1, 0, 0\]"),
+        ({"a": 1}, r"a must have 3 components; got one number. Give for example \[1, 2, 3\]"),
         ({"a": (1, 0)}, "a must have 3 components; got 2 components"),
         ({"a": [[1, 0, 0]]}, r"a must have 3 components; got a matrix of shape \(1, 3\)"),
         ({"epsilon": (1, 2)}, "epsilon must have one number; got 2 components. Give for example 1"),

@@ -72,9 +72,12 @@ def test_typed_and_substituted_numbers_give_the_same_generators(case):
     name, numbers = case
     names, make = FAMILIES[name]
     bracket, typed = make(*names), make(*numbers)
-    assert typed.casimirs() == bracket.substitute(dict(zip(names, numbers, strict=True))).casimirs()
+    assert (
+        typed.casimirs()
+        == bracket.substitute({n: v for n, v in zip(names, numbers, strict=True) if n in bracket.symbols}).casimirs()
+    )
     for value in zip(names, numbers, strict=True):  # one by one: the report examines values of single parameters
-        special = bracket.substitute(dict([value]))
+        special = bracket.substitute({n: v for n, v in [value] if n in bracket.symbols})
         if leading_monomials(special) == leading_monomials(bracket):
             assert [sp.expand(c) for c in special.casimirs()] == _inserted(bracket.casimirs(), *value)
         else:

@@ -525,7 +525,8 @@ class Bracket:
 def read_function(bracket: Bracket, given: object, what: str) -> Expr:
     """A function of the coordinates that a caller gives, in `variables`.
 
-    Other symbols are coefficients, except what is like a coordinate and none: it would be a constant.
+    Other symbols are coefficients, except what has the name of a coordinate and is none: it would be a constant.  Of a
+    function without any coordinate that holds for names in other letters, too, such as L1 for l1.
 
     Raises:
         ParameterError: it is no expression, or has a part that is like a coordinate and none.
@@ -535,9 +536,11 @@ def read_function(bracket: Bracket, given: object, what: str) -> Expr:
 
     expression = bracket.in_own_variables(as_expression(given, what))
     others = expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables)
+    is_constant = not expression.free_symbols & {*bracket.variables}
     for part in sorted(others, key=lambda part: (-len(str(part)), str(part))):  # l[1] before its parts
         name = _name_of(part)
-        own = next((known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)), None)
+        alike = [known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)]
+        own = next((known for known in alike if is_constant or _letters(known) == _letters(name)), None)
         if own is None and name in bracket.field_names:
             own = f"the field {name}"
         if own is None or (str(part) in bracket.symbols | bracket.coefficients):
@@ -567,9 +570,14 @@ def _name_of(part: Any) -> str:
     return part.func.__name__ if isinstance(part, AppliedUndef) else str(getattr(part, "name", part))
 
 
+def _letters(name: str) -> str:
+    """A name without underscores and brackets, so that l[1] and l_1 are like l1."""
+    return re.sub(r"[\W_]", "", name)
+
+
 def _plain(name: str) -> str:
-    """A name in small letters without underscores and brackets, so that l[1], L1 and l_1 are like l1."""
-    return re.sub(r"[\W_]", "", name).casefold()
+    """The same in small letters, so that L1 is like l1, too."""
+    return _letters(name).casefold()
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:

@@ -195,14 +195,19 @@ def painleve_test(
         progress: As for `integrate`.
 
     Raises:
+        TimeLimitError: there was no time to read the equations.
         ParameterError: numbers in the equations are not rational, the equations contain other functions, weights do not
             fit them, or there are too many choices of weights.
     """
     deadline, listen = as_deadline(time_limit), progress or (lambda _: None)
     with deadline.running():
         derivation, functions = _equations(system)
-        chosen = maximal_weights(derivation) if weights is None else (_read(weights, derivation),)
         analysis = _Analysis(Limits(work=max(1, int(min(deadline.seconds * 1e6, MOST)))).budget())
+        try:
+            chosen = maximal_weights(derivation) if weights is None else (_read(weights, derivation),)
+        except TimeLimitError as error:
+            chosen = ()
+            analysis.left.append(f"balances with the orders of leading terms, which are not known: {error}")
         for k, one in enumerate(chosen):
             analysis.run(QuasiHomogeneous.of(derivation, one), lambda f, k=k: listen((k + f) / len(chosen)))
     return PainleveTest(
