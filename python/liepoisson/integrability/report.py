@@ -339,10 +339,12 @@ def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisOb
     from liepoisson.integrability.painleve.singularity_analysis import painleve_test
 
     obstruction, singularities = None, None
-    if system.bracket.rank() <= _ONE_DEGREE_OF_FREEDOM or not any(system.bracket.vector_field(system.hamiltonian)):
+    if system.bracket.rank() <= _ONE_DEGREE_OF_FREEDOM:
         return None, None
     if seconds < _LEAST_TIME:
         notes.append("no time was left for the differential Galois group and for the singularities in complex time")
+        return None, None
+    if not any(system.bracket.vector_field(system.hamiltonian)):
         return None, None
     try:
         obstruction = galois_obstruction(system, time_limit=seconds / 2)
