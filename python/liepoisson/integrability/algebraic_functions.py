@@ -27,18 +27,13 @@ from itertools import combinations
 from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
-from liepoisson.algebra.coefficients import Element, check_degree
-from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.coefficients import check_degree
+from liepoisson.algebra.number_fields import Element, as_fmpq
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import (
-    Derivation,
-    Exponents,
-    Polynomial,
-    derivation_of,
-    derivation_of_rates,
-)
+from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of, derivation_of_rates
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

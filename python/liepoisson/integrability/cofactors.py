@@ -24,10 +24,10 @@ from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
 from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
 from liepoisson.algebra.residues import primes
-from liepoisson.algebra.sparse_polynomials import of_exponents, value_at
+from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.monomials import of_degree

@@ -16,10 +16,9 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import transposed
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace
-from liepoisson.algebra.sparse_polynomials import add_multiple, multiply
+from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, multiply
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.completeness import fields_rank
-from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import Level, level_of
 
 if TYPE_CHECKING:

@@ -25,9 +25,8 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.algebra.coefficients import Coefficients, check_degree
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import rank_mod, solve
-from liepoisson.algebra.sparse_polynomials import multiply, value_at
+from liepoisson.algebra.sparse_polynomials import Polynomial, multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import level_of
 from liepoisson.integrability.modular import modular, residues_of
 from liepoisson.integrability.search import point_on_level

@@ -15,13 +15,14 @@ from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, over
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.gradings import Grading, positive_grading
 from liepoisson.integrability.level import level_of, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight

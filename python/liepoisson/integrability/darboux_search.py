@@ -12,14 +12,15 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
+from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.residues import Residues
-from liepoisson.algebra.sparse_polynomials import multiply
+from liepoisson.algebra.sparse_polynomials import Polynomial, multiply
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.cofactors import image
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.modular import modular

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra import sparse_polynomials
-from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact
+from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint

@@ -25,8 +25,8 @@ from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element, PrimeField
 from liepoisson.algebra.residues import Residues
-from liepoisson.algebra.sparse_polynomials import gradient_at, multiply, value_at
-from liepoisson.integrability.derivation import Exponents, Polynomial
+from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
+from liepoisson.integrability.derivation import Exponents
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.modular import random_point
 from liepoisson.integrability.parameter_cases import Poly, SparseRow

@@ -15,7 +15,8 @@ from math import gcd, lcm
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.algebra.sparse_polynomials import Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 
 MODULI = (2, 3)
 _MOST_COMBINATIONS = 6

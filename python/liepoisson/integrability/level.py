@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import check_degree
 from liepoisson.algebra.number_fields import as_fmpq
-from liepoisson.algebra.sparse_polynomials import divides, of_exponents
+from liepoisson.algebra.sparse_polynomials import Polynomial, divides, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from random import Random
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.residues import Residues
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
-from liepoisson.integrability.derivation import Polynomial
 
 _MOST_PRIMES = 20
 

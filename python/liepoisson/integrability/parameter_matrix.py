@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
-from liepoisson.algebra.sparse_polynomials import expression, of_exponents
+from liepoisson.algebra.sparse_polynomials import Polynomial, expression, of_exponents
 from liepoisson.errors import ParameterError
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.gradings import gradings
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.parameter_cases import Poly, SparseRow

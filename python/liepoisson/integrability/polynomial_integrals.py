@@ -8,6 +8,7 @@ from itertools import chain, count
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import is_sympy, to_sympy
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import as_count
@@ -16,7 +17,7 @@ from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
+from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of, real_points, squarefree
 from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight

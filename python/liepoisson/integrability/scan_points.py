@@ -9,8 +9,8 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.sparse_polynomials import value_at
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.algebra.sparse_polynomials import Polynomial, value_at
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.monomials import of_degree

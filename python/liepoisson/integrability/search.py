@@ -22,10 +22,10 @@ from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.residues import Residues
-from liepoisson.algebra.sparse_polynomials import gradient_at, multiply, value_at
+from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.matrix import ModularDerivation

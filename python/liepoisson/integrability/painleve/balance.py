@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.integrability.painleve.coefficient_fields import Element, Field
+from liepoisson.integrability.painleve.coefficient_fields import Field
 from liepoisson.integrability.painleve.expansion import Expansion, FreeConstant, Resonance
 from liepoisson.integrability.painleve.exponents import Exponents
 from liepoisson.integrability.painleve.laurent import LaurentSeries, laurent_series

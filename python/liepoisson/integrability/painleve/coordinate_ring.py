@@ -15,9 +15,9 @@ from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Budget
 from liepoisson.algebra.ideals.operations import radical_contains
-from liepoisson.algebra.number_fields import Element, NumberField, Rational
+from liepoisson.algebra.number_fields import Element, NumberField, Rational, as_fmpq
 from liepoisson.errors import LiePoissonError
-from liepoisson.integrability.painleve.coefficient_fields import as_fmpq, polynomial_at
+from liepoisson.integrability.painleve.coefficient_fields import polynomial_at
 
 
 class DivisionError(LiePoissonError):

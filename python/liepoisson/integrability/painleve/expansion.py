@@ -19,8 +19,9 @@ from fractions import Fraction
 from math import lcm
 from typing import Protocol
 
+from liepoisson.algebra.number_fields import Element
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.painleve.coefficient_fields import Element, Field
+from liepoisson.integrability.painleve.coefficient_fields import Field
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
 from liepoisson.integrability.painleve.exponents import Exponents
 from liepoisson.integrability.painleve.linear import Matrix, Solved, eliminated, independent_columns

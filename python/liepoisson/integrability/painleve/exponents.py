@@ -18,12 +18,8 @@ from typing import Any, cast
 from flint import acb, acb_poly, fmpq_poly
 
 from liepoisson.algebra.ideals.certified_roots import ball, precision
-from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicNumbers,
-    Element,
-    Field,
-    RationalFunctions,
-)
+from liepoisson.algebra.number_fields import Element
+from liepoisson.integrability.painleve.coefficient_fields import AlgebraicNumbers, Field, RationalFunctions
 from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.linear import polynomial_gcd, polynomial_quotient
 

@@ -25,9 +25,9 @@ from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, ra
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
 from liepoisson.algebra.ideals.solutions import solutions
+from liepoisson.algebra.number_fields import Element
 from liepoisson.integrability.painleve.coefficient_fields import (
     AlgebraicNumbers,
-    Element,
     Field,
     Ratio,
     RationalFunctions,

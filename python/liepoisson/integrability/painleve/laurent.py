@@ -19,16 +19,11 @@ from numpy.typing import NDArray
 from liepoisson.algebra.ideals.groebner import groebner_basis
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.solutions import solutions
-from liepoisson.algebra.number_fields import NumberField
+from liepoisson.algebra.number_fields import Element, NumberField, as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicNumbers,
-    Element,
-    Field,
-    as_fmpq,
-)
+from liepoisson.integrability.painleve.coefficient_fields import AlgebraicNumbers, Field
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, RingElement
 from liepoisson.integrability.painleve.expansion import Expansion, Polynomial
 from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions

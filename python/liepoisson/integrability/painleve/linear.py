@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from liepoisson.algebra import echelon
-from liepoisson.integrability.painleve.coefficient_fields import Element, Field
+from liepoisson.algebra.number_fields import Element
+from liepoisson.integrability.painleve.coefficient_fields import Field
 
 Matrix = list[list[Element]]
 

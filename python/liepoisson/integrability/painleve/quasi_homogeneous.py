@@ -16,8 +16,9 @@ from typing import Any
 from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
+from liepoisson.algebra.number_fields import Element, as_fmpq
 from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.painleve.coefficient_fields import Element, Field, as_fmpq, polynomial_at, total
+from liepoisson.integrability.painleve.coefficient_fields import Field, polynomial_at, total
 from liepoisson.integrability.painleve.linear import Matrix
 
 

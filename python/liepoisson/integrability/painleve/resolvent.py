@@ -20,7 +20,8 @@ from fractions import Fraction
 from flint import fmpq_poly
 
 from liepoisson.algebra.matrices import product
-from liepoisson.integrability.painleve.coefficient_fields import Field, as_fmpq
+from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.integrability.painleve.coefficient_fields import Field
 from liepoisson.integrability.painleve.linear import Matrix
 
 

@@ -14,9 +14,10 @@ from itertools import combinations, pairwise
 from operator import mul
 from typing import Any, TypeAlias
 
-from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import ParameterError
 
 _FEW = 100  # distinct constants up to which products are remembered: at most 4 x 10^4 of them

@@ -8,9 +8,10 @@ from fractions import Fraction
 from itertools import combinations
 from typing import Any, TypeAlias, cast
 
-from liepoisson.algebra.coefficients import Coefficients, Element
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, is_sympy
+from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.tensors import Brackets
