@@ -304,11 +304,13 @@ def test_refusals_are_plain(command, arguments, words):
     assert "Traceback" not in err
 
 
-@pytest.mark.parametrize(("name", "function"), [("section", "section.section"), ("orbit", "integrate.integrate")])
+@pytest.mark.parametrize(
+    ("name", "function"), [("section", "poincare.section.section"), ("orbit", "numeric.integrate.integrate")]
+)
 def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, name, function):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"liepoisson.numeric.{function}", interrupted)
+    monkeypatch.setattr(f"liepoisson.{function}", interrupted)
     code, _, err = command(name, "kovalevskaya")
     assert (code, "--time-limit SECONDS" in err) == (130, True)

@@ -21,8 +21,8 @@ def searched(system, leaf, n_starts, seed=0):
 
 
 def assert_contains(all_of_them, some, tol=1e-6):
-    """Every equilibrium in `some` is in the list, or in a family of it."""
-    for e in some:
+    """Every equilibrium in `some` is in the list, or in a family of it; what is undecided claims nothing."""
+    for e in (e for e in some if e.family != "undecided"):
         if e.nullity:
             size = 1 + abs(e.energy)
             assert any(o.family != "point" and abs(o.energy - e.energy) < tol * size for o in all_of_them), e
