@@ -35,6 +35,13 @@ def _real(x: ArrayLike) -> Any:
     return np.asarray(x, dtype=np.float64)
 
 
+def of_parts(real: Any, imaginary: Any) -> Any:
+    """A complex number or array; 1j times an infinite number, or a zero with a sign, would be something else."""
+    result = np.empty(np.broadcast_shapes(np.shape(real), np.shape(imaginary)), dtype=np.complex128)
+    result.real, result.imag = real, imaginary
+    return result[()]
+
+
 def exp(x: ArrayLike) -> Any:
     """The exponential function; of complex numbers, too."""
     array: Any = np.asarray(x)
@@ -46,9 +53,7 @@ def exp(x: ArrayLike) -> Any:
                 np.where(np.isfinite(size), size * part, np.where(part == 0, part, half * (half * part)))
                 for part in (cosine, sine)
             )
-        result = np.empty(array.shape, dtype=np.complex128)
-        result.real, result.imag = real, imaginary
-        return result[()]
+        return of_parts(real, imaginary)
     return _one("exp", array)
 
 

@@ -19,6 +19,7 @@ from numpy.linalg import LinAlgError
 from numpy.typing import NDArray
 
 from liepoisson import _core
+from liepoisson.portable.elementary import of_parts
 
 __all__ = [
     "LinAlgError",
@@ -474,13 +475,6 @@ def _square(a: Any) -> Any:
     if array.shape[-1] != array.shape[-2]:
         raise LinAlgError(f"Last 2 dimensions of the array must be square; got {array.shape}")
     return array
-
-
-def of_parts(real: Any, imaginary: Any) -> Any:
-    """A complex number or array; 1j times an infinite number, or a zero with a sign, would be something else."""
-    result = np.empty(np.broadcast_shapes(np.shape(real), np.shape(imaginary)), dtype=np.complex128)
-    result.real, result.imag = real, imaginary
-    return result[()]
 
 
 def _flat(a: NDArray[Any]) -> Array:
