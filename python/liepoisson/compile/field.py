@@ -1,4 +1,4 @@
-"""Plain descriptions of vector fields: what the exact wing hands to the numeric wing.  Data, no code."""
+"""Plain descriptions of vector fields: what the exact algebra hands to the numeric part.  Data, no code."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The numeric wing: trajectories and exponents, for one state or for millions, with one outcome per trajectory."""
+"""Methods, starts, runs: trajectories for one state or for millions, with one outcome per trajectory."""

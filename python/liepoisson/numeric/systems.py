@@ -1,4 +1,4 @@
-"""What the numeric wing asks of a system.
+"""What the numeric part asks of a system.
 
 A field is enough to integrate: `HasField`.  What else some functions ask, a system that is only a field does not have;
 they then do without it, or say what they want.  All of it is asked here, and `System` has all of it.

@@ -117,7 +117,7 @@ class Report:
 
 @explains_its_arguments
 def inspect(system: System) -> Report:
-    """Everything that the exact wing finds out about a system; each proof is computed now.
+    """Everything that the exact algebra finds out about a system; each proof is computed now.
 
     Example:
         >>> report = lp.inspect(lp.catalog.system("free-rigid-body"))

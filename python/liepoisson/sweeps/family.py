@@ -33,7 +33,7 @@ _SYMPY = RLock()
 
 @dataclass(frozen=True)
 class NumericTop:
-    """A top as plain numbers: what integration needs, without the exact wing.
+    """A top as plain numbers: what integration needs, without the exact algebra.
 
     Attributes:
         name: How it is called.

@@ -33,7 +33,7 @@ _ONE_UNIT = 1024.0
 
 @dataclass(frozen=True)
 class TopRows:
-    r"""Tops with a row of parameters for each state: energy and Casimirs, without the exact wing.
+    r"""Tops with a row of parameters for each state: energy and Casimirs, without the exact algebra.
 
     $C_1 = |\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$, $C_3 = |\beta|^2$, whatever epsilon.
 
