@@ -25,7 +25,7 @@ from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.constant_part import read_constant, with_linear_part_at
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.poisson.poisson_matrix import PoissonMatrix, linear_terms
+from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix, linear_terms
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol

@@ -14,8 +14,8 @@ from typing import TypeAlias
 
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.structure.lie.matrix_family import MatrixFamily
 from liepoisson.structure.lie.sine_algebra import sine_brackets, sine_energy, sine_modes, sine_names
+from liepoisson.structure.lie.sparse_matrices import MatrixFamily
 from liepoisson.structure.lie_algebra import MAX_DIMENSION, LieAlgebra
 
 __all__ = [

@@ -19,8 +19,7 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.casimirs import quotient_casimirs
 from liepoisson.structure.locus import Locus
 from liepoisson.structure.poisson.casimir_search import n_independent
-from liepoisson.structure.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
-from liepoisson.structure.poisson.pfaffians import PfaffianIdeal
+from liepoisson.structure.poisson.pfaffians import PfaffianIdeal, casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.structure.poisson.poisson_tensor import CONSTANT
 from liepoisson.structure.poisson.polynomials import expression_of
 
