@@ -11,8 +11,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.indicators.exponents_by_energy import exponents_by_energy
 from liepoisson.indicators.fit_goodness import _f_tail, fit_goodness
 from liepoisson.indicators.lyapunov_exponent import _is_done, lyapunov_exponent
-from liepoisson.indicators.mean_error import batch_errors, mean_error, n_longest_batches, student_quantile
-from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.mean_error import batch_errors, mean_error, n_longest_batches, proportion, student_quantile
 from liepoisson.indicators.verdict import decide
 from liepoisson.numeric.time_scale import zero_threshold
 

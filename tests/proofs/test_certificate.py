@@ -6,7 +6,7 @@ import pytest
 
 from liepoisson.errors import CertificateError, DamagedFileError, MissingFileError
 from liepoisson.proofs.certificate import load_covering_certificate
-from liepoisson.proofs.claimed_system import compare_equations
+from liepoisson.proofs.theorem import compare_equations
 
 REFUSED = {
     "no sets": lambda d: d.update(sets=[]),

@@ -14,7 +14,7 @@ from flint import fmpq
 
 from liepoisson.algebra.ideals.certified_roots import rational
 from liepoisson.equilibrium.heavy_equilibria import Vector
-from liepoisson.model.top_recognition import recognised_top
+from liepoisson.model.top_parameters import recognised_top
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System

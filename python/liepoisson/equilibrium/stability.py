@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.equilibrium.critical_points import VANISHES, CriticalEquations, HamiltonianFields, multipliers
-from liepoisson.equilibrium.exact_linearisation import exact_linearisation
 from liepoisson.equilibrium.linearisation import (
     ComplexArray,
     LinearFlow,
     definite_combination,
+    exact_linearisation,
     spectral_verdict,
 )
 from liepoisson.equilibrium.second_variation import Accuracy, CriticalPoint, accuracy, on_slice

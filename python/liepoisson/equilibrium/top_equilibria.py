@@ -43,7 +43,7 @@ from liepoisson.equilibrium.heavy_equilibria import (
     heavy_equilibria,
 )
 from liepoisson.equilibrium.twisted_equilibria import NotProvedError, TwistedEquilibria
-from liepoisson.equilibrium.twisted_leaf import TwistedLeaf
+from liepoisson.equilibrium.twisted_singular import TwistedLeaf
 from liepoisson.inputs.arrays import Array
 from liepoisson.portable import linear
 

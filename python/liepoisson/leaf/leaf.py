@@ -22,8 +22,7 @@ from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import as_line, as_table
-from liepoisson.leaf._checks import as_energy, as_system
-from liepoisson.leaf.casimir_names import by_name, formulas
+from liepoisson.leaf._checks import as_energy, as_system, by_name, formulas
 from liepoisson.leaf.field_units import field_units
 from liepoisson.leaf.leaf_in_units import LeafInUnits
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach, mixing_of

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
-from liepoisson.leaf.casimir_names import formulas
+from liepoisson.leaf._checks import formulas
 from liepoisson.leaf.field_units import field_units
 from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve

@@ -230,7 +230,7 @@ class SystemFile:
             SystemFileError: a formula has no meaning (shapes that do not fit, a function that is not smooth, ...), or a
                 parameter drops out of the bracket and the Hamiltonian.  The message names the key and the line.
         """
-        from liepoisson.model.polynomial_formula import read_polynomial
+        from liepoisson.model.polynomial_view import read_polynomial
         from liepoisson.model.system import System
 
         names = self.bracket.coordinate_names_in_order

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.model.system import System
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
-    from liepoisson.orbits.polish_homoclinic import PreciseMidpoint
+    from liepoisson.orbits.polish import PreciseMidpoint
 
 _LONGEST = 60
 """Rows of a table."""
@@ -97,7 +97,7 @@ class HomoclinicOrbit(ReadOnlyArrays):
             ParameterError: it is homoclinic to an equilibrium, or the equations are no polynomials.
             OrbitError: Newton's method does not converge.
         """
-        from liepoisson.orbits.polish_homoclinic import polished_midpoint
+        from liepoisson.orbits.polish import polished_midpoint
 
         return polished_midpoint(self, digits)
 

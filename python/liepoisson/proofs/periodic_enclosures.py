@@ -321,7 +321,7 @@ def _in_balls(
 
     from liepoisson.proofs.balls.field import BallField, ball, working
     from liepoisson.proofs.balls.periodic import Chain
-    from liepoisson.proofs.eigenvalue_boxes import eigenvalue_boxes
+    from liepoisson.proofs.rigorous import eigenvalue_boxes
 
     n, d = len(field.names), len(field.names) - 1 - len(values)
     with working(means.precision):

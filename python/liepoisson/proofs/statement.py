@@ -8,7 +8,7 @@ from fractions import Fraction
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from liepoisson.proofs.margins import Margins
+from liepoisson.proofs.certificate import Margins
 
 if TYPE_CHECKING:
     from liepoisson.proofs.theorem import ChaosProof

@@ -1,23 +1,37 @@
-"""The theorem that a top is chaotic: a certificate, checked by two arithmetics, and what follows from it."""
+r"""The theorem that a top is chaotic: a certificate, checked by two arithmetics, and what follows from it.
+
+Is a level of H and the Casimirs regular? Decided exactly, over the complex numbers.
+
+A level $F = c$ is regular where the differentials of H and the Casimirs are independent. They are dependent at a point
+of it if $\sum_k m_k\nabla F_k = 0$ with some $m \ne 0$, of which one component may be taken to be 1. So a level is
+regular if, for each k, the equations $\sum_k m_k\nabla F_k = 0$, $F = c$, $m_k = 1$ have no solution: their ideal
+contains 1.
+
+Is a certificate about this system? Its equations are compared with those that the system has.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from importlib.resources import files
+from itertools import chain, repeat
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.ideals.limits import NotDecidedError
-from liepoisson.errors import CertificateError, EnclosureError, ParameterError
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
+from liepoisson.algebra.sparse_polynomials import derivative, expression, rational_to_sympy
+from liepoisson.errors import CertificateError, EnclosureError, ExpressionError, ParameterError
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import not_a, shown
-from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate, read_certificate
-from liepoisson.proofs.claimed_system import compare_equations
-from liepoisson.proofs.margins import Margins
-from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
-from liepoisson.proofs.regularity import is_regular
+from liepoisson.proofs.certificate import CoveringCertificate, Margins, load_covering_certificate, read_certificate
+from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field, rational_terms
 from liepoisson.proofs.search import CertificateCandidate
 
 if TYPE_CHECKING:
@@ -221,3 +235,109 @@ def _checkers() -> dict[str, Callable[[CoveringCertificate, PolynomialField, Cal
     from liepoisson.proofs.interval_checker import check_in_intervals
 
     return {"balls": check_in_balls, "intervals": check_in_intervals}
+
+
+def is_regular(field: PolynomialField, level: Mapping[str, Fraction]) -> bool:
+    """Whether the differentials of H and the Casimirs are independent at all points of a level, also complex ones.
+
+    Raises:
+        NotDecidedError: the Gröbner bases cost too much.
+    """
+    from sympy import Add, Symbol
+
+    x = [Symbol(name) for name in field.names]
+    m = [Symbol(f"m_{k}") for k in range(len(field.constants))]
+    on_level: list[Any] = [
+        Add(expression(f.items(), x), -rational_to_sympy(level[name])) for name, f in field.constants.items()
+    ]
+    functions = list(field.constants.values())
+    for k in range(len(m)):
+        # the multipliers before the k-th vanish in what is left
+        factors = [0] * k + [1] + m[k + 1 :]
+        dependent = [
+            Add(
+                *(
+                    factor * expression(derivative(f, j).items(), x)
+                    for factor, f in zip(factors, functions, strict=True)
+                )
+            )
+            for j in range(len(x))
+        ]
+        unknowns = [*x, *m[k + 1 :]]
+        if not PolynomialSystem.of([*dependent, *on_level], unknowns).is_inconsistent:
+            return False
+    return True
+
+
+_LEFT_SIDE = re.compile(r"^\s*(?:d\s*)?([A-Za-z]\w*?)\s*(?:'|/\s*dt|_dot|\.)?\s*=")
+
+
+def compare_equations(equations: object, field: PolynomialField) -> str:
+    """Compare the equations in a certificate with those of a system; a sentence that says what was found.
+
+    The proof is about the system's own equations. Those of the certificate are compared with them where they are
+    formulas in the grammar of system files, given by the names of the coordinates, as a list or as lines.
+
+    Raises:
+        CertificateError: they are formulas, and another system's, or one is missing.
+    """
+    formulas = _right_sides(equations, field.names)
+    if formulas is None:
+        return "The equations in the file are not written in this package's grammar and were not compared."
+    from sympy import Symbol
+
+    variables = [Symbol(name) for name in field.names]
+    for name, text, rate in zip(field.names, formulas, field.rates, strict=True):
+        try:
+            given = rational_terms(
+                read_expression(text.replace("**", "^"), Scope(symbols=field.names)), variables, f"the rate of {name}"
+            )
+        except ExpressionError:
+            return "The equations in the file are not written in this package's grammar and were not compared."
+        if given != rate:
+            raise CertificateError(
+                f"the certificate is about another system: its rate of {name} is {shown(text)}, that of this system "
+                f"{shown(field.equations[field.names.index(name)].partition('=')[2].strip())}"
+            )
+    return "The equations in the file are those of the system."
+
+
+def _right_sides(equations: object, names: Sequence[str]) -> list[str] | None:
+    """The formulas in the order of the coordinates, or None where they are in another form.
+
+    Raises:
+        CertificateError: a coordinate has none, or another number of them is listed.
+    """
+    is_list = isinstance(equations, list)
+    if isinstance(equations, str):
+        equations = [line for line in re.split(r"[\n;]", equations) if line.strip()]
+    if isinstance(equations, Mapping):
+        given = cast("Mapping[Any, Any]", equations)
+        named = {_name(key, names): value for key, value in given.items()}
+    elif isinstance(equations, list):
+        lines = cast("list[Any]", equations)
+        if not all(isinstance(line, str) for line in lines):
+            return None
+        sides = [cast("str", line).rpartition("=") for line in lines]
+        if not any(head for head, _, _ in sides) and is_list and len(lines) != len(names):
+            raise CertificateError(
+                f"the certificate is refused: wanted an equation for each of {', '.join(names)}; got {len(lines)}"
+            )
+        heads = [_LEFT_SIDE.match(f"{head}=") if head else None for head, _, _ in sides]
+        named = {
+            (_name(head[1], names) if head else name): side[2]
+            for head, side, name in zip(heads, sides, chain(names, repeat("")), strict=False)
+        }
+    else:
+        return None
+    if (missing := [name for name in names if name not in named]) and len(missing) < len(names):
+        raise CertificateError(f"the certificate is refused: its equations lack the rate of {missing[0]}")
+    if missing or set(named) != set(names) or not all(isinstance(f, str) for f in named.values()):
+        return None
+    return [named[name] for name in names]
+
+
+def _name(text: object, names: Sequence[str]) -> str:
+    """A coordinate from the left side of an equation, such as dl1/dt, l1' or l1."""
+    plain = re.sub(r"(?:'|/\s*dt|_dot)$", "", str(text).strip())
+    return plain if plain in names else plain.removeprefix("d")

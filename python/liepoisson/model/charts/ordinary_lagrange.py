@@ -20,7 +20,7 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.model.charts.euler_angles import angular_momentum
 from liepoisson.model.charts.euler_chart import NEAREST
-from liepoisson.model.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
+from liepoisson.model.charts.lagrange_reduction import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.model.charts.leaf_constants import COMPONENTS, FIELDS, chart_points, dot, refuse, top_of, vectors
 from liepoisson.model.hamiltonian import symbols_in
 from liepoisson.portable import elementary, linear
