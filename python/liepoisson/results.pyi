@@ -14,7 +14,7 @@ from liepoisson.indicators.fit_goodness import FitGoodness as FitGoodness
 from liepoisson.indicators.lyapunov_exponent import ExponentEstimate as ExponentEstimate
 from liepoisson.indicators.megno import Megno as Megno
 from liepoisson.indicators.spectrum import Spectrum as Spectrum
-from liepoisson.indicators.spectrum_check import SpectrumResiduals as SpectrumResiduals
+from liepoisson.indicators.structural_zeros import SpectrumResiduals as SpectrumResiduals
 from liepoisson.indicators.verdict import Agreement as Agreement
 from liepoisson.indicators.verdict import Verdict as Verdict
 from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies

@@ -22,8 +22,7 @@ from liepoisson.equilibrium.linearisation import (
     exact_linearisation,
     spectral_verdict,
 )
-from liepoisson.equilibrium.second_variation import Accuracy, CriticalPoint, accuracy, on_slice
-from liepoisson.equilibrium.symmetry_orbit import Symmetries
+from liepoisson.equilibrium.second_variation import Accuracy, CriticalPoint, Symmetries, accuracy, on_slice
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm

@@ -30,9 +30,9 @@ from liepoisson.errors import LiePoissonError
 from liepoisson.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.formula.expression import Reader
 from liepoisson.formula.grammar import Call, Node, Power, names_in, parse
+from liepoisson.formula.parameters import Value, flattened
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.tensor_arithmetic import Matrix
-from liepoisson.formula.values import Value, flattened
 from liepoisson.model.known_integrals import known_polynomials
 from liepoisson.structure.bracket_scope import scope_of
 

@@ -12,7 +12,7 @@ from liepoisson.algebra.rational_polynomials import values_of
 from liepoisson.compile.field import Field, PiecesField, TapeFunction
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.facades import function_of
-from liepoisson.formula.values import GivenValue, Value, flattened, read_values
+from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.read_only import ReadOnlyDict

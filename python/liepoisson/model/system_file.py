@@ -43,9 +43,9 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.formula.expression import read_formula
+from liepoisson.formula.parameters import GivenValue, Shape, Value, read_values
 from liepoisson.formula.scope import Scope, read_declaration, shape_of
 from liepoisson.formula.toml_text import TomlText
-from liepoisson.formula.values import GivenValue, Shape, Value, read_values
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.structure.bracket_scope import scope_of

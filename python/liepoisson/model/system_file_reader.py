@@ -15,9 +15,9 @@ from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.formula.expression import check_names, evaluate
 from liepoisson.formula.grammar import MAX_DIGITS, parse
+from liepoisson.formula.parameters import Value
 from liepoisson.formula.scope import Scope, read_declaration
 from liepoisson.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
-from liepoisson.formula.values import Value
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.names import MAX_TITLE, check_name
 from liepoisson.model.constructors import read_algebra, read_extension
