@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.periodic_orbits import CUT_SHORT
 from liepoisson.orbits.unstable import UnstableSpace
@@ -24,9 +23,6 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
     from liepoisson.orbits.polish import PreciseMidpoint
-
-_LONGEST = 60
-"""Rows of a table."""
 
 
 @explains_its_methods
@@ -108,8 +104,8 @@ class HomoclinicOrbit(ReadOnlyArrays):
         )
 
 
-@dataclass(frozen=True, eq=False)
-class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
+@dataclass(frozen=True, eq=False, repr=False)
+class HomoclinicOrbits(Found[HomoclinicOrbit], Tabular):
     """Symmetric homoclinic orbits to one periodic orbit or equilibrium, those with the shortest flight first.
 
     Example:
@@ -128,24 +124,14 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    titles = ("half flight", "angles (rad)", "distance", "residual")
+
     origin: SymmetricOrbit | Equilibrium
     found: tuple[HomoclinicOrbit, ...]
     reversers: tuple[DiscreteSymmetry, ...]
     t_end: float
     n_starts: int
     is_cut_short: bool = False
-
-    @overload
-    def __getitem__(self, index: int) -> HomoclinicOrbit: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[HomoclinicOrbit]: ...
-    def __getitem__(self, index: int | slice) -> HomoclinicOrbit | list[HomoclinicOrbit]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its half flight, midpoint and angles in rad."""
@@ -161,16 +147,6 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
             **{f"angle_{k}": column for k, column in enumerate(angles.T, start=1)},
         }
 
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
-
     def _head(self) -> str:
         n = len(self.found)
         what = "an equilibrium" if not hasattr(self.origin, "period") else "a periodic orbit"
@@ -180,11 +156,6 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
             f"starts{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        rows: list[tuple[str, ...]] = [("half flight", "angles (rad)", "distance", "residual")]
-        for one in self.found[:_LONGEST]:
-            angles = ", ".join(f"{angle:.5f}" for angle in one.angles)
-            rows.append((f"{one.time:.6f}", angles, f"{one.distance:.4f}", f"{one.residual:.0e}"))
-        if (more := len(self.found) - _LONGEST) > 0:
-            rows.append((f"and {more} more", "", "", ""))
-        return rows
+    def _row(self, one: HomoclinicOrbit, /) -> tuple[str, ...]:
+        angles = ", ".join(f"{angle:.5f}" for angle in one.angles)
+        return f"{one.time:.6f}", angles, f"{one.distance:.4f}", f"{one.residual:.0e}"

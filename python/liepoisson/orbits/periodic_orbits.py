@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import ComplexArray, kind_of
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
 
 _CLOSED = 1e-9
 CUT_SHORT = "; the time limit ended the search"
-_LONGEST = 60
-"""Rows of a table."""
 
 
 @explains_its_methods
@@ -136,8 +133,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         return f"<SymmetricOrbit of {self.system.name!r}: period {self.period:.8g}, {self.stability}{big}>"
 
 
-@dataclass(frozen=True, eq=False)
-class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
+@dataclass(frozen=True, eq=False, repr=False)
+class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
     """Symmetric periodic orbits of a level, those with the largest growth rate first.
 
     Example:
@@ -157,6 +154,8 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    titles = ("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")
+
     level: Level
     found: tuple[SymmetricOrbit, ...]
     reversers: tuple[DiscreteSymmetry, ...]
@@ -164,18 +163,6 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
     n_starts: int
     n_families: int
     is_cut_short: bool = False
-
-    @overload
-    def __getitem__(self, index: int) -> SymmetricOrbit: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[SymmetricOrbit]: ...
-    def __getitem__(self, index: int | slice) -> SymmetricOrbit | list[SymmetricOrbit]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its start, period, stability and the size of its multipliers."""
@@ -191,16 +178,6 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
             **{f"multiplier_size_{k}": column for k, column in enumerate(sizes.T, start=1)},
         }
 
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
-
     def _head(self) -> str:
         n = len(self.found)
         families = f"; {self.n_families} segments that belong to families are left out" if self.n_families else ""
@@ -211,25 +188,10 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
             f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        rows: list[tuple[str, ...]] = [("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")]
-        for one in self.found[:_LONGEST]:
-            half = one.multipliers[: len(one.multipliers) // 2]
-            values = ", ".join(_number(m) for m in half)
-            rows.append(
-                (
-                    f"{one.period:.8f}",
-                    f"{one.return_time:.8f}",
-                    f"{one.rate:.4f}",
-                    one.stability,
-                    values,
-                    f"{one.residual:.0e}",
-                    f"{one.pair_defect:.0e}",
-                )
-            )
-        if (more := len(self.found) - _LONGEST) > 0:
-            rows.append((f"and {more} more", *[""] * (len(rows[0]) - 1)))
-        return rows
+    def _row(self, one: SymmetricOrbit, /) -> tuple[str, ...]:
+        values = ", ".join(_number(m) for m in one.multipliers[: len(one.multipliers) // 2])
+        times = f"{one.period:.8f}", f"{one.return_time:.8f}", f"{one.rate:.4f}"
+        return *times, one.stability, values, f"{one.residual:.0e}", f"{one.pair_defect:.0e}"
 
 
 def _number(m: complex) -> str:
