@@ -5,35 +5,40 @@ units, like any other.  Its states are found, compared and moved in coordinates 
 each field, for which
 
 - the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
-- the terms of H are of one order, and not all smaller than an energy that is asked for, nor than a function in it that
-  is no polynomial, such as a sine; the argument of such a function is of order one, and a sum of which a root is taken
-  of that of its constant;
+- the terms of H are of one order, and not all smaller than an energy that is asked for, if H is a polynomial; any other
+  one says nothing;
 - the linear part of the bracket is of the order of its constant part, if it has both.
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
 units are powers of two, so that coordinates change without round-off, and 1 where no two fields differ by more than
 `ORDINARY` and none is further than `FAR` from 1 (`ORDINARY`, if there is one field only): systems in ordinary units are
 untouched.
+
+What lengths on phase space are compared with.
+
+A Lie-Poisson bracket proper is homogeneous: x and any multiple of it look alike, so that only ratios to the length of x
+itself have a meaning, and the origin is a leaf of its own.  With a constant part the origin is a point like others, and
+lengths are compared with 1 + |x|, in the units of the leaf (`liepoisson.leaf.field_units`).
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from liepoisson.algebra.rational_polynomials import RationalPolynomial, powers_of
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.linear_algebra import nullspace
+from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.inputs.arrays import Array
-from liepoisson.leaf.lengths import unit_groups
 from liepoisson.portable import elementary, linear
-from liepoisson.streams import generator
 
 if TYPE_CHECKING:
-    from sympy import Symbol
-
     from liepoisson.model.phase_functions import PhaseFunction
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
@@ -54,9 +59,6 @@ _LONGEST = 300.0
 
 _MOST_TERMS = 2000
 """A function with more terms is not looked at."""
-
-_STILL = 1e-10
-"""A vector field is zero if it is below this fraction of the sizes of its factors, at a random state."""
 
 
 @dataclass(frozen=True)
@@ -93,11 +95,7 @@ def field_units(
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
         problem.add(_sizes(function, groups), value, weight=_IMPOSSIBLE)
-    own = _sizes(system.functions.energy, groups)
-    others = _other_terms(system.functions.energy, groups)
-    problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED, others=others)
-    for sizes, constant in _arguments(system.functions.energy, groups):
-        problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
+    problem.add(_sizes(system.functions.energy, groups), energy or 0.0, weight=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
@@ -123,7 +121,6 @@ class _Problem:
         weight: float,
         above: float | None = None,
         below: float = _IMPOSSIBLE,
-        others: _Sizes | None = None,
     ) -> None:
         """A function whose terms are of the order of its scale, which is at least that of the value.
 
@@ -133,15 +130,11 @@ class _Problem:
             weight: What it counts if the only terms are not of the order of the scale.
             above: What it counts if the scale is above the value.
             below: What it counts if the scale is below the value.
-            others: Its terms that are no polynomials, whose arguments are of order one: the scale is not below them.
         """
         if sizes is None:
             return
-        scale, one_class = self._n_functions, len(sizes.degrees) == 1 and others is None
+        scale, one_class = self._n_functions, len(sizes.degrees) == 1
         self._n_functions += 1
-        if others is not None:
-            for degree, logarithm in zip(others.degrees, others.logarithms, strict=True):
-                self._rows.append((degree, scale, float(logarithm), _IMPOSSIBLE, _BALANCED))
         for degree, logarithm in zip(sizes.degrees, sizes.logarithms, strict=True):
             over, under = (weight, weight) if one_class else (_LARGE, _BALANCED)
             self._rows.append((degree, scale, float(logarithm), over, under))
@@ -189,46 +182,25 @@ def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
 
 @lru_cache(maxsize=256)
 def _sizes(function: PhaseFunction, groups: tuple[int, ...]) -> _Sizes | None:
-    """The terms of a function that are polynomials; None where there are none, or too many."""
+    """The terms of a polynomial; None for any other function, and for too many terms."""
     if function.polynomial is not None:
         terms = powers_of(function.polynomial, len(groups))
         return None if len(function.polynomial.terms) > _MOST_TERMS else _sizes_of_terms(terms, groups)
-    polynomial = _polynomial_part(function.expression, function.variables)
-    return None if polynomial is None else _sizes_of_terms(_terms(polynomial, function.variables), groups)
+    from sympy import Add, Poly
 
-
-def _terms(polynomial: Any, variables: tuple[Symbol, ...]) -> list[tuple[tuple[int, ...], Any]]:
-    """The terms of a SymPy polynomial: powers and coefficients."""
-    from sympy import Poly
-
-    return cast("Any", Poly(polynomial, *variables)).terms()
-
-
-def _polynomial_part(expression: Any, variables: tuple[Symbol, ...]) -> Any:
-    """The terms of an expression that are polynomials; None for too many."""
-    from sympy import Add
-
-    if len(terms := Add.make_args(expression)) > _MOST_TERMS:
+    expression: Any = function.expression
+    if len(Add.make_args(expression)) > _MOST_TERMS or not expression.is_polynomial(*function.variables):
         return None
-    if expression.is_polynomial(*variables):
-        return expression
-    return Add(*(term for term in terms if term.is_polynomial(*variables)))
+    return _sizes_of_terms(cast("Any", Poly(expression, *function.variables)).terms(), groups)
 
 
-def _degree(monomial: tuple[int, ...], groups: tuple[int, ...]) -> tuple[int, ...]:
-    """The degree of a monomial in the coordinates of each group."""
-    return tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
-
-
-def _sizes_of_terms(
-    terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[int, ...], *, with_constant: bool = False
-) -> _Sizes | None:
+def _sizes_of_terms(terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[int, ...]) -> _Sizes | None:
     """The terms of a polynomial by their degrees in the fields, each with its largest coefficient."""
     classes: dict[tuple[int, ...], float] = {}
     is_sum_of_squares = True
     for monomial, coefficient in terms:
-        degree = _degree(monomial, groups)
-        if not any(degree) and not with_constant:
+        degree = tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
+        if not any(degree):
             continue
         size = float(coefficient)
         is_sum_of_squares &= size > 0 and all(power % 2 == 0 for power in monomial)
@@ -238,82 +210,42 @@ def _sizes_of_terms(
     return _Sizes(np.array([*classes], dtype=float), elementary.log2([*classes.values()]), is_sum_of_squares)
 
 
-@lru_cache(maxsize=256)
-def _arguments(function: PhaseFunction, groups: tuple[int, ...]) -> tuple[tuple[_Sizes, float], ...]:
-    """The polynomials inside of what is no polynomial, with the size that they are to have."""
-    if function.polynomial is not None:
-        return ()
-    from sympy import Add, Pow, preorder_traversal
-
-    variables = function.variables
-    found: dict[Any, float] = {}
-    for term in Add.make_args(function.expression):
-        if term.is_polynomial(*variables) or len(found) > _MOST_TERMS:
-            continue
-        for node in cast("Iterable[Any]", preorder_traversal(term)):
-            if not node.args or node.is_Add or node.is_Mul or node.is_polynomial(*variables):
-                continue
-            base: Any = node.base if isinstance(node, Pow) and not node.exp.has(*variables) else None
-            parts: tuple[Any, ...] = (base,) if base is not None else node.args
-            for part in parts:
-                if part.has(*variables) and part.is_polynomial(*variables):
-                    constant = part.expand().as_independent(*variables, as_Add=True)[0] if base is not None else 1
-                    found[part] = abs(float(constant))
-    sizes = [(_sizes_of_terms(_terms(part.expand(), variables), groups), constant) for part, constant in found.items()]
-    return tuple((one, constant) for one, constant in sizes if one is not None)
+_MOST = 100
+"""Coordinates beyond which the gradings are not looked for."""
 
 
-@lru_cache(maxsize=256)
-def _other_terms(function: PhaseFunction, groups: tuple[int, ...]) -> _Sizes | None:
-    """The terms that are no polynomials: the degrees and the coefficients of their polynomial factors."""
-    if function.polynomial is not None:
-        return None
-    from sympy import Add, Mul
+@lru_cache(maxsize=64)
+def unit_groups(bracket: Bracket) -> tuple[int, ...]:
+    r"""Which coordinates are in one unit: a number for each, equal for those that are.
 
-    variables = function.variables
-    classes: dict[tuple[int, ...], float] = {}
-    for term in Add.make_args(function.expression):
-        if term.is_polynomial(*variables):
-            continue
-        factors = [factor for factor in Mul.make_args(term) if factor.is_polynomial(*variables)]
-        sizes = _sizes_of_terms(_terms(Mul(*factors).expand(), variables), groups, with_constant=True)
-        if sizes is not None:
-            for degree, logarithm in zip(sizes.degrees, sizes.logarithms, strict=True):
-                key = tuple(degree.astype(int).tolist())
-                classes[key] = max(classes.get(key, -np.inf), float(logarithm))
-    if not classes or len(classes) > _MOST_TERMS:
-        return None
-    return _Sizes(np.array([*classes], dtype=float), np.array([*classes.values()]), is_sum_of_squares=False)
+    Those of one field are, unless weights tell them apart with $w_i + w_j = w_m$ whenever $x_m$ occurs in
+    $\{x_i, x_j\}$: then $x_i\to s^{w_i}x_i$ keeps the bracket, as for rotations and translations in se(n).  Where the
+    bracket is only constant each coordinate has a unit of its own: canonical coordinates are lengths, angles and what
+    else one likes.
+    """
+    n, N = bracket.algebra.dimension, bracket.dimension
+    entries = bracket.entries()
+    if not entries:
+        return tuple(range(N))
+    keys = [(i // n, *weights) for i, weights in enumerate(_weights(entries, N))]
+    number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
+    return tuple(number[key] for key in keys)
 
 
-def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:
-    """The terms of H without those that move nothing, as a multiple of a Casimir."""
-    groups = unit_groups(system.bracket)
-    constant = [_sizes(function, groups) for function in casimirs.values()]
-    degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
-    if sizes is None or not degrees & {tuple(row) for row in sizes.degrees.tolist()}:
-        return sizes
-    kept = [tuple(row) not in degrees or _moves(system, row) for row in sizes.degrees.tolist()]
-    return replace(sizes, degrees=sizes.degrees[kept], logarithms=sizes.logarithms[kept]) if any(kept) else None
+def _weights(entries: Iterable[tuple[int, int, int, Any]], n: int) -> list[tuple[Any, ...]]:
+    """The weights of each coordinate in a basis of all gradings of the linear part."""
+    if n > _MOST:
+        return [()] * n
+    relations: set[tuple[tuple[int, int], ...]] = set()
+    for i, j, m, _ in entries:
+        relation = Counter((i, j))
+        relation[m] -= 1
+        relations.add(tuple(sorted((k, c) for k, c in relation.items() if c)))
+    rows = [{k: Fraction(c) for k, c in relation} for relation in sorted(relations)]
+    basis = nullspace(rows, n, Coefficients()).vectors
+    return [tuple(vector.get(i, 0) for vector in basis) for i in range(n)]
 
 
-def _part(system: System, degree: list[float], groups: tuple[int, ...]) -> PhaseFunction:
-    """The terms of H of these degrees in the fields."""
-    polynomial = system.polynomial_hamiltonian
-    if polynomial is not None:
-        own = {p: c for p, c in powers_of(polynomial, len(groups)) if list(_degree(p, groups)) == degree}
-        return system.functions.of_polynomial(RationalPolynomial.of_powers(own))
-    from sympy import Poly
-
-    x = system.variables
-    terms = _terms(_polynomial_part(system.hamiltonian, x), x)
-    own = [(m, c) for m, c in terms if list(_degree(m, groups)) == degree]
-    return system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())
-
-
-def _moves(system: System, degree: list[float]) -> bool:
-    """Whether the terms of H of these degrees in the fields have a vector field."""
-    groups = unit_groups(system.bracket)
-    state = generator(0).standard_normal(len(groups))
-    slope, poisson = _part(system, degree, groups).gradient(state), system.functions.poisson_tensor(state)
-    return bool(linear.norm(linear.matmul(poisson, slope)) > _STILL * linear.norm(poisson) * linear.norm(slope))
+def unit_length(bracket: Bracket) -> float:
+    """What is added to the length of a state: 1 where the bracket has a constant part, else 0."""
+    return 1.0 if bracket.constant else 0.0

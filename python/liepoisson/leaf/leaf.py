@@ -23,11 +23,10 @@ from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import as_line, as_table
 from liepoisson.leaf._checks import as_energy, as_system, by_name, formulas
-from liepoisson.leaf.field_units import field_units
+from liepoisson.leaf.field_units import field_units, unit_groups
 from liepoisson.leaf.leaf_in_units import LeafInUnits
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach, mixing_of
 from liepoisson.leaf.leaf_stratum import Place, open_place, place_of
-from liepoisson.leaf.lengths import unit_groups
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.portable import linear
 from liepoisson.structure.casimirs import shortage

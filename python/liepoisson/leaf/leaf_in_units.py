@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
+from liepoisson.leaf.field_units import unit_groups, unit_length
 from liepoisson.leaf.leaf_projection import Equations
-from liepoisson.leaf.lengths import unit_groups, unit_length
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import linear
 
