@@ -1,7 +1,4 @@
-"""What the rigorous enclosures have in common: the field, the arithmetic, and doubles as bounds of balls.
-
-Boxes around the eigenvalues of all real matrices of a matrix of balls, by Arb.
-"""
+"""What the rigorous enclosures have in common: field, arithmetic, doubles as bounds of balls, boxes of eigenvalues."""
 
 from __future__ import annotations
 
@@ -14,7 +11,6 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
-from flint import acb_mat, arb_mat
 
 from liepoisson.algebra.sparse_polynomials import along, value_at
 from liepoisson.errors import EnclosureError, ParameterError, ShapeError
@@ -29,7 +25,7 @@ from liepoisson.proofs.box import Box, BoxLike, as_box
 from liepoisson.proofs.polynomial_field import PolynomialField, equations_of, polynomial_field
 
 if TYPE_CHECKING:
-    from flint import arb
+    from flint import arb, arb_mat
     from numpy.typing import NDArray
 
     from liepoisson.model.system import System
@@ -286,6 +282,8 @@ def eigenvalue_boxes(matrix: arb_mat) -> tuple[Box, Box, NDArray[np.bool_]]:
     Raises:
         EnclosureError: Arb has no enclosure.
     """
+    from flint import acb_mat
+
     n = matrix.nrows()
     if not n:
         return Box(np.zeros(0), np.zeros(0)), Box(np.zeros(0), np.zeros(0)), np.zeros(0, dtype=bool)
@@ -312,6 +310,8 @@ def eigenvalue_boxes(matrix: arb_mat) -> tuple[Box, Box, NDArray[np.bool_]]:
 
 def _in_other_coordinates(matrix: arb_mat) -> arb_mat:
     """A similar matrix, by whole numbers of determinant 1."""
+    from flint import arb_mat
+
     n = matrix.nrows()
     below = {(i, j): (i * j + i + j) % 3 - 1 for i in range(n) for j in range(i)}
     lower = arb_mat(n, n, [1 if i == j else below.get((i, j), 0) for i in range(n) for j in range(n)])

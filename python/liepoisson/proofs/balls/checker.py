@@ -478,6 +478,3 @@ def _down(x: arb) -> float:
 def _up(x: arb) -> float:
     """A double above a ball, for printing."""
     return math.nextafter(float(x.upper()), math.inf)
-
-
-__all__ = ["CoveringMargins", "check_in_balls"]
