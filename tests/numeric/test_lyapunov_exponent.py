@@ -293,7 +293,6 @@ def test_tail_of_the_f_distribution_is_exact(p, q):
     expected = stats.f.sf(ratios, p, q)
     got = np.array([_f_tail(ratio, p, q) for ratio in ratios])
     kept = expected > 1e-300
-    # what logarithms of Gamma(q/2) lose: 1e-16 of 1e5; measured 3.7e-11 for q = 20,000
     assert np.abs(got / np.where(kept, expected, 1) - 1)[kept].max() < 1e-9
     assert (got[~kept] < 1e-290).all()
 
