@@ -12,7 +12,7 @@ from sympy import Matrix, Rational, exp, sin, sqrt
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.leaf.field_units import field_units
+from liepoisson.leaf.leaf_in_units import field_units
 from liepoisson.phase_space import find_start
 from liepoisson.sections import default_surface, section_starts, section_state
 

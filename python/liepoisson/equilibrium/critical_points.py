@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from liepoisson.equilibrium.linearisation import leaf_tangent
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.deadline import has_passed
-from liepoisson.leaf.field_units import unit_length
+from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, solve
 from liepoisson.portable import linear
 
@@ -56,7 +56,7 @@ class HamiltonianFields:
 
     @cached_property
     def unit(self) -> float:
-        """What is added to the lengths of states, see `liepoisson.leaf.field_units`."""
+        """What is added to the lengths of states, see `liepoisson.leaf.leaf_in_units`."""
         return unit_length(self._system.bracket)
 
     @cached_property

@@ -31,8 +31,7 @@ from numpy.typing import NDArray
 from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import level_of_the_caller
-from liepoisson.leaf.field_units import unit_length
-from liepoisson.leaf.leaf_in_units import LeafInUnits
+from liepoisson.leaf.leaf_in_units import LeafInUnits, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import energy_scale, representative
 from liepoisson.leaf.top_sampling import Shell

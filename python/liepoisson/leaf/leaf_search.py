@@ -12,8 +12,7 @@ from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
 from liepoisson.leaf._checks import formulas
-from liepoisson.leaf.field_units import field_units, unit_length
-from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units
+from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units, field_units, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_stratum import Place, place_of
 from liepoisson.model.phase_functions import PhaseFunction

@@ -1,8 +1,8 @@
 r"""Segments of symmetric orbits, and midpoints of homoclinic ones, to any number of digits: Newton's method in Arb.
 
 A homoclinic orbit begins at an amplitude a on the linear unstable space so small that $|a|^3$ is below the tolerance
-(see `liepoisson.orbits.unstable`), some loops before it did in doubles, and Newton's method in amplitude and time puts
-its end into the fixed set.
+(see `liepoisson.orbits.homoclinic_orbits`), some loops before it did in doubles, and Newton's method in amplitude and
+time puts its end into the fixed set.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.model.system_text import formula_text
 from liepoisson.orbits.homoclinic import lengthened
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.multipliers import transversal_basis
+from liepoisson.orbits.periodic_orbits import transversal_basis
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import linear
 from liepoisson.proofs.certificate import FORMAT, LEVEL_RADIUS
@@ -212,7 +212,7 @@ class ChainMaker:
 
     def _unstable(self) -> Array:
         """The unstable vectors at the start of the orbit, orthonormal, across the flow, shape (N, k)."""
-        from liepoisson.orbits.unstable import unstable_space
+        from liepoisson.orbits.homoclinic_orbits import unstable_space
 
         space = unstable_space(self.orbit)
         across = self._across(self.orbit.start)
