@@ -39,7 +39,7 @@ from liepoisson.equilibrium.critical_points import (
 from liepoisson.equilibrium.equilibrium_list import Equilibria, signed_sum
 from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch, at_rest, is_critical
 from liepoisson.equilibrium.euler_characteristic import euler_characteristic
-from liepoisson.equilibrium.exact_top import exact_top
+from liepoisson.equilibrium.heavy_equilibria import exact_top
 from liepoisson.equilibrium.stability import Equilibrium, analysis, integrals_of, judged, not_tiny
 from liepoisson.equilibrium.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.errors import ParameterError

@@ -244,7 +244,7 @@ def judged(
 
 def _units_of_top(leaf: Leaf) -> Array | None:
     """Natural sizes of the components of a state of a top, whose fields have units of their own; None for others."""
-    from liepoisson.equilibrium.exact_top import exact_top
+    from liepoisson.equilibrium.heavy_equilibria import exact_top
     from liepoisson.equilibrium.top_equilibria import natural_units
 
     top = exact_top(leaf.system)

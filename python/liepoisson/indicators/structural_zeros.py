@@ -14,9 +14,9 @@ gradients of the known Casimirs count: other directions across such a leaf may g
 All ranks are those at the start.  They are assumed to stay along the orbit, and the gradients to stay bounded: an orbit
 that tends to a leaf of lower rank or to a critical point of an integral has other zeros.
 
-References: Pikovsky and Politi, Lyapunov Exponents (Cambridge, 2016), chapter 2.
+The self-check of a Lyapunov spectrum looks at its sum, its pairs, and these zeros.
 
-The self-check of a Lyapunov spectrum: its sum, its pairs, its zeros.
+References: Pikovsky and Politi, Lyapunov Exponents (Cambridge, 2016), chapter 2.
 """
 
 from __future__ import annotations

@@ -1,7 +1,5 @@
 r"""A leaf in coordinates of order one: the states divided by a unit for each field, and all functions of them.
 
-Units of the fields on a leaf, in which its states are of order one.
-
 Fields have units of their own: $\ell\cdot\alpha = 10^{-6}$ and $|\alpha|^2 = 1$ with a weak field in H is a top in slow
 units, like any other.  Its states are found, compared and moved in coordinates $y_b = x_b/u_b$ with a number $u_b$ for
 each field, for which
@@ -16,11 +14,9 @@ units are powers of two, so that coordinates change without round-off, and 1 whe
 `ORDINARY` and none is further than `FAR` from 1 (`ORDINARY`, if there is one field only): systems in ordinary units are
 untouched.
 
-What lengths on phase space are compared with.
-
 A Lie-Poisson bracket proper is homogeneous: x and any multiple of it look alike, so that only ratios to the length of x
 itself have a meaning, and the origin is a leaf of its own.  With a constant part the origin is a point like others, and
-lengths are compared with 1 + |x|, in the units of the leaf (`liepoisson.leaf.field_units`).
+lengths are compared with 1 + |x|, in the units of the leaf.
 """
 
 from __future__ import annotations

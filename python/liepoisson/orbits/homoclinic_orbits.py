@@ -1,8 +1,6 @@
-r"""Symmetric homoclinic orbits, and lists of them.
+r"""Symmetric homoclinic orbits, lists of them, and the unstable manifolds near where they begin.
 
-Unstable spaces of symmetric periodic orbits and of equilibria, and states on the unstable manifold near them.
-
-A state near is $x(a) = p + Ua + Gw(a)$: U spans the linear unstable space, and w, along the gradients G of the
+A state near a symmetric periodic orbit or an equilibrium p is $x(a) = p + Ua + Gw(a)$: U spans the linear unstable space, and w, along the gradients G of the
 functions that are constant, puts it back on the level.  The distance from the unstable manifold is $O(|a|^2)$.  Along
 the unstable directions it only changes a, along the flow the time; along the stable ones it shrinks while a grows.  At
 a distance of order 1 the error is therefore $O(|a|^3)$, beside the round-off $\epsilon/|a|$, and both are about 1e-12

@@ -1,6 +1,4 @@
-r"""Symmetric periodic orbits, and lists of them.
-
-Multipliers of a closed orbit on its level, with a check of the structure that they must have.
+r"""Symmetric periodic orbits, lists of them, and their multipliers, with a check of the structure that these must have.
 
 The derivative D of the flow along one loop, followed by the symmetry that closes it, has the trivial multipliers 1 of
 the flow and of H and the Casimirs.  They are divided out exactly, not picked out of a spectrum: with an orthonormal

@@ -11,9 +11,8 @@ JSON: doubles as C99 hexadecimal strings, rational constants as strings.
   directions, and the gradients of H and the Casimirs;
 - `edges`: for each the sets `from` and `to`, the `time`, and whether R follows (`symmetry`).
 
-The graph of a certificate: two loops through one set, a short one along gamma and a long one, the excursion.
-
-What a checker of a chain of covering relations reports: how far each condition of the theorem holds.
+The graph of a certificate are two loops through one set, a short one along gamma and a long one, the excursion.  A
+checker reports how far each condition of the theorem holds (`Margins`).
 """
 
 from __future__ import annotations
