@@ -1,7 +1,8 @@
 r"""The parameters of a top, its Hamiltonian and its equations as the paper writes them.
 
-A top is recognised by its equations of motion, however they were written: parameters are read off single coefficients and the equations of the top with these are compared with all terms, in
-SymPy or, where the system consists of rational polynomials, without it.
+A top is recognised by its equations of motion, however they were written: parameters are read off single coefficients
+and the equations of the top with these are compared with all terms, in SymPy or, where the system consists of rational
+polynomials, without it.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 r"""Symmetric homoclinic orbits, lists of them, and the unstable manifolds near where they begin.
 
-A state near a symmetric periodic orbit or an equilibrium p is $x(a) = p + Ua + Gw(a)$: U spans the linear unstable space, and w, along the gradients G of the
-functions that are constant, puts it back on the level.  The distance from the unstable manifold is $O(|a|^2)$.  Along
-the unstable directions it only changes a, along the flow the time; along the stable ones it shrinks while a grows.  At
-a distance of order 1 the error is therefore $O(|a|^3)$, beside the round-off $\epsilon/|a|$, and both are about 1e-12
-for $|a| = 10^{-4}$; midpoints were measured to be right to 3e-11.
+A state near a symmetric periodic orbit or an equilibrium p is $x(a) = p + Ua + Gw(a)$: U spans the linear unstable
+space, and w, along the gradients G of the functions that are constant, puts it back on the level.  The distance from
+the unstable manifold is $O(|a|^2)$.  Along the unstable directions it only changes a, along the flow the time; along
+the stable ones it shrinks while a grows.  At a distance of order 1 the error is therefore $O(|a|^3)$, beside the
+round-off $\epsilon/|a|$, and both are about 1e-12 for $|a| = 10^{-4}$; midpoints were measured to be right to 3e-11.
 """
 
 from __future__ import annotations
