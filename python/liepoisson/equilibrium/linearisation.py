@@ -11,11 +11,11 @@ What is zero in the linearisation of rounded numbers is known only relative to t
 nothing where these differ by nine and more orders of magnitude.  A state of doubles is a state of rational numbers; if
 the field vanishes there exactly, and all coefficients are rational, then so is the linearisation.
 
-Let the columns $c$ of the Poisson tensor J be a basis of its column space, and A the derivative of the field.  As
-$J = J_{\cdot c} J_{cc}^{-1} J_{c\cdot}$, in this basis of the tangent space of the leaf the symplectic form is
-$W = -J_{cc}$, and the second variation $S = W A_T = -A_{c\cdot} J_{\cdot c}$.  The characteristic polynomial of
-$W^{-1}S$ is one of $\lambda^2$.  All roots $\lambda^2$ are real and not positive exactly where no $\lambda$ has a real
-part, which Sturm's theorem decides; the signature of S follows from its characteristic polynomial by Descartes' rule of
+Let the columns $c$ of the Poisson tensor J be a basis of its column space, and A the derivative of the field.  As $J =
+J_{\cdot c} J_{cc}^{-1} J_{c\cdot}$, in this basis of the tangent space of the leaf the symplectic form is $W =
+-J_{cc}$, and the second variation $S = W A_T = -A_{c\cdot} J_{\cdot c}$.  The characteristic polynomial of $W^{-1}S$ is
+one of $\lambda^2$.  All roots $\lambda^2$ are real and not positive exactly where no $\lambda$ has a real part, which
+enclosures of the roots decide; the signature of S follows from its characteristic polynomial by Descartes' rule of
 signs, which is exact where all roots are real.
 """
 
@@ -34,6 +34,8 @@ from liepoisson.inputs.arrays import Array, norm
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
+    from flint import fmpq_mat, fmpq_poly
+
     from liepoisson.model.system import System
 
 ComplexArray = NDArray[np.complex128]
@@ -254,8 +256,8 @@ def definite_combination(matrices: Sequence[Array]) -> Array | None:
 
 _LARGEST = 12
 """Components beyond which exact matrices take longer than everything else."""
-_DIGITS = 40
-"""Digits that the roots have at least."""
+_BITS = 128
+"""Of the balls around roots, which are then right to the last bit of a double."""
 
 
 @dataclass(frozen=True)
@@ -280,15 +282,17 @@ class ExactLinearisation:
 
 def exact_linearisation(system: System, state: Array) -> ExactLinearisation | None:
     """The linearised flow on the leaf; None where the field does not vanish exactly, or has irrational numbers."""
+    from flint import fmpq_poly
+
     matrices = _matrices(system, state)
     if matrices is None:
         return None
     form, hessian = matrices
     signature = _signature(hessian)
-    squares = _in_squares(form.inv() * hessian)
+    squares = fmpq_poly(form.solve(hessian).charpoly().coeffs()[::2])  # one of the square of the eigenvalue
     n_zero = 0
-    while len(squares) > 1 and squares[-1] == 0:
-        squares, n_zero = squares[:-1], n_zero + 2
+    while squares.degree() > 0 and squares[0] == 0:
+        squares, n_zero = fmpq_poly(squares.coeffs()[1:]), n_zero + 2
     eigenvalues, is_imaginary, is_simple = _roots(squares)
     values = np.array([*eigenvalues, *[0j] * n_zero], dtype=np.complex128)
     if not np.all(np.isfinite(values)):
@@ -303,7 +307,7 @@ def exact_linearisation(system: System, state: Array) -> ExactLinearisation | No
     return ExactLinearisation(values, verdict, growth, signature[2], signature)
 
 
-def _matrices(system: System, state: Array) -> tuple[Any, Any] | None:
+def _matrices(system: System, state: Array) -> tuple[fmpq_mat, fmpq_mat] | None:
     """The symplectic form and the second variation in a basis of the tangent space of the leaf."""
     from sympy import Matrix, Rational
 
@@ -321,72 +325,35 @@ def _matrices(system: System, state: Array) -> tuple[Any, Any] | None:
     derivative = rates.jacobian(list(variables)).subs(at)
     if not all(value.is_Rational for value in derivative):
         return None
-    basis = list(_independent_columns(poisson))
-    form = -poisson.extract(basis, basis)
-    hessian = -derivative.extract(basis, list(range(len(variables)))) * poisson.extract(
-        list(range(len(variables))), basis
-    )
-    return None if hessian != hessian.T else (form, hessian)
+    basis, everything = list(poisson.rref(pivots=True, simplify=False)[1]), list(range(len(variables)))
+    form = _rational(-poisson.extract(basis, basis))
+    hessian = _rational(-derivative.extract(basis, everything) * poisson.extract(everything, basis))
+    return None if hessian != hessian.transpose() else (form, hessian)
 
 
-def _independent_columns(matrix: Any) -> Sequence[int]:
-    """The columns of a basis of the column space."""
-    return matrix.rref(pivots=True, simplify=False)[1]
+def _rational(matrix: Any) -> fmpq_mat:
+    """A matrix of rational numbers as FLINT's."""
+    from flint import fmpq, fmpq_mat
+
+    return fmpq_mat(matrix.rows, matrix.cols, [fmpq(int(c.p), int(c.q)) for c in matrix])
 
 
-def _characteristic(matrix: Any) -> list[Any]:
-    """The coefficients of the characteristic polynomial, from the highest power."""
-    from sympy.polys.domains import QQ
-    from sympy.polys.matrices import DomainMatrix
-
-    return [QQ.to_sympy(c) for c in DomainMatrix.from_Matrix(matrix).convert_to(QQ).charpoly()]
-
-
-def _signature(hessian: Any) -> tuple[int, int, int]:
+def _signature(hessian: fmpq_mat) -> tuple[int, int, int]:
     """Numbers of positive, negative and vanishing eigenvalues of a symmetric matrix."""
-    coefficients = _characteristic(hessian)
+    coefficients = hessian.charpoly().coeffs()
     size = len(coefficients) - 1
-    zero = 0
-    while zero < size and coefficients[size - zero] == 0:
-        zero += 1
-    signs = [1 if c > 0 else -1 for c in coefficients if c != 0]
-    positive = sum(first != second for first, second in pairwise(signs))
+    zero = next(k for k, c in enumerate(coefficients) if c != 0)
+    positive = sum((first > 0) != (second > 0) for first, second in pairwise(c for c in coefficients if c != 0))
     return positive, size - zero - positive, zero
 
 
-def _in_squares(flow: Any) -> list[Any]:
-    """The coefficients of the characteristic polynomial of a Hamiltonian matrix in the square of the eigenvalue."""
-    return _characteristic(flow)[::2]
-
-
-def _roots(squares: list[Any]) -> tuple[list[complex], bool, bool]:
+def _roots(squares: fmpq_poly) -> tuple[list[complex], bool, bool]:
     """The eigenvalues whose squares have this polynomial, whether all are imaginary, and whether all are simple."""
-    from sympy import Poly, Symbol
+    from flint import ctx
 
-    eigenvalues: list[complex] = []
-    is_imaginary = is_simple = True
-    for factor, multiplicity in Poly(squares, Symbol("s")).sqf_list()[1]:
-        is_simple &= multiplicity == 1
-        is_imaginary &= factor.count_roots(None, 0) == factor.degree()
-        for value in _square_roots([Fraction(int(c.p), int(c.q)) for c in factor.monic().all_coeffs()]):
-            eigenvalues += [value, -value] * multiplicity
-    return eigenvalues, is_imaginary, is_simple
-
-
-def _square_roots(monic: list[Fraction]) -> list[complex]:
-    """A square root of each root of a polynomial without multiple roots: the eigenvalues of its companion matrix."""
-    from mpmath import mp
-
-    sizes = [abs(c) for c in monic if c]
-    spread = max(sizes) / min(sizes)
-    with mp.workdps(2 * _DIGITS + len(str(int(spread))) * len(monic)):
-        size = len(monic) - 1
-        companion = mp.zeros(size)
-        for i, c in enumerate(monic[1:]):
-            companion[0, i] = -mp.mpf(c.numerator) / c.denominator
-        for i in range(1, size):
-            companion[i, i - 1] = 1
-        roots = mp.eig(companion, left=False, right=False) if size > 1 else [companion[0, 0]]
-        # a real root is real to all digits: it is simple
-        exact = [mp.re(root) if abs(mp.im(root)) < mp.mpf(10) ** -_DIGITS * abs(root) else root for root in roots]
-        return [complex(mp.sqrt(root)) for root in exact]
+    with ctx.workprec(_BITS):
+        found = squares.complex_roots()  # enclosed in balls; those of real roots are real
+        eigenvalues = [(complex(root.sqrt()), multiplicity) for root, multiplicity in found]
+        is_imaginary = all(root.imag == 0 and root.real < 0 for root, _ in found)
+    values = [sign * value for value, multiplicity in eigenvalues for sign in (1, -1) for _ in range(multiplicity)]
+    return values, is_imaginary, all(multiplicity == 1 for _, multiplicity in found)
