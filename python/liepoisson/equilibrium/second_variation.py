@@ -9,15 +9,11 @@ is $2d/m$: there they change by more, and so they do on a tail, where the slope 
 Where a symmetry carries x along an orbit of critical points, M vanishes along it, and all this holds across the orbit
 (Palais' principle of symmetric criticality).
 
-References: [kantorovich1948]; [palais1979].
-
-The orbits along which symmetries carry critical points.
-
 The flow of an integral K keeps H, so it carries an equilibrium along a curve of equilibria. A relative equilibrium is
 carried by the flows of those combinations of the integrals that keep the values of all. Here such an orbit is followed
 by the classical Runge–Kutta method in steps of 0.05 radians, after a turn of which some 3e-7 of the length is lost.
 
-References: [palais1979].
+References: [kantorovich1948]; [palais1979].
 """
 
 from __future__ import annotations

@@ -21,9 +21,7 @@ right lengths.
 **a = 0**: $\alpha = (c_2/c_3)\beta$ and a heavy top in the field b for $\kappa\ne0$; for $\kappa=0$ circles of
 $\alpha$ around $\beta=\pm\sqrt{c_3}\,b/|b|$.
 
-The problem of equilibria on a leaf of a twisted top as rational numbers, and the state that solves it.
-
-The notation is that of `liepoisson.equilibrium.twisted_equilibria`.
+`TwistedLeaf` is the problem of equilibria on a leaf of a twisted top as rational numbers, for both modules.
 """
 
 from __future__ import annotations

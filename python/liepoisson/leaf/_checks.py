@@ -1,6 +1,6 @@
-"""Checks that the functions on phase space share: systems with numbers for all parameters, and energies.
+"""What the functions on phase space read: systems with numbers for all parameters, energies, and values of Casimirs.
 
-Casimirs by name, C1, C2, ..., or by formula: l.alpha, |alpha|^2, dot(l, alpha).
+Casimirs are given by name, C1, C2, ..., or by formula: l.alpha, |alpha|^2, dot(l, alpha).
 """
 
 from __future__ import annotations

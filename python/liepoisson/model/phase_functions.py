@@ -3,9 +3,7 @@ r"""Functions on phase space as functions of arrays: the Hamiltonian, Casimirs, 
 The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated
 (`liepoisson.compile.private_symbols`).
 
-Functions on phase space in ball arithmetic: exponents of any size, and errors that are known.
-
-In doubles $e^{-\cosh q}$ is zero from q = 7.3 on, and so is $1-\tanh^2q$ from q = 19. Arb's balls have as many digits
+`BallFunctions` evaluates them in ball arithmetic, with exponents of any size and errors that are known.  In doubles $e^{-\cosh q}$ is zero from q = 7.3 on, and so is $1-\tanh^2q$ from q = 19. Arb's balls have as many digits
 as are asked for and exponents without bounds, and every ball contains the number that is meant: one that does not
 contain zero belongs to a number that is not zero.
 
@@ -21,7 +19,6 @@ from operator import add, mul
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from flint import arb, ctx, fmpq
 from numpy.typing import ArrayLike
 
 from liepoisson.algebra.rational_polynomials import expression_of, values_of
@@ -34,6 +31,7 @@ from liepoisson.inputs.names import ANGLE
 from liepoisson.portable import elementary
 
 if TYPE_CHECKING:
+    from flint import arb
     from sympy import Expr, Symbol
 
     from liepoisson.algebra.rational_polynomials import RationalPolynomial
@@ -410,6 +408,7 @@ def _ball(expression: Any, known: Mapping[Any, arb]) -> arb:
 
 def _number(value: Any) -> arb:
     """A rational number, or a floating-point one, which is rational, too; or one like pi."""
+    from flint import arb, fmpq
     from sympy import Rational
 
     if not (value.is_Rational or value.is_Float):
@@ -420,6 +419,7 @@ def _number(value: Any) -> arb:
 
 def _of_sympy(expression: Any, known: Mapping[Any, arb]) -> arb:
     """What Arb has no function for, by SymPy's own arithmetic; its last digits are not trusted."""
+    from flint import arb, ctx
     from sympy import Float
 
     digits = ctx.dps + _GUARD

@@ -3,9 +3,8 @@
 Where the bracket and all parameters are rational numbers and the Hamiltonian is the text of a polynomial, the equations
 of motion, the field and the invariants are rational polynomials, too.  They are the same as those that SymPy derives.
 
-Formulas that are polynomials in the coordinates with rational coefficients, read without SymPy.
-
-Most Hamiltonians and integrals are.  What is anything else, or near to a limit of `liepoisson.formula.expression`, is
+Formulas that are polynomials in the coordinates with rational coefficients, as most Hamiltonians and integrals are, are
+read without SymPy.  What is anything else, or near to a limit of `liepoisson.formula.expression`, is
 left to that module: it alone says what is wrong with a formula.
 """
 

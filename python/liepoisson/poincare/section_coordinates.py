@@ -1,8 +1,6 @@
-"""Whether two functions are coordinates on a section of dimension 2, or fold it.
+"""Whether two functions are coordinates on a section of dimension 2, or fold it, and which two a figure shows.
 
-The levels of energy and Casimirs on which the orbits of a section lie: curves of different levels cross.
-
-Which two coordinates of the crossings a figure of a section shows where none are named.
+The orbits of a section may lie on several levels of energy and Casimirs: curves of different levels cross.
 """
 
 from __future__ import annotations

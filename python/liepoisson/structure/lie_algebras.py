@@ -3,7 +3,7 @@ r"""The Lie algebras with a name: rotations, unitary, linear and Euclidean group
 All but the sine algebra have integer structure constants.  They are commutators of matrices (or act on vectors by
 matrices), so that the Jacobi identity holds by construction; the tests verify it all the same.
 
-Representations of a Lie algebra by matrices, and its semidirect sums.
+A representation of an algebra by matrices makes a semidirect sum.
 """
 
 from __future__ import annotations

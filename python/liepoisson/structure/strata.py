@@ -5,7 +5,7 @@ submanifold, on which the bracket is that of g (x) A/I.  That the rank does not 
 Pfaffians: if powers of the equations of a set are combinations of Pfaffians of J of size r, then the rank is at least r
 outside of this set.
 
-Sets of states given by their fields: which vanish, which do not, which are parallel.
+A `Locus` is a set of states given by its fields: which vanish, which do not, which are parallel.
 """
 
 from __future__ import annotations

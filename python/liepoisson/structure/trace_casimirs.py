@@ -12,9 +12,9 @@ is, without the common factor of the multiplicities of its words; one that depen
 What is proved: equation (1) of `defining_matrices` for all basis elements, exactly, hence $J\nabla C = 0$; this is
 computed at a random exact point besides.  Independence, from below, by the rank of the gradients modulo a prime.
 
-References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; Procesi, Adv. Math. 19 (1976) 306, on words.
+Products of matrices modulo a prime, over the rationals and over cyclotomic fields stand behind one set of functions.
 
-Products of matrices modulo a prime, over the rationals and over cyclotomic fields, behind one set of functions.
+References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; Procesi, Adv. Math. 19 (1976) 306, on words.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@ r"""The paper's canonical chart: Euler angles and their momenta on a leaf of the
 $$\beta = w\,A\hat e_\parallel, \qquad \alpha = A\,(v\,\hat e_\parallel + r\,\hat e_\perp), \qquad \ell = Lp, \qquad
   r = \sqrt{\eta - 2\epsilon\,\ell\cdot\beta} .$$
 
-References: Thiffeault and Morrison (2001), section "Canonical description"; the domain is ours.
+A gauge is made of the two space-fixed unit vectors, along beta and along the rest of alpha.
 
-Gauges of the Euler chart: the two space-fixed unit vectors along beta and along the rest of alpha.
+References: Thiffeault and Morrison (2001), section "Canonical description"; the domain is ours.
 """
 
 from __future__ import annotations

@@ -8,8 +8,7 @@ $$\ell = \tfrac12 G p, \qquad \alpha = A\,(\hat X e_1 + \hat Y e_2 + v e_3), \qq
 carries the canonical bracket to that of the charged or twisted top.  Unlike the Euler chart it takes no root, so that
 alpha may be parallel to beta.
 
-Quaternions: rotation matrices, the shortest turn to an axis, for arrays and expressions alike.
-
+Quaternions, their rotation matrices and the shortest turn to an axis are for arrays and expressions alike:
 $q = q_0 + q_1 i + q_2 j + q_3 k$ with $ij = k$; the rotation $v \mapsto q v\bar q$ is $R(q)$ for $|q| = 1$.
 
 References: Marsden and Ratiu, Introduction to Mechanics and Symmetry, second edition (1999), chapter 9.

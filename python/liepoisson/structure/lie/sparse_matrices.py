@@ -1,6 +1,6 @@
 """Matrices with exact entries, sparse: how they are read, their commutators, and the algebra that they span.
 
-What a Lie algebra remembers of the matrices that it was made of.
+`MatrixFamily` is what a Lie algebra remembers of the matrices that it was made of.
 """
 
 from __future__ import annotations

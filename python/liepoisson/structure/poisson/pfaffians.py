@@ -2,7 +2,7 @@ r"""Pfaffians of a linear Poisson tensor, and proofs that they vanish together o
 
 The rank of an antisymmetric matrix is less than r exactly where all Pfaffians of its principal blocks of size r vanish.
 
-Polynomials where two fields are parallel: $u = s\,n$, $v = t\,n$ with any vector n and numbers s, t.
+On the set where two fields are parallel, polynomials are taken at $u = s\,n$, $v = t\,n$ with any vector n.
 """
 
 from __future__ import annotations

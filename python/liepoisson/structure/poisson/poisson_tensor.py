@@ -3,7 +3,7 @@ r"""Poisson tensors, $J_{ij}(x) = \{x_i, x_j\} = \sum_m c_{ij}{}^m x_m + k_{ij}$
 A constant part k is one more term of the sum, with the constant coordinate $x_{-1} = 1$: J is then a linear tensor on
 the central extension of the Lie algebra by the cocycle k, restricted to where the central coordinate is 1.
 
-The matrix $J_{ij}(x)$ as SymPy expressions, from the structure constants of g and the tensor of A.
+`PoissonMatrix` is $J_{ij}(x)$ as SymPy expressions, from the structure constants of g and the tensor of A.
 """
 
 from __future__ import annotations
