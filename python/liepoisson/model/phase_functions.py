@@ -3,9 +3,10 @@ r"""Functions on phase space as functions of arrays: the Hamiltonian, Casimirs, 
 The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated
 (`liepoisson.compile.private_symbols`).
 
-`BallFunctions` evaluates them in ball arithmetic, with exponents of any size and errors that are known.  In doubles $e^{-\cosh q}$ is zero from q = 7.3 on, and so is $1-\tanh^2q$ from q = 19. Arb's balls have as many digits
-as are asked for and exponents without bounds, and every ball contains the number that is meant: one that does not
-contain zero belongs to a number that is not zero.
+`BallFunctions` evaluates them in ball arithmetic, with exponents of any size and errors that are known.  In doubles
+$e^{-\cosh q}$ is zero from q = 7.3 on, and so is $1-\tanh^2q$ from q = 19. Arb's balls have as many digits as are asked
+for and exponents without bounds, and every ball contains the number that is meant: one that does not contain zero
+belongs to a number that is not zero.
 
 References: [johansson2017].
 """
