@@ -117,15 +117,11 @@ def _search(leaf: Leaf, top: ExactTop) -> Search:
 def _decided(is_all: bool, found: Callable[[], list[Critical]]) -> list[FoundByAlgebra]:
     """All of them, or none if they are not decided and need not be all."""
     try:
-        return _rounded(found())
+        return [FoundByAlgebra(_doubles(critical.state), critical.kind) for critical in found()]
     except UndecidedError:
         if is_all:
             raise
         return []
-
-
-def _rounded(found: list[Critical]) -> list[FoundByAlgebra]:
-    return [FoundByAlgebra(_doubles(critical.state), critical.kind) for critical in found]
 
 
 def _doubles(state: list[arb]) -> Array:

@@ -55,7 +55,7 @@ def mean_error(values: ArrayLike) -> Array:
     data = as_array(values, "values")
     if data.shape[1] < 4:
         return np.full(data.shape[:1] + data.shape[2:], np.nan)
-    return np.fmax(_autocorrelation_error(data), _longest_batch_error(data))
+    return np.fmax(_autocorrelation_error(data), list(batch_errors(data).values())[-1])
 
 
 def n_longest_batches(n_values: int) -> int:
@@ -163,10 +163,6 @@ def batch_errors(values: ArrayLike) -> dict[int, Array]:
         errors[length] = means.std(axis=1, ddof=1) / np.sqrt(n_batches)
         length *= 2
     return errors
-
-
-def _longest_batch_error(data: Array) -> Array:
-    return list(batch_errors(data).values())[-1]
 
 
 def _autocorrelation_error(data: Array) -> Array:
