@@ -34,33 +34,14 @@ T = TypeVar("T")
 
 _MAX_LIST = 100_000
 _KEYS: dict[str, tuple[str, ...]] = {
-    "": (
-        "name",
-        "source",
-        "description",
-        "symbols",
-        "bracket",
-        "parameters",
-        "hamiltonian",
-        "integrals",
-        "quadratures",
-        "reference",
-    ),
-    "bracket": (
-        "algebra",
-        "structure_constants",
-        "matrices",
-        "basis_names",
-        "extension",
-        "W",
-        "variables",
-        "constant",
-        "canonical",
-        "momenta",
-    ),
-    "hamiltonian": ("expression",),
-    "integral": ("expression", "on", "source"),
-    "reference": ("state", "quantity", "value", "tolerance", "source"),
+    table: tuple(keys.split())
+    for table, keys in {
+        "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
+        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta",
+        "hamiltonian": "expression",
+        "integral": "expression on source",
+        "reference": "state quantity value tolerance source",
+    }.items()
 }
 
 
