@@ -17,8 +17,8 @@ from liepoisson.proofs import certificate
 from liepoisson.sweeps import store
 from script_folders import modules_of
 
-ROOT = Path(__file__).parent.parent
-SAVED = Path(__file__).parent / "data" / "saved"
+ROOT = Path(__file__).parents[2]
+SAVED = Path(__file__).parents[1] / "data" / "saved"
 (MAKER,) = modules_of(SAVED, "make")
 VERSION = re.escape(lp.__version__)
 
@@ -91,7 +91,7 @@ def test_an_integrability_report_is_read_and_verified():
 
 def test_a_covering_certificate_is_read_as_the_first_ones_that_name_no_format():
     path = SAVED / "covering-certificate-1.json"
-    first = Path(__file__).parent / "proofs" / "heavy_top.json"
+    first = Path(__file__).parents[1] / "proofs" / "heavy_top.json"
     assert json.loads(path.read_text())["format"] == certificate.FORMAT
     assert "format" not in json.loads(first.read_text())
     assert lp.proofs.load_covering_certificate(path) == lp.proofs.load_covering_certificate(first)

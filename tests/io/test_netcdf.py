@@ -86,7 +86,7 @@ def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sent
     assert n_read
 
 
-NEVER_RETURNS = Path(__file__).parent / "data" / "hdf5-never-returns.nc"
+NEVER_RETURNS = Path(__file__).parents[1] / "data" / "hdf5-never-returns.nc"
 """A saved result with one bit flipped, on which HDF5 1.14 loops with the interpreter's lock held."""
 
 

@@ -10,7 +10,7 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError, UnknownNameError
 from script_folders import modules_of
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 (citation_file,) = modules_of(ROOT / "docs", "citation_file")
 TOP = lp.Top.twisted_kovalevskaya()
 PAPER = "twistedtop2001"

@@ -17,9 +17,9 @@ from liepoisson.orbits import unstable
 from liepoisson.portable import elementary, linear
 
 ROOT = Path(liepoisson.__file__).parent
-REPOSITORY = Path(__file__).parent.parent
-RECORD = Path(__file__).parent / "data" / "portable.json"
-"""Hashes of what `portable_cases.py` makes; `python tests/portable_cases.py` prints them."""
+REPOSITORY = Path(__file__).parents[2]
+RECORD = Path(__file__).parent / "portable.json"
+"""Hashes of what `portable_cases.py` makes; `python tests/portable/portable_cases.py` prints them."""
 
 
 @pytest.mark.thorough
@@ -28,7 +28,7 @@ def test_a_seed_means_the_same_bits_on_every_processor(processor):
     """Starts of eleven systems, fits, frequencies, factors, as on processors without AVX-512 and without AVX."""
     if processor != "native" and not (sys.platform == "linux" and os.uname().machine == "x86_64"):
         pytest.skip("other processors are imitated on Linux on x86-64")
-    command = [sys.executable, ".ci/as_processor.py", processor, sys.executable, "tests/portable_cases.py"]
+    command = [sys.executable, ".ci/as_processor.py", processor, sys.executable, "tests/portable/portable_cases.py"]
     done = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == json.loads(RECORD.read_text())
