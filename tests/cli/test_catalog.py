@@ -1,7 +1,5 @@
 """`liepoisson catalog`: the named systems, with the short form of their sources."""
 
-import json
-
 import pytest
 
 from liepoisson import catalog
@@ -13,16 +11,6 @@ def test_every_system_has_its_line(command):
     assert (code, err) == (0, "")
     assert [line.split()[0] for line in out.splitlines()] == list(catalog.names())
     assert "Thiffeault and Morrison (2001)" in next(line for line in out.splitlines() if line.startswith("twisted-top"))
-
-
-def test_json_has_the_whole_source(command):
-    _, out, _ = command("catalog", "--format", "json")
-    entries = {entry["name"]: entry for entry in json.loads(out)}
-    assert set(entries) == set(catalog.names())
-    for name, entry in entries.items():
-        assert entry["source"], name
-        assert entry["path"].endswith(f"{name}.toml")
-    assert "Physics Letters A 283" in entries["twisted-top"]["source"]
 
 
 @pytest.mark.parametrize(

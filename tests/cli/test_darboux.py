@@ -2,7 +2,6 @@
 
 import json
 
-import pytest
 import sympy as sp
 
 import liepoisson as lp
@@ -47,19 +46,3 @@ def test_polynomials_in_latex(command):
     lines = out.splitlines()
     assert all(line.startswith("% ") for line in lines[:-2])
     assert lines[-2] == r"\[ P_1 = x_1, \qquad \dot P_1 = (4 x_3)\, P_1 \]"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["toda"], "wanted a polynomial"),
-        (["rattleback", "--degree", "2", "--weight", "2"], "got both"),
-        (["rattleback", "--field", "octonions"], "field"),
-        (["rattleback", "--time-limit", "-1"], "time-limit"),
-        (["twisted-top"], "wanted rational numbers"),
-    ],
-)
-def test_what_is_refused(command, arguments, words):
-    code, out, err = command("darboux", *arguments)
-    assert (code, out) == (2, "")
-    assert words in err

@@ -2,7 +2,6 @@
 
 import io
 import json
-import re
 import sys
 
 import pytest
@@ -69,27 +68,6 @@ def test_a_sign_changed_in_the_file_changes_the_report(command, tmp_path):
         assert equation["text"].endswith("- beta3" if sign > 0 else "+ beta3")
 
 
-@pytest.mark.thorough
-def test_latex_is_a_fragment_for_a_paper_with_balanced_braces(command):
-    code, out, _ = command("inspect", "twisted-top", "--format", "latex")
-    assert code == 0
-    assert "document" not in out
-    assert (
-        "\\begin{align*}\n"
-        r"  C_1 &= |\boldsymbol{\alpha}|^{2} + 2 \epsilon\,\boldsymbol{\ell}\cdot \boldsymbol{\beta} \\"
-    ) in out
-    assert out.count(r"\begin{align*}") == out.count(r"\end{align*}") == 2
-    words = re.sub(r"\$.*?\$|\\\[.*?\\\]|\\begin.*?\\end", "", out.partition("paragraph")[2], flags=re.DOTALL)
-    assert not re.search(r"\b(epsilon|alpha|beta|so\(3\)|l1|I2|J)\b", words), "mathematics is set as such"
-    depth = 0
-    for brace in re.findall(r"(?<!\\)[{}]", out):
-        depth += 1 if brace == "{" else -1
-        assert depth >= 0
-    assert depth == 0
-    assert out.replace(r"\$", "").count("$") % 2 == 0
-    assert out.count(r"\[") == out.count(r"\]")
-
-
 def test_ascii_where_the_terminal_has_no_more(monkeypatch):
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))
     assert terminal_style() is PLAIN
@@ -108,31 +86,3 @@ def test_a_false_integral_is_called_false(command, tmp_path):
     code, out, err = command("inspect", path, "--format", "json")
     assert (code, json.loads(out)["failed"]) == (1, ["the integral Q is not constant"])
     assert err.count("\n") == 1
-
-
-def test_values_may_be_given_on_the_command_line(command):
-    values = ["--set", "I=2,2,1", "--set", "a=[-1, 0, 0]", "--set", "b=0,0,0", "--set", "epsilon=1/3"]
-    code, out, _ = command("inspect", "twisted-top", *values)
-    assert code == 0
-    assert "C₁ = |α|² + ⅔ l·β" in out
-    assert "ε = 1/3" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["twistedtop"], "no system 'twistedtop'"),
-        (["missing.toml"], "missing.toml"),
-        (["/tmp"], "liepoisson: /tmp must be a file; it is a folder. Give the path of a TOML file.\n"),
-        (["twisted-top", "--set", "epsilom=1"], "'twisted-top' has no parameter 'epsilom'. Did you mean epsilon?"),
-        (["twisted-top", "--set", "a=1,0"], "a must have 3 components; got 2 components. Give for example [1, 2, 3]."),
-        (["twisted-top", "--set", "epsilon"], "--set must be name=value; got 'epsilon'"),
-        (["twisted-top", "--set", "epsilon=__import__('os')"], "__import__"),
-        (["twisted-top", "--format", "html"], "html"),
-    ],
-)
-def test_refusals_are_plain(command, arguments, words):
-    code, out, err = command("inspect", *arguments)
-    assert (code, out) == (2, "")
-    assert words in err
-    assert "Traceback" not in err

@@ -52,21 +52,6 @@ def test_orders_of_poles(command):
     assert "orders of poles: 1 for x; 2 for y, p_x; 3 for p_y" in out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--weights", "1,2"], "one for each of x, y, p_x, p_y"),
-        (["--weights", "a,b,c,d"], "rational numbers"),
-        (["--free", "nosuch"], "--free must name a parameter"),
-        (["--time-limit", "-1"], "time-limit"),
-    ],
-)
-def test_what_is_refused(command, arguments, message):
-    code, out, err = command("painleve", "henon-heiles-kdv", *arguments)
-    assert (code, out) == (2, "")
-    assert message in err
-
-
 def test_what_is_left_is_named(command):
     code, out, _ = command("painleve", "twisted-top", "--time-limit", "0.01")
     assert code == 1

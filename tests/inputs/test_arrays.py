@@ -79,16 +79,12 @@ HUGE = np.broadcast_to(lp.sample_states(lp.Top.kovalevskaya(), 1, seed=1), (10**
         lambda top: lp.integrate(top, HUGE, t_end=1),
         lambda top: lp.integrate(top, HUGE[0], times=np.broadcast_to(1.0, 10**12)),
         lambda top: lp.integrate(top, HUGE[0], t_end=1, tangents=HUGE),
-        lambda top: lp.finite_time_exponents(top, HUGE, t_end=1),
-        lambda top: lp.section(top, HUGE, surface="l3", t_end=1),
         lambda top: lp.decide(top, HUGE),
         lambda top: lp.lyapunov_spectrum(top, HUGE, t_end=1),
-        lambda top: lp.chaos.megno(top, HUGE, t_end=1),
         lambda top: lp.sample_states(top, 10**12),
         lambda top: lp.Leaf.through(top, HUGE[0]).sample(10**12, seed=0),
         lambda top: lp.fits.window_scan(np.broadcast_to(1.0, 10**12), [[1]]),
         lambda top: lp.fits.finite_time_fit(np.geomspace(1, 100, 9), np.ones((3, 9)), n_bootstrap=10**12),
-        lambda top: lp.fits.log_fit(np.geomspace(1, 100, 9), np.ones((3, 9)), n_bootstrap=10**12),
     ],
 )
 def test_what_does_not_fit_into_memory_is_refused_before_it_is_copied(call):

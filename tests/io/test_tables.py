@@ -4,11 +4,11 @@ import csv
 
 import numpy as np
 import pytest
+from test_dataset import STATES, TOP, runs_of_all_kinds
 
 import liepoisson as lp
 from liepoisson.errors import OutputError
 from liepoisson.io.result import Result
-from test_dataset import STATES, TOP, runs_of_all_kinds
 
 HENON = lp.catalog.system("henon-heiles")
 
