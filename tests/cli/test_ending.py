@@ -1,5 +1,6 @@
 """How the command ends: one sentence and an exit code, never a traceback, whatever becomes of its output."""
 
+import importlib
 import os
 import random
 import signal
@@ -99,6 +100,7 @@ def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, nam
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
+    importlib.import_module("liepoisson.numeric.time_scale")  # which integrates, before the run that is replaced
     monkeypatch.setattr(f"liepoisson.{INTERRUPTED[name]}", interrupted)
     code, _, err = command(name[0], "kovalevskaya", *name[1:])
     assert (code, "--time-limit SECONDS" in err) == (130, True)
