@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,21 +9,10 @@ import pytest
 
 from liepoisson import plot
 from liepoisson.errors import ShapeError
-from liepoisson.indicators.finite_time_fit import finite_time_fit, log_fit, mean_curve, window_scan
-from liepoisson.plot.style import SEQUENCE, new_figure
+from liepoisson.indicators.finite_time_fit import finite_time_fit, mean_curve, window_scan
+from liepoisson.plot.style import new_figure
 
 TIME = np.geomspace(1, 500, 120)
-
-
-@pytest.fixture(autouse=True)
-def no_windows():
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot as plt
-
-    yield
-    plt.close("all")
 
 
 @pytest.fixture
@@ -55,23 +42,6 @@ def test_convergence_shows_the_mean_its_band_and_the_fit(growth):
     assert ax.get_xlabel() == "$t$"
 
 
-def test_convergence_takes_a_mean_curve_and_a_logarithmic_fit(growth):
-    curve = mean_curve(growth.time, growth.exponent)
-    fit = log_fit(growth.time, growth.exponent, window=(50, 500))
-    ax = plot.convergence(curve, fit=fit)
-    np.testing.assert_allclose(ax.lines[0].get_ydata(), curve.mean)
-    assert len(ax.collections) == 1, "without members there is no spread to show"
-    assert r"\ln t" in ax.get_legend().get_texts()[0].get_text()
-
-
-def test_convergence_draws_into_given_axes_in_colours_of_the_house(growth):
-    with plot.house_style():
-        ax = new_figure(4, 3).add_subplot()
-    assert plot.convergence(growth, ax=ax) is ax
-    plot.convergence(growth, ax=ax)
-    assert [line.get_color() for line in ax.lines] == list(SEQUENCE[:2])
-
-
 def test_convergence_refuses_curves_of_the_wrong_shape(growth):
     with pytest.raises(ShapeError, match="Transpose"):
         plot.convergence(SimpleNamespace(time=growth.time, exponent=growth.exponent.T))
@@ -87,11 +57,6 @@ def test_distribution_is_a_probability_density():
     assert ax.get_legend().get_texts()[0].get_text() == "members"
 
 
-def test_distribution_wants_one_number_per_member():
-    with pytest.raises(ShapeError, match=r"exponent\[:, -1\]"):
-        plot.exponent_distribution(np.ones((5, 7)))
-
-
 def test_window_scan_shows_each_fit_with_its_interval(growth):
     fits = window_scan(growth.time, growth.exponent)
     ax = plot.window_scan(fits, reference=0.122)
@@ -102,14 +67,6 @@ def test_window_scan_shows_each_fit_with_its_interval(growth):
     np.testing.assert_allclose(sorted(bars[:, 1, 1]), sorted(fit.intervals["lambda"][1] for fit in fits))
     texts = [text.get_text() for text in ax.get_legend().get_texts()]
     assert texts == ["as printed", *(f"to $t = {end:g}$" for end in sorted({fit.window[1] for fit in fits}))]
-
-
-def test_house_style_leaves_settings_as_they_were(growth):
-    import matplotlib as mpl
-
-    before = dict(mpl.rcParams)
-    plot.convergence(growth)
-    assert dict(mpl.rcParams) == before
 
 
 def test_house_style_keeps_the_interactive_mode_that_the_first_figure_of_a_notebook_turns_on(monkeypatch):
@@ -156,9 +113,3 @@ def test_a_figure_is_laid_out_at_the_resolution_of_its_file_and_keeps_its_own(tm
         (path,) = plot.save_figure(figure, tmp_path / "small", formats=["png"])
         assert (seen, figure.dpi) == ([plt.rcParams["savefig.dpi"]], own)
     assert plt.imread(path).shape[:2] == (3 * seen[0], 4 * seen[0])
-
-
-@pytest.mark.thorough
-def test_importing_plot_does_not_import_matplotlib():
-    code = "import liepoisson.plot, sys; sys.exit('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

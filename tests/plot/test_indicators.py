@@ -12,17 +12,6 @@ from liepoisson.plot.indicators import indicators
 TOP = lp.Top.twisted_kovalevskaya()
 
 
-@pytest.fixture(autouse=True)
-def no_windows():
-    import matplotlib as mpl
-
-    mpl.use("Agg")
-    import matplotlib.pyplot as plt
-
-    yield
-    plt.close("all")
-
-
 @pytest.fixture(scope="module")
 def results():
     x0 = lp.sample_states(TOP, 3, seed=1)
@@ -56,15 +45,6 @@ def test_members_labels_and_a_time(results):
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["two", "zero", r"$\ln(t/t_0)$"]
     assert all(ax.lines[-1].get_xdata()[0] == 50 for ax in axes)
     assert axes[0].lines[0].get_color() == axes[2].lines[0].get_color()
-
-
-def test_given_axes_are_drawn_into(results):
-    import matplotlib.pyplot as plt
-
-    given = plt.figure().subplots(3, 1)
-    assert list(indicators(*results, axes=given)) == list(given)
-    with pytest.raises(ShapeError, match="must be three"):
-        indicators(*results, axes=given[:2])
 
 
 @pytest.mark.thorough

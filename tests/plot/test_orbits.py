@@ -63,38 +63,10 @@ def test_components_paths_and_changes_are_drawn(run):
     assert figure.get_suptitle() == "turning"
 
 
-def test_the_near_side_of_a_sphere_is_stronger_and_drawn_last(run):
-    path = orbit(run).axes[3].collections[0]
-    strength = np.asarray(path.get_colors())[:, 3]
-    assert set(strength.round(2)) == {0.22, 0.9}
-    assert (np.diff(strength) >= 0).all()
-    # Seen from (cos 35, sin 35) in the plane of the path: half of the circle is on the near side.
-    near = (run.state[0, :-1, 3:] + run.state[0, 1:, 3:]) @ [np.cos(np.radians(35)), np.sin(np.radians(35)), 0] >= 0
-    assert (strength > 0.5).sum() == pytest.approx(near.sum(), abs=1)
-
-
-def test_a_dataset_gives_the_same_figure():
-    system = lp.catalog.system("kovalevskaya")
-    result = lp.integrate(system, lp.sample_states(system, 2, seed=1), times=TIME)
-    figures = [orbit(source, trajectory=1) for source in (result, result.dataset)]
-    lines = [figure.axes[0].lines[2].get_ydata() for figure in figures]
-    np.testing.assert_array_equal(*lines)
-    np.testing.assert_array_equal(lines[0], result.state[1, :, 2])
-    assert [figure.get_suptitle() for figure in figures] == ["kovalevskaya"] * 2
-
-
 def test_a_trajectory_that_failed_is_drawn_up_to_there(run):
     run.state[0, 100:] = np.nan
     figure = orbit(run, invariants={"H": np.where(np.arange(201) < 100, 1.0, np.nan)})
     assert len(figure.axes[0].lines[0].get_xdata()) == 100
-
-
-def test_other_systems_have_no_spheres():
-    names = tuple(f"M{k}" for k in (12, 13, 14, 23, 24, 34))
-    figure = orbit(SimpleNamespace(components=names, time=TIME, state=turning()), title="so(4)")
-    assert len(figure.axes) == 1
-    assert len(figure.axes[0].lines) == 6
-    assert figure.axes[0].get_legend().get_texts()[0].get_text() == "$M_{12}$"
 
 
 def test_of_many_components_vectors_and_invariants_the_largest_are_drawn():
@@ -134,11 +106,6 @@ def test_an_orbit_has_its_invariants_whichever_trajectory_is_drawn():
     assert rows == [7, 6]
 
 
-def test_invariants_without_any_change_are_no_error(run):
-    figure = orbit(run, invariants={"H": np.ones(201)})
-    assert np.isnan(figure.axes[-1].lines[0].get_ydata()).all()
-
-
 def test_mistakes_are_refused(run):
     with pytest.raises(ShapeError, match="Take those of one trajectory"):
         orbit(run, invariants={"H": np.ones((1, 201))})
@@ -147,12 +114,6 @@ def test_mistakes_are_refused(run):
     run.state[0, 1:] = np.nan
     with pytest.raises(ParameterError, match="at least two states"):
         orbit(run)
-
-
-@pytest.mark.parametrize("trajectory", ["a", 1.5, 3, -1])
-def test_a_trajectory_that_is_none_is_refused(run, trajectory):
-    with pytest.raises(ParameterError, match="trajectory must be from 0 to 0"):
-        orbit(run, trajectory=trajectory)
 
 
 def test_numbers_whose_squares_are_no_doubles_are_refused(run):

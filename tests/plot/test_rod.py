@@ -1,7 +1,5 @@
 """The figure of a rod: its data, labels and scales; pixels are looked at by eye."""
 
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -81,27 +79,6 @@ def test_rod_is_drawn_with_equal_scales_a_stripe_and_its_field(rod):
     np.testing.assert_array_equal(start, [0, 0, 0])
 
 
-def test_without_field_no_arrow_and_without_profiles_one_axes():
-    top = lp.Top.lagrange()
-    figure = draw_rod(lp.orbits.rod(top, [*X0[0][:6], 0, 0, 0], length=5, n_points=41), profiles=False)
-    assert len(figure.axes) == 1
-    assert len(figure.axes[0].collections) == 1
-    assert not figure.axes[0].texts
-
-
-def test_a_constant_twist_is_level():
-    figure = draw_rod(lp.orbits.rod(LAGRANGE, X0[0], length=5, n_points=41))
-    low, high = figure.axes[2].get_ylim()
-    assert high - low > 0.5
-
-
-@pytest.mark.thorough
-def test_a_straight_rod_is_drawn_without_curvature():
-    figure = draw_rod(lp.orbits.rod(LAGRANGE, [0, 0, 0, 0, 0, 1, 0, 0, 1], length=5, n_points=41))
-    figure.draw_without_rendering()
-    assert max(abs(figure.axes[1].lines[0].get_ydata())) < 1e-12
-
-
 def test_what_can_not_be_drawn_is_refused(rod):
     with pytest.raises(ParameterError, match="one of 2"):
         draw_rod(rod, trajectory=2)
@@ -113,12 +90,6 @@ def test_what_can_not_be_drawn_is_refused(rod):
     start[0, 0] = np.nan
     with pytest.raises(ParameterError, match="outcome"):
         draw_rod(lp.orbits.rod(ANISOTROPIC, start, length=1), trajectory=0)
-
-
-@pytest.mark.thorough
-def test_the_module_does_not_import_matplotlib():
-    code = "import liepoisson.plot.rod, sys; sys.exit('matplotlib' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @pytest.mark.parametrize("options", [{"radius": "a"}, {"radius": [1]}, {"elevation": np.nan}, {"azimuth": "left"}])

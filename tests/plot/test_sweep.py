@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -11,16 +10,6 @@ from liepoisson.plot.sweep import sweep as draw
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import Axis
 from liepoisson.sweeps.tasks import NOT_COMPUTED
-
-mpl.use("Agg")
-
-
-@pytest.fixture(autouse=True)
-def close():
-    yield
-    import matplotlib.pyplot as plt
-
-    plt.close("all")
 
 
 def top(x, y=0.0):
@@ -49,6 +38,8 @@ def test_a_curve_and_its_band():
     assert band.min() == pytest.approx(low.min())
     assert band.max() == pytest.approx(high.max())
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value\n(band: 95% interval)")
+    assert axis_label(Axis("energy", (0.0, 1.0))) == "energy $H$"
+    assert axis_label(Axis("x", (0.0, 1.0), "own label")) == "own label"
 
 
 @pytest.mark.parametrize("axes", [{"x": [0.0, 1.0, 2.0, 3.0]}, {"x": [0.0, 1.0, 2.0, 3.0], "y": [0.0, 1.0]}])
@@ -115,23 +106,3 @@ def test_a_refined_map_has_the_right_value_at_every_point():
     coarse = np.repeat(np.repeat(wanted[::4, ::4], 4, 0), 4, 1)[2:-1, 2:-1]
     assert np.mean(image != wanted) < 0.06 < np.mean(coarse != wanted)
     draw(result)
-
-
-def test_what_is_not_known_stays_empty():
-    result = sweep(system=top, axes={"x": [0.0, 1.0], "y": [0.0, 1.0]}, quantity=fails, n_starts=1, t_end=1.0)
-    assert not result.is_complete
-    assert np.isnan(lattice_image(result)[2]).any()
-    draw(result)
-
-
-def fails(system, x0, **_):
-    if system.a[0] == 1:
-        raise ArithmeticError
-    return 1.0
-
-
-def test_labels():
-    assert axis_label(Axis("epsilon", (0.0, 1.0))) == r"$\epsilon$"
-    assert axis_label(Axis("b3", (0.0, 1.0))) == "$b_{3}$"
-    assert axis_label(Axis("energy", (0.0, 1.0))) == "energy $H$"
-    assert axis_label(Axis("x", (0.0, 1.0), "own label")) == "own label"
