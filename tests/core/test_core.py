@@ -123,20 +123,6 @@ def cross(*, direction=0, n_crossings=None):
     return _core.sections(TOP, TAYLOR, PLANE, STATE, TIMES, direction, n_crossings, [], 1, 5.0, None)
 
 
-def test_arrays_are_copied_before_the_run():
-    """What a progress function or another thread does to them changes nothing, and strides do not matter."""
-    states = np.tile(STATE, 200)
-    wanted = _core.orbits(TOP, TAYLOR, states, STATE[:0], 0, np.array([0.0, 5.0]), 1, 60.0, False, False, None)
-    spread = np.zeros((200 * 9, 2))
-    spread[:, 0] = states
-
-    def spoil(_):
-        spread[:] = np.nan
-
-    found = _core.orbits(TOP, TAYLOR, spread[:, 0], STATE[:0], 0, np.array([0.0, 5.0]), 1, 60.0, False, False, spoil)
-    np.testing.assert_array_equal(found["state"], wanted["state"])
-
-
 @pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux", reason="limits the memory of a process")
 def test_what_does_not_fit_into_memory_is_refused_and_the_process_goes_on():
@@ -172,32 +158,3 @@ def test_what_does_not_fit_into_memory_is_refused_and_the_process_goes_on():
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert [line.split(":")[0] for line in lines[:-1]] == ["refused"] * 3
     assert lines[-1] == "outcome 0"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="limits the memory of a process")
-def test_a_run_without_a_thread_says_so():
-    """The stack of a thread takes two megabytes, which there are not; the run itself takes next to nothing."""
-    script = textwrap.dedent("""
-        import resource
-        from pathlib import Path
-        import numpy as np
-        from liepoisson import _core
-        from liepoisson.errors import ThreadLimitError
-
-        top = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
-        taylor = _core.Method.taylor(1e-12, None, False, 1000)
-        call = lambda: _core.orbits(top, taylor, np.ones(9), np.zeros(0), 0, np.arange(2.0), 1, 9.0, False, False, None)
-        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (used + (1 << 19), resource.RLIM_INFINITY))
-        try:
-            call()
-        except ThreadLimitError as refusal:
-            print("refused:", refusal)
-        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-        print("outcome", call()["outcome"][0])
-    """)
-    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
-    assert ended.stdout.splitlines() == [
-        "refused: threads: wanted 1; the system starts none; try fewer, or end other programs",
-        "outcome 0",
-    ], ended.stderr[-2000:]

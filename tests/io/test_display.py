@@ -1,7 +1,5 @@
 """What a notebook shows of objects that are no results."""
 
-from html import escape
-
 import pytest
 
 import liepoisson as lp
@@ -45,17 +43,3 @@ def test_a_leaf_shows_its_casimirs(leaf):
     assert "<td>C1</td>" in shown
     assert "<td>0.2</td>" in shown
     assert "alpha1*l1" in shown
-
-
-def test_equilibria_show_a_table(leaf):
-    found = lp.equilibria(leaf.system, leaf)
-    shown = found._repr_html_()
-    assert shown.count("<tr>") == len(found) + 1
-    assert found.completeness in shown
-    assert escape(repr(found).splitlines()[0]) in shown
-
-
-def test_a_report_shows_its_text():
-    report = lp.inspect(lp.catalog.system("free-rigid-body"))
-    assert report._repr_html_().startswith("<pre>")
-    assert "Casimirs" in report._repr_html_()

@@ -54,12 +54,6 @@ def test_a_file_of_each_format_that_is_written_is_kept():
     }
 
 
-def test_the_page_names_the_formats_that_are_written():
-    page = (ROOT / "docs" / "saved-results.md").read_text(encoding="utf-8")
-    for text in WRITTEN.values():
-        assert f"| {text} |" in page.replace("`", ""), text
-
-
 def test_a_result_is_read_with_its_numbers_and_repeated():
     growth = lp.load(SAVED / "result-2.nc")
     assert (growth.outcome == "finished").all()
@@ -89,14 +83,6 @@ def test_an_integrability_report_is_read_and_verified():
     assert found.certificate == lp.integrability.load_certificate(SAVED / "integrability-certificate-1.json")
 
 
-def test_a_covering_certificate_is_read_as_the_first_ones_that_name_no_format():
-    path = SAVED / "covering-certificate-1.json"
-    first = Path(__file__).parents[1] / "proofs" / "heavy_top.json"
-    assert json.loads(path.read_text())["format"] == certificate.FORMAT
-    assert "format" not in json.loads(first.read_text())
-    assert lp.proofs.load_covering_certificate(path) == lp.proofs.load_covering_certificate(first)
-
-
 def test_a_scan_of_integrals_goes_on_from_its_points(tmp_path):
     folder = tmp_path / "scan"
     shutil.copytree(SAVED / "integral-scan-2", folder)
@@ -124,15 +110,6 @@ def test_a_sweep_of_format_1_is_refused_with_the_version_that_reads_it(tmp_path)
         )
 
 
-def test_a_scan_of_format_1_is_refused_with_the_version_that_reads_it(tmp_path):
-    folder = tmp_path / "scan"
-    shutil.copytree(SAVED / "integral-scan-1", folder)
-    before = (folder / "points.jsonl").read_bytes()
-    with pytest.raises(LiePoissonError, match=rf"integral scan 1, and liepoisson {VERSION} reads .* 2 alone"):
-        lp.integrability.scan_integrals(MAKER.scanned(), degree=2, axes={"J": [1, 2]}, store=folder)
-    assert (folder / "points.jsonl").read_bytes() == before
-
-
 READERS = {
     "integrability-certificate": lp.integrability.load_certificate,
     "integrability-report": lp.integrability.load_report,
@@ -148,16 +125,6 @@ def test_a_later_format_is_refused_with_the_version_that_reads_the_present_one(t
     path.write_text(json.dumps(data | {"format": later}))
     with pytest.raises(DamagedFileError, match=rf"format {later}, and liepoisson {VERSION} reads .*/1 alone"):
         READERS[kind](path)
-
-
-def test_a_scan_of_a_later_format_is_refused_and_kept(tmp_path):
-    folder = tmp_path / "scan"
-    folder.mkdir()
-    content = scan_store._line({"format": "liepoisson integral scan 7"})
-    (folder / "points.jsonl").write_text(content)
-    with pytest.raises(LiePoissonError, match=rf"integral scan 7, and liepoisson {VERSION} reads"):
-        lp.integrability.scan_integrals(MAKER.scanned(), degree=2, axes={"J": [1, 2]}, store=folder)
-    assert (folder / "points.jsonl").read_text() == content
 
 
 def test_a_later_version_reads_a_sweep_and_does_not_go_on_with_it(tmp_path, monkeypatch):

@@ -149,9 +149,9 @@ def test_a_file_without_one_of_its_variables_is_refused(tmp_path, kind):
     dataset = RUNS[kind]().dataset
     for name in dataset.variables:
         path = tmp_path / f"{name}.nc"
-        dataset.drop_vars(name).to_netcdf(path, engine="h5netcdf")
+        path.write_bytes(netcdf(dataset.drop_vars(name)))
         with pytest.raises(DamagedFileError, match=name):
-            lp.load(path, verify=False)
+            lp.load(path)
 
 
 def altered(path, change):

@@ -107,13 +107,6 @@ def test_curves_give_their_last_values():
     ]
 
 
-def test_points_of_a_sweep_have_their_axes_beside_them():
-    sweep = ALL["sweep"]()
-    table = sweep.columns()
-    assert table["epsilon"].tolist() == [0, 0.5, 1]
-    np.testing.assert_array_equal(table["mean"], sweep.mean)
-
-
 def test_a_coordinate_that_is_called_like_a_column_has_its_own():
     system = lp.System(lp.canonical(names=["time"]), "p_time^2/2 + time^2/2")
     table = lp.integrate(system, [[0.5, 0]], times=[0, 1]).columns()

@@ -1,6 +1,5 @@
 """The figure of a rod: its data, labels and scales; pixels are looked at by eye."""
 
-
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb

@@ -39,10 +39,7 @@ def test_normal_numbers_are_those_of_numpy():
     found, wanted = streams.generator(1).standard_normal(300_000), np.random.default_rng(1).standard_normal(300_000)
     assert (np.abs(wanted) > 3.6541528853610088).sum() > 50
     assert np.allclose(found, wanted, rtol=1e-15, atol=0)
-
-
-def test_what_follows_a_number_in_the_tail_is_the_same():
-    for seed in range(100):
+    for seed in range(20):  # what follows a number in the tail is the same
         one, other = streams.generator(seed), np.random.default_rng(seed)
         one.standard_normal(1000), other.standard_normal(1000)
         assert one.random() == other.random()
@@ -56,22 +53,9 @@ OF_ALGEBRAS = {
     "model/top_parameters.py", "structure/trace_casimirs.py", "equilibrium/euler_characteristic.py", "model/tops.py",
 }  # fmt: skip
 FORBIDDEN = {
-    *(
-        "einsum",
-        "dot",
-        "vdot",
-        "inner",
-        "matmul",
-        "tensordot",
-        "roots",
-        "poly",
-        "polyfit",
-        "cov",
-        "corrcoef",
-        "convolve",
-    ),
-    *("correlate", "interp", "geomspace", "logspace", "power", "float_power", *elementary.FUNCTIONS),
-}
+    "einsum", "dot", "vdot", "inner", "matmul", "tensordot", "roots", "poly", "polyfit", "cov", "corrcoef", "convolve",
+    "correlate", "interp", "geomspace", "logspace", "power", "float_power", *elementary.FUNCTIONS,
+}  # fmt: skip
 """Functions of NumPy whose rounding depends on the processor, its instruction set or its compiler."""
 ALLOWED = {
     *("random.SeedSequence", "random.PCG64", "random.Generator"),
@@ -206,11 +190,6 @@ def test_elementary_functions_are_right_to_two_units(name):
     assert np.allclose(elementary.FUNCTIONS[name](x), getattr(np, name)(x), rtol=5e-16, atol=0)
 
 
-def test_numbers_at_equal_ratios_and_between_places():
-    assert elementary.geomspace(1, 1000, 4).tolist() == [1, 10, 100, 1000]
-    assert elementary.interp([-1, 0, 0.5, 1, 3], [0, 1, 2], [3.0, 5.0, 1.0]).tolist() == [3, 3, 4, 5, 1]
-
-
 def test_eigenvectors_where_francis_steps_and_balancing_are_hard():
     """Of saddle foci +-1 +- ih, whose shifts wander (Day 1996), and beside zeros that are round-off."""
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(4, 4)))[0]
@@ -228,11 +207,6 @@ def test_the_unstable_space_of_a_defective_saddle():
         basis, rates = unstable._invariant(jordan[np.ix_(order, order)], 2, of_rates=True)
         assert np.allclose(np.linalg.eigvals(rates), 1, atol=1e-7)
         assert np.allclose(basis[[order.index(2), order.index(3)]], 0, atol=1e-7)
-
-
-def test_small_singular_values_keep_their_sign():
-    assert np.isclose(linear.pinv(np.diag([1, -1.1e-15]))[1, 1], -1 / 1.1e-15)
-    assert np.isclose(linear.lstsq(np.diag([1, -1e-17]), np.array([0.0, 1]), rcond=1e-20)[0][1], -1e17)
 
 
 def test_complex_numbers_at_the_ends_of_the_range():
@@ -257,6 +231,10 @@ def test_what_these_functions_do_not_have_is_refused():
     ):
         with pytest.raises((TypeError, ValueError, linear.LinAlgError)):
             call()
+    assert elementary.geomspace(1, 1000, 4).tolist() == [1, 10, 100, 1000]
+    assert elementary.interp([-1, 0, 0.5, 1, 3], [0, 1, 2], [3.0, 5.0, 1.0]).tolist() == [3, 3, 4, 5, 1]
+    assert np.isclose(linear.pinv(np.diag([1, -1.1e-15]))[1, 1], -1 / 1.1e-15)
+    assert np.isclose(linear.lstsq(np.diag([1, -1e-17]), np.array([0.0, 1]), rcond=1e-20)[0][1], -1e17)
     assert linear.norm(np.array([250, 250], dtype=np.uint8)) == np.hypot(250, 250)
     assert np.array_equal(elementary.power([1.0, 2.0], 2), [1, 4])
     assert len(set(streams.generator(0).normal(np.zeros(5)).tolist())) == 5

@@ -24,11 +24,6 @@ def test_citation_file_is_what_the_package_says():
     assert citation_file.FILE.read_text(encoding="utf-8") == citation_file.text(), "run docs/citation_file.py"
 
 
-def test_the_version_is_that_of_the_package():
-    assert f"version {lp.__version__}." in lp.cite().text
-    assert f"version = {{{lp.__version__}}}" in lp.cite().bibtex
-
-
 def test_what_was_used_stands_for_its_system(tmp_path):
     orbit = lp.integrate(TOP, lp.sample_states(TOP, 1, seed=1), t_end=1)
     for used in (TOP, "twisted-top", lp.catalog.entry("twisted-top"), lp.catalog.system("twisted-top"), orbit):
@@ -62,15 +57,6 @@ def test_a_source_prints_in_tex_as_it_stands():
     note = r"A. Smith \& B\_C, 50\% of \$x\$ \{and\} \textbackslash{}y\textasciitilde{}z (1999); no author"
     assert f"note = {{{note}}}" in lp.cite(system).bibtex
     assert keys(system) == ["liepoisson", "smith1999"]
-
-
-def test_two_works_of_a_year_get_two_keys():
-    def described(source):
-        return lp.System(lp.so(3) @ lp.trivial(), "l1", source=source)
-
-    found = lp.cite(described("A. Smith, One (1999)"), described("A. Smith, Two (1999)"))
-    assert [work.key for work in found.works[1:]] == ["smith1999", "smith1999b"]
-    assert "@misc{smith1999b," in found.bibtex
 
 
 def test_what_has_no_system_is_refused():
