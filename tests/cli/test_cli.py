@@ -114,21 +114,6 @@ def test_progress_is_shown_on_a_terminal_and_control_c_says_how_to_go_on(tmp_pat
     assert all(path.suffix == ".npz" for path in folder.iterdir())
 
 
-def test_control_c_in_the_first_second_is_one_line():
-    begun = "from liepoisson.cli import main; print('begun', flush=True); main()"
-    command = [sys.executable, "-c", begun, "section", "twisted-kovalevskaya", "--crossings", "1000000"]
-    options = {"preexec_fn": hear_control_c, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    for delay in (0.0, 0.1, 0.3, 0.8):
-        process = subprocess.Popen(command, **options)
-        assert process.stdout.readline() == "begun\n"
-        time.sleep(delay + 0.01)
-        process.send_signal(signal.SIGINT)
-        err = process.communicate(timeout=60)[1]
-        assert process.returncode == 130, err
-        assert len(err.splitlines()) == 1
-        assert err.startswith("interrupted")
-
-
 def test_control_c_while_a_class_is_made_is_one_line(monkeypatch, capsys):
     # __set_name__ of a descriptor, where Python 3.11 turns any exception into a RuntimeError
     class Interrupted:

@@ -1,7 +1,6 @@
 """`liepoisson equilibria`: the equilibria of a leaf, as a table and for programs."""
 
 import json
-from contextlib import contextmanager
 
 import pytest
 
@@ -44,17 +43,3 @@ def test_an_upright_top_that_spins_fast_has_a_hint(command):
     assert (alone.nonlinear_stability, with_l3.nonlinear_stability) == ("no conclusion", "stable")
     _, out, _ = command("equilibria", "lagrange", "--leaf", "C1=1,C2=1")  # the upright one is unstable
     assert "hint     equilibrium 2" not in out
-
-
-def test_a_search_shows_that_it_works(command, monkeypatch):
-    told = []
-
-    @contextmanager
-    def listener(*, quiet):
-        yield None if quiet else lambda *words: told.append(words)
-
-    monkeypatch.setattr("liepoisson.cli.equilibria.progress_bar", listener)
-    command("equilibria", "lagrange", "--leaf", "C1=3,C2=1")
-    assert told == [("looking for equilibria", 0.0, 1.0)]
-    command("equilibria", "lagrange", "--leaf", "C1=3,C2=1", "--quiet")
-    assert len(told) == 1

@@ -2,8 +2,6 @@
 
 import json
 
-import pytest
-
 import liepoisson as lp
 
 
@@ -29,15 +27,6 @@ def test_the_test_for_programs(command):
     assert record["balances"][0]["resonances"][1] == {
         **{"exponent": "3/2", "multiplicity": 1, "kernel": 1, "conditions": []}
     }
-
-
-def test_irrational_exponents_for_programs(command):
-    _, out, _ = command("painleve", "henon-heiles", "--format", "json")
-    first = json.loads(out)["balances"][0]
-    assert (first["status"], first["exponents"]) == ("fails", ["-1", "6"])
-    (lower, upper) = sorted(first["other_exponents"])
-    assert lower == pytest.approx([2.5, -(47**0.5) / 2])
-    assert upper == pytest.approx([2.5, 47**0.5 / 2])
 
 
 def test_a_parameter_becomes_a_symbol(command):

@@ -155,18 +155,6 @@ def test_what_a_killed_process_has_left_is_removed_by_the_next_one_that_writes_t
     assert sorted(tmp_path.iterdir()) == [path, other]
 
 
-def test_files_that_only_look_like_unfinished_ones_stay(tmp_path):
-    path = tmp_path / "file"
-    names = ["file.partial", "file.1-2.partial", "my file.1-00000000.partial.txt", "file2.1-00000000.partial"]
-    for name in names:
-        (tmp_path / name).write_text("mine")
-    (tmp_path / "file.1-11111111.partial").mkdir()
-    (tmp_path / "file.1-22222222.partial").symlink_to(tmp_path / "file2.1-00000000.partial")
-    before = {*tmp_path.iterdir()}
-    write_atomically(path, b"new")
-    assert {*tmp_path.iterdir()} == before | {path}
-
-
 def test_what_is_no_regular_file_is_not_waited_for(tmp_path):
     pipe = tmp_path / "pipe"
     if hasattr(os, "mkfifo"):

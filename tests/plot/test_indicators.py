@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.indicators.alignment import alignment
 from liepoisson.indicators.megno import megno
 from liepoisson.plot.indicators import indicators
@@ -45,18 +44,3 @@ def test_members_labels_and_a_time(results):
     assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["two", "zero", r"$\ln(t/t_0)$"]
     assert all(ax.lines[-1].get_xdata()[0] == 50 for ax in axes)
     assert axes[0].lines[0].get_color() == axes[2].lines[0].get_color()
-
-
-@pytest.mark.thorough
-def test_bad_input_is_refused(results):
-    growth, angle = results
-    with pytest.raises(ParameterError, match="growth: wanted what megno returns"):
-        indicators(None, None)
-    with pytest.raises(ParameterError, match="angle: wanted what alignment returns"):
-        indicators(growth, growth)
-    with pytest.raises(ParameterError, match="from 0 to 2"):
-        indicators(growth, angle, members=[3])
-    with pytest.raises(ParameterError, match="one for each of 3"):
-        indicators(growth, angle, labels=["one"])
-    with pytest.raises(ShapeError, match="same trajectories"):
-        indicators(growth, alignment(TOP, np.ones(9), t_end=1))

@@ -6,8 +6,8 @@ from matplotlib.colors import to_rgb
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.plot.rod import _draw_field, tube
 from liepoisson.plot.rod import rod as draw_rod
+from liepoisson.plot.rod import tube
 from liepoisson.plot.style import ANGULAR_MOMENTUM, SECOND_FIELD
 
 LAGRANGE = lp.Top.twisted_lagrange(axial="2/3")
@@ -28,20 +28,6 @@ def test_tube_has_its_radius_and_its_stripe_along_the_first_director(rod):
     assert np.abs(np.einsum("pfi,pi->pf", spokes, directors[:-1, 2])).max() < 1e-15
     middle = facets[:, 2, 0] - r[:-1]  # the edge between the second and the third of the four facets of the stripe
     assert np.abs(middle - 0.1 * directors[:-1, 0]).max() < 1e-15
-
-
-def test_the_arrow_of_the_field_stands_beside_the_middle_of_the_rod():
-    class Recorder:
-        def quiver(self, *numbers, **_):
-            self.foot, self.arrow = np.array(numbers[:3]), np.array(numbers[3:])
-
-        def text(self, *_, **__):
-            pass
-
-    ax, r = Recorder(), np.array([[0.0, -1, 2], [3, 1, 8], [1, 0, 4]])
-    _draw_field(ax, r, np.array([0, 3.0, 4]))
-    np.testing.assert_allclose(ax.arrow, [0, 1.2, 1.6])  # a third of the extent, 6
-    np.testing.assert_allclose(ax.foot + ax.arrow / 2, [3, 1, 5])
 
 
 def test_profiles_are_those_of_the_rod(rod):

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.sweeps.errors import SweepError
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import Axis
 
@@ -143,21 +142,3 @@ def test_a_worker_of_another_version_is_not_asked(right):
     np.testing.assert_array_equal(result.value, right)
     assert len(result.remarks) == 1
     assert f"liepoisson {lp.__version__} is wanted; found 0.0.1" in result.remarks[0]
-
-
-def test_all_workers_gone_is_an_error_after_patience(right, tmp_path):
-    store = tmp_path / "a.zarr"
-    with cluster() as here:
-        here.scheduler()
-        worker = here.worker()
-        with pytest.raises(SweepError, match=r"no worker for 5 s; what is finished is kept.*--patience"):
-            sweep(
-                **SPEC,
-                scheduler=here.address,
-                store=store,
-                patience=5.0,
-                progress=after(3, lambda: os.kill(worker.pid, signal.SIGKILL)),
-            )
-    result = sweep(**SPEC, store=store)
-    assert result.n_reused >= 3
-    np.testing.assert_array_equal(result.value, right)

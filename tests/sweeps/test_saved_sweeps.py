@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import sys
 
 import numpy as np
@@ -184,16 +183,3 @@ def test_a_record_names_functions_of_this_package_alone(name):
     record = spec.record() | {"system": {"function": name}}
     with pytest.raises(ParameterError, match="of the caller"):
         lp.sweeps.SweepSpec.of_record(record, {})
-
-
-def test_a_store_that_is_loaded_stays_as_it_is(tmp_path):
-    store = tmp_path / "sweep.zarr"
-    made("name", store=store)
-    shutil.rmtree(store / "level0" / "value")
-    before = sorted(store.rglob("*"))
-    with pytest.raises(DamagedFileError, match=r"cannot be read.*Copy it again") as refused:
-        lp.load(store)
-    assert "fresh" not in str(refused.value)
-    assert sorted(store.rglob("*")) == before
-    made("name", store=store)
-    assert (store / "level0" / "value").is_dir()

@@ -50,28 +50,6 @@ def test_axes_set_components_energy_and_casimirs():
     np.testing.assert_array_equal(found.casimirs["C1"], [1, 1, 2, 2])
 
 
-def test_other_systems_are_not_taken_for_tops():
-    family = as_family("clebsch")
-    assert family.top({}) is None
-    assert family.system({}).field() == lp.catalog.system("clebsch").field()
-
-
-def test_parameters_of_a_bracket_are_those_that_it_contains():
-    assert as_family("gyrostat").bracket_parameters == {"k"}  # its components k1, k2, k3
-    assert as_family("kirchhoff").bracket_parameters == set()
-    tables = {
-        "name": "so(3) and a factor that is written, and not there",
-        "bracket": {
-            "algebra": "so(3)",
-            "W": [[[1, 0], [0, "k - k"]], [[0, 1], [1, 0]]],
-            "variables": ["l", "alpha"],
-        },
-        "hamiltonian": {"expression": "k*dot(l, l) + dot(alpha, alpha)"},
-        "parameters": {"k": 1},
-    }
-    assert as_family(tables).bracket_parameters == set()
-
-
 def test_functions_are_families():
     spec = SweepSpec(system=lp.Top.kovalevskaya, axes=(Axis("epsilon", (0.0, 1.0)),), t_end=1000.0)
     assert targets(spec).parameters["epsilon"].tolist() == [0, 1]
