@@ -134,39 +134,27 @@ def rows():
 def _of_algebras(add):
     so3, e3 = lp.so(3), E3.coordinate_names_in_order
     add(
-        "algebras.LieAlgebra",
-        "structure_constants:o basis_names:o",
-        structure_constants=so3.structure_constants,
+        "algebras.LieAlgebra", "structure_constants:o basis_names:o", structure_constants=so3.structure_constants,
         basis_names=["a", "b", "c"],
-    )
+    )  # fmt: skip
     add("algebras.LieAlgebra.bracket", "u:N v:N", so3, so3.basis_names, u=(1, 2, 3), v=(0, 1, 5))
     add(
-        "algebras.LieAlgebra.from_brackets",
-        "brackets:v basis_names:o",
-        n=2,
-        brackets={(0, 1): {1: 1}},
+        "algebras.LieAlgebra.from_brackets", "brackets:v basis_names:o", n=2, brackets={(0, 1): {1: 1}},
         basis_names=["a", "b"],
-    )
+    )  # fmt: skip
     matrices = [[[0, 1], [0, 0]], [[1, 0], [0, -1]]]
     add("algebras.LieAlgebra.from_matrices", "matrices:o basis_names:o", matrices=matrices, basis_names=["a", "b"])
     add("algebras.LieAlgebra.substitute", "values:v", so3, values={"epsilon": 1})
     turn = [[[0, 1], [-1, 0]]]
     add(
-        "algebras.semidirect_sum",
-        "representation:o module_names:o",
-        algebra=lp.algebras.abelian(1),
-        representation=turn,
-        module_names=["x", "y"],
-    )
+        "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
+        representation=turn, module_names=["x", "y"],
+    )  # fmt: skip
     add("brackets.Automorphism", "matrix:o", matrix=[[1, 2], [0, 1]])
     add(
-        "brackets.Bracket",
-        "field_names:o constant:v",
-        algebra=so3,
-        extension=lp.trivial(),
-        field_names=["m"],
+        "brackets.Bracket", "field_names:o constant:v", algebra=so3, extension=lp.trivial(), field_names=["m"],
         constant={("m1", "m2"): "k"},
-    )
+    )  # fmt: skip
     for name in ("corank", "frozen", "rank", "translated"):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
     add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(2, "epsilon"), values={"epsilon": 2})
@@ -174,12 +162,9 @@ def _of_algebras(add):
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
     add("extensions.Extension", "tensor:o field_names:o", tensor=lp.semidirect(2).tensor, field_names=["u", "v"])
     add(
-        "extensions.Extension.from_products",
-        "products:v field_names:o",
-        n=1,
-        products={(0, 0): {0: 1}},
+        "extensions.Extension.from_products", "products:v field_names:o", n=1, products={(0, 0): {0: 1}},
         field_names=["u"],
-    )
+    )  # fmt: skip
     add("extensions.Extension.substitute", "values:v", lp.leibniz(2, "epsilon"), values={"epsilon": sympy.Integer(2)})
 
 
@@ -191,24 +176,13 @@ def _of_systems(add):
     add("catalog.euler_top_on", "inertia:N", None, names, algebra="so(3)", inertia=(3, 2, 1))
     add("catalog.heavy_top_on", "inertia:N a:N", None, names, algebra="so(3)", inertia=(3, 2, 1), a=(1, 0, 2))
     add(
-        "catalog.twisted_top_on",
-        "inertia:N a:N b:N",
-        None,
-        names,
-        algebra="so(3)",
-        inertia=(3, 2, 1),
-        a=(1, 0, 2),
+        "catalog.twisted_top_on", "inertia:N a:N b:N", None, names, algebra="so(3)", inertia=(3, 2, 1), a=(1, 0, 2),
         b=(0, 1, 3),
-    )
+    )  # fmt: skip
     add(
-        "catalog.leibniz_top",
-        "inertia:N vectors:o",
-        None,
-        names,
-        n=3,
-        inertia=(3, 2, 1),
+        "catalog.leibniz_top", "inertia:N vectors:o", None, names, n=3, inertia=(3, 2, 1),
         vectors=[(1, 0, 2), (0, 1, 0)],
-    )
+    )  # fmt: skip
     add("catalog.manakov", "J:N", None, names, n=3, J=(3, 2, 1))
     add("catalog.su_top", "J:N", None, numbered("J", 2), n=2, J=(3, 2))
     add("catalog.vorticity", "states:o", states=np.arange(8.0), n_points=4)
@@ -381,15 +355,9 @@ def _of_results(add):
     shown = {"start": X, "surfaces": ["l1", "l2"]}
     add("laboratory.page_of", "start:N surfaces:t", system=TOP, **shown)
     add(
-        "laboratory.view",
-        "start:N surfaces:t state:v",
-        None,
-        TOP.component_names,
-        view,
-        shown=TOP,
-        **shown,
+        "laboratory.view", "start:N surfaces:t state:v", None, TOP.component_names, view, shown=TOP, **shown,
         state={"time": 2},
-    )
+    )  # fmt: skip
     growth = lp.chaos.megno(TOP, [X, X[::-1]], t_end=20, n_samples=64)
     two = {"growth": growth, "angle": lp.chaos.alignment(TOP, [X, X[::-1]], t_end=20)}
     add("plot.exponent_distribution", "exponents:o bins:1", exponents=exponents()[:, -1], bins=[0.0, 0.1, 0.2])
