@@ -1,8 +1,8 @@
 //! How many units of trajectory time a second? `cargo run --release --example rate -- [options]`
 //!
-//! Options `tol=1e-13 order=0 members=512 t_end=200 mixed`. Twisted Kovalevskaya top with one tangent vector, one thread,
+//! Options `tol=1e-13 order=0 trajectories=512 t_end=200 mixed`. Twisted Kovalevskaya top with one tangent vector, one thread,
 //! every instruction set of this processor (or the one in `LIEPOISSON_SIMD`). Order 0 stands for the one that the
-//! tolerance asks for. Errors are medians and largest values over the members at T = 20, against tolerance 1e-15.
+//! tolerance asks for. Errors are medians and largest values over the trajectories at T = 20, against tolerance 1e-15.
 
 use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble};
@@ -20,12 +20,12 @@ struct Problem {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (mut tolerance, mut order, mut members, mut t_end, mut mixed) = (1e-13, 0, 512, 200.0, false);
+    let (mut tolerance, mut order, mut trajectories, mut t_end, mut mixed) = (1e-13, 0, 512, 200.0, false);
     for argument in std::env::args().skip(1) {
         match argument.split_once('=') {
             Some(("tol", value)) => tolerance = value.parse()?,
             Some(("order", value)) => order = value.parse()?,
-            Some(("members", value)) => members = value.parse()?,
+            Some(("trajectories", value)) => trajectories = value.parse()?,
             Some(("t_end", value)) => t_end = value.parse()?,
             None if argument == "mixed" => mixed = true,
             _ => return Err(format!("unknown option {argument}; see the first lines of this example").into()),
@@ -39,8 +39,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let problem = Problem {
         top: Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0)?,
-        states: (0..3 * members).flat_map(|k| vector(7 * k + 3)).collect(),
-        tangents: (0..3 * members).flat_map(|k| vector(5 * k + 1)).collect(),
+        states: (0..3 * trajectories).flat_map(|k| vector(7 * k + 3)).collect(),
+        tangents: (0..3 * trajectories).flat_map(|k| vector(5 * k + 1)).collect(),
         t_end,
     };
     let method = Taylor::new(tolerance, (order > 0).then_some(order), u64::MAX)?;
@@ -59,11 +59,11 @@ fn report<M: Method<Top>>(problem: &Problem, method: M, simd: Simd) -> Result<()
     let times = [0.0, *t_end];
     let ensemble = Ensemble { field: top, method, states, tangents, n_tangents: 1, times: &times };
     let start = Instant::now();
-    let growth = lyapunov::growth(&ensemble, 1, simd, &Control::default(), |_| ())?;
+    let found = lyapunov::finite_time_exponents(&ensemble, 1, simd, &Control::default(), |_| ())?;
     let seconds = start.elapsed().as_secs_f64();
-    let steps: u64 = growth.summaries.iter().map(|summary| summary.n_steps).sum();
-    let time = t_end * growth.summaries.len() as f64;
-    let mean = growth.exponents.iter().sum::<f64>() / growth.exponents.len() as f64;
+    let steps: u64 = found.summaries.iter().map(|summary| summary.n_steps).sum();
+    let time = t_end * found.summaries.len() as f64;
+    let mean = found.exponents.iter().sum::<f64>() / found.exponents.len() as f64;
     println!(
         "{:>7}: {:.3}e6 units/s, {:.2} steps per unit time, {:.0} ns per step, mean exponent {mean:.15}",
         simd.name(),

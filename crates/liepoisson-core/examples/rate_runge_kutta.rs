@@ -13,7 +13,7 @@ use liepoisson_core::method::{Method, RungeKutta, Single, Taylor};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-const MEMBERS: usize = 512;
+const TRAJECTORIES: usize = 512;
 const T_ERROR: f64 = 20.0;
 
 /// A top that counts how often its rates are asked for.
@@ -63,13 +63,19 @@ impl Starts {
             [radius * phase.cos(), radius * phase.sin(), z]
         };
         Starts {
-            states: (0..3 * MEMBERS).flat_map(|k| vector(7 * k + 3)).collect(),
-            tangents: (0..3 * MEMBERS).flat_map(|k| vector(5 * k + 1)).collect(),
+            states: (0..3 * TRAJECTORIES).flat_map(|k| vector(7 * k + 3)).collect(),
+            tangents: (0..3 * TRAJECTORIES).flat_map(|k| vector(5 * k + 1)).collect(),
         }
     }
 
-    fn ensemble<'a, F, M>(&'a self, members: usize, field: &'a F, method: M, times: &'a [f64]) -> Ensemble<'a, F, M> {
-        let (states, tangents) = (&self.states[..9 * members], &self.tangents[..9 * members]);
+    fn ensemble<'a, F, M>(
+        &'a self,
+        trajectories: usize,
+        field: &'a F,
+        method: M,
+        times: &'a [f64],
+    ) -> Ensemble<'a, F, M> {
+        let (states, tangents) = (&self.states[..9 * trajectories], &self.tangents[..9 * trajectories]);
         Ensemble { field, method, states, tangents, n_tangents: 1, times }
     }
 }
@@ -82,10 +88,22 @@ where
     let (starts, times) = (Starts::new(), [0.0, T_ERROR]);
     let control = Control::default();
     let reference = Taylor::new(1e-15, None, u64::MAX)?;
-    let exact =
-        orbit::orbits(&starts.ensemble(MEMBERS, &top, reference, &times), 1, Simd::widest(), &control, false, |_| ())?;
-    let ours =
-        orbit::orbits(&starts.ensemble(MEMBERS, &top, method, &times), 1, Simd::widest(), &control, false, |_| ())?;
+    let exact = orbit::orbits(
+        &starts.ensemble(TRAJECTORIES, &top, reference, &times),
+        1,
+        Simd::widest(),
+        &control,
+        false,
+        |_| (),
+    )?;
+    let ours = orbit::orbits(
+        &starts.ensemble(TRAJECTORIES, &top, method, &times),
+        1,
+        Simd::widest(),
+        &control,
+        false,
+        |_| (),
+    )?;
     let (state, tangent) = (median(&ours.states, &exact.states), median(&ours.tangents, &exact.tangents));
 
     let counted = Counted { top, count: AtomicU64::new(0) };
@@ -101,23 +119,23 @@ where
             continue;
         }
         let times = [0.0, t_end];
-        let ensemble = starts.ensemble(MEMBERS, &top, method, &times);
+        let ensemble = starts.ensemble(TRAJECTORIES, &top, method, &times);
         let start = Instant::now();
-        let growth = lyapunov::growth(&ensemble, 1, simd, &control, |_| ())?;
+        let found = lyapunov::finite_time_exponents(&ensemble, 1, simd, &control, |_| ())?;
         let seconds = start.elapsed().as_secs_f64();
-        let steps: u64 = growth.summaries.iter().map(|summary| summary.n_steps).sum();
+        let steps: u64 = found.summaries.iter().map(|summary| summary.n_steps).sum();
         println!(
             "{:>7}: {:.3} steps per unit time, {:.3}e6 units/s, {:.0} ns per step",
             simd.name(),
-            steps as f64 / (MEMBERS as f64 * t_end),
-            MEMBERS as f64 * t_end / seconds / 1e6,
+            steps as f64 / (TRAJECTORIES as f64 * t_end),
+            TRAJECTORIES as f64 * t_end / seconds / 1e6,
             seconds * 1e9 / steps as f64,
         );
     }
     Ok(())
 }
 
-/// Median over members of the largest difference at the last time, over the largest component.
+/// Median over trajectories of the largest difference at the last time, over the largest component.
 fn median(ours: &[f64], exact: &[f64]) -> f64 {
     let error = |(a, b): (&[f64], &[f64])| {
         let difference = (9..18).map(|i| (a[i] - b[i]).abs()).fold(0.0, f64::max);

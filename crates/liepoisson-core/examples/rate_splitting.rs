@@ -1,4 +1,4 @@
-//! How fast, and how far off? `cargo run --release --example rate_splitting -- [order] [step] [f64|f32] [members] [t_end]`
+//! How fast, and how far off? `cargo run --release --example rate_splitting -- [order] [step] [f64|f32] [trajectories] [t_end]`
 //!
 //! Twisted Kovalevskaya top with one tangent vector, one thread, every instruction set of this processor (or the one in
 //! `LIEPOISSON_SIMD`): units of trajectory time a second, and the median errors of state and tangent vector at T = 20,
@@ -22,7 +22,7 @@ struct Starts {
 
 impl Starts {
     /// A fixed spread of starts: each vector on the unit sphere, by golden angles.
-    fn new(members: usize) -> Result<Starts, Box<dyn std::error::Error>> {
+    fn new(trajectories: usize) -> Result<Starts, Box<dyn std::error::Error>> {
         let vector = |k: usize| {
             let (z, phase) = (1.0 - 2.0 * ((k as f64 * 0.618_033_988_75) % 1.0), k as f64 * 2.399_963_229_7);
             let radius = (1.0 - z * z).sqrt();
@@ -30,8 +30,8 @@ impl Starts {
         };
         Ok(Starts {
             top: Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0)?,
-            states: (0..3 * members).flat_map(|k| vector(7 * k + 3)).collect(),
-            tangents: (0..3 * members).flat_map(|k| vector(5 * k + 1)).collect(),
+            states: (0..3 * trajectories).flat_map(|k| vector(7 * k + 3)).collect(),
+            tangents: (0..3 * trajectories).flat_map(|k| vector(5 * k + 1)).collect(),
         })
     }
 
@@ -62,22 +62,23 @@ impl Starts {
             }
             let times = [0.0, t_end];
             let start = Instant::now();
-            let growth = lyapunov::growth(&self.ensemble(method, &times), 1, simd, &Control::default(), |_| ())?;
+            let found =
+                lyapunov::finite_time_exponents(&self.ensemble(method, &times), 1, simd, &Control::default(), |_| ())?;
             let seconds = start.elapsed().as_secs_f64();
-            let steps: u64 = growth.summaries.iter().map(|summary| summary.n_steps).sum();
+            let steps: u64 = found.summaries.iter().map(|summary| summary.n_steps).sum();
             println!(
                 "{:>7}: {:.3}e6 units/s, {:.1} ns per step, mean exponent {:.15}",
                 simd.name(),
-                growth.summaries.len() as f64 * t_end / seconds / 1e6,
+                found.summaries.len() as f64 * t_end / seconds / 1e6,
                 seconds * 1e9 / steps as f64,
-                growth.exponents.iter().sum::<f64>() / growth.exponents.len() as f64,
+                found.exponents.iter().sum::<f64>() / found.exponents.len() as f64,
             );
         }
         Ok(())
     }
 }
 
-/// Median over the members of the largest error of a component, divided by the largest component.
+/// Median over the trajectories of the largest error of a component, divided by the largest component.
 fn median_error(exact: &[f64], got: &[f64]) -> f64 {
     let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a: f64, b| a.max(b.abs()));
     let mut errors: Vec<f64> = exact
@@ -94,8 +95,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let order: usize = arguments.next().map_or(Ok(4), |s| s.parse())?;
     let step: f64 = arguments.next().map_or(Ok(0.65), |s| s.parse())?;
     let single = arguments.next().is_some_and(|s| s == "f32");
-    let members: usize = arguments.next().map_or(Ok(512), |s| s.parse())?;
+    let trajectories: usize = arguments.next().map_or(Ok(512), |s| s.parse())?;
     let t_end: f64 = arguments.next().map_or(Ok(2_000.0), |s| s.parse())?;
-    let (starts, method) = (Starts::new(members)?, Splitting::new(order, step, u64::MAX)?);
+    let (starts, method) = (Starts::new(trajectories)?, Splitting::new(order, step, u64::MAX)?);
     if single { starts.report(Single(method), t_end) } else { starts.report(method, t_end) }
 }

@@ -1,7 +1,7 @@
 //! The numerics of liepoisson: `x' = J(x) grad H(x)` for many starts at once, with tangent vectors.
 //!
 //! A [`field::Field`] is expanded in its power series by [`method::Taylor`] for as many trajectories as a register has
-//! [`lanes`]; an [`ensemble::Ensemble`] deals its members to threads and lanes; [`analysis`] watches each accepted step.
+//! [`lanes`]; an [`ensemble::Ensemble`] deals its trajectories to threads and lanes; [`analysis`] watches each accepted step.
 //!
 //! ```
 //! use liepoisson_core::{analysis::orbit, ensemble::Control, field::Top, lanes::Simd, method::Taylor};

@@ -2,7 +2,7 @@
 
 use crate::errors::guarded;
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Pieces, Quadratic, Quadratics, Ridge, Space, Tape, Top, Tops};
+use liepoisson_core::field::{Instruction, Quadratic, Quadratics, Ridge, Space, SplitTerms, Tape, Top, Tops};
 use pyo3::prelude::*;
 
 /// A vector field that the core integrates.
@@ -15,11 +15,11 @@ pub(crate) enum Kind {
     Quadratic(Quadratic),
     Quadratics(Quadratics),
     Tape(Tape),
-    Pieces(Pieces),
+    SplitTerms(SplitTerms),
 }
 
 /// A linear form, the coefficients of a polynomial, a sparse matrix.
-type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
+type SplitTermParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
 
 /// Entries of degree zero, one and two.
 type QuadraticParts = (Vec<(usize, f64)>, Vec<(usize, usize, f64)>, Vec<(usize, usize, usize, f64)>);
@@ -46,7 +46,7 @@ impl Field {
             Kind::Quadratic(quadratic) => quadratic.n_components(),
             Kind::Quadratics(quadratics) => quadratics.n_components(),
             Kind::Tape(tape) => tape.n_components(),
-            Kind::Pieces(pieces) => pieces.n_components(),
+            Kind::SplitTerms(terms) => terms.n_components(),
         }
     }
 
@@ -94,11 +94,11 @@ impl Field {
         Ok(Field(Kind::Tape(tape)))
     }
 
-    /// A Lie-Poisson system by pieces of its Hamiltonian, each with a known flow: form, derivative, matrix.
+    /// A Lie-Poisson system by split terms of its Hamiltonian, each with a known flow: form, derivative, matrix.
     #[staticmethod]
-    fn pieces(n_components: usize, pieces: Vec<PieceParts>) -> PyResult<Field> {
+    fn pieces(n_components: usize, pieces: Vec<SplitTermParts>) -> PyResult<Field> {
         let ridges =
             pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
-        guarded(|| Pieces::new(n_components, ridges)).map(|pieces| Field(Kind::Pieces(pieces)))
+        guarded(|| SplitTerms::new(n_components, ridges)).map(|terms| Field(Kind::SplitTerms(terms)))
     }
 }

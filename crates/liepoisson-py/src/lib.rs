@@ -13,8 +13,8 @@ use crate::errors::{broken, exception, guarded, translate};
 use crate::fields::{Field, InstructionParts, Kind, read_instructions};
 use crate::methods::{How, Method, with_field_and_method};
 use liepoisson_core::analysis::frame::orthonormalise;
-use liepoisson_core::analysis::section::{self, Doubts, Surface};
-use liepoisson_core::analysis::tangent_frames::{self, Course};
+use liepoisson_core::analysis::section::{self, Surface, Uncertified};
+use liepoisson_core::analysis::tangent_frames::{self, Schedule};
 use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
@@ -44,7 +44,7 @@ const BETWEEN_SIGNALS: Duration = Duration::from_millis(100);
 /// that, several times a second, lets Python look for signals and calls `progress` with the fraction that is done.
 fn supervised<R: Send>(
     py: Python<'_>,
-    n_members: usize,
+    n_trajectories: usize,
     time_limit: f64,
     progress: Option<Py<PyAny>>,
     work: impl Send + FnOnce(&Control, &mut (dyn FnMut(&dyn Fn(Duration) -> bool) + Send)) -> Result<R, Error>,
@@ -65,7 +65,7 @@ fn supervised<R: Send>(
                 let seen = Python::attach(|py| {
                     py.check_signals()?;
                     if let Some(progress) = &progress {
-                        progress.call1(py, (control.done() / n_members as f64,))?;
+                        progress.call1(py, (control.done() / n_trajectories as f64,))?;
                     }
                     Ok(())
                 });
@@ -125,7 +125,7 @@ fn orbits<'py>(
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
+            supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
                 orbit::orbits(&ensemble, threads, simd, control, dense, watch)
             })?
         }};
@@ -188,15 +188,15 @@ fn growth<'py>(
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
-                lyapunov::growth(&ensemble, threads, simd, control, watch)
+            supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
+                lyapunov::finite_time_exponents(&ensemble, threads, simd, control, watch)
             })?
         }};
     }
-    let growth = with_field_and_method!(field, method, run);
+    let found = with_field_and_method!(field, method, run);
     let result = PyDict::new(py);
-    add_summaries(&result, &growth.summaries, field.n_components())?;
-    result.set_item("exponent", growth.exponents.into_pyarray(py))?;
+    add_summaries(&result, &found.summaries, field.n_components())?;
+    result.set_item("exponent", found.exponents.into_pyarray(py))?;
     result.set_item("kernel", simd.name())?;
     result.set_item("order", method.0.order())?;
     Ok(result)
@@ -228,14 +228,14 @@ fn carry_frames<'py>(
     let simd = Simd::from_environment().map_err(translate)?;
     let (states, frames) = (&*copied(&states)?, &*copied(&frames)?);
     let (units, elapsed) = (&*copied(&units)?, &*copied(&elapsed)?);
-    let course = Course { frames, units, elapsed, n_intervals, per_row, keep };
+    let schedule = Schedule { frames, units, elapsed, n_intervals, per_row, keep };
     let times = &[0.0, duration];
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble =
                 Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
-                tangent_frames::carry(&ensemble, &course, threads, simd, control, watch)
+            supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
+                tangent_frames::carry(&ensemble, &schedule, threads, simd, control, watch)
             })?
         }};
     }
@@ -284,7 +284,7 @@ fn sections<'py>(
     macro_rules! run {
         ($field:expr) => {{
             let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
+            supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
                 section::sections(&ensemble, &surface, threads, simd, control, watch)
             })?
         }};
@@ -293,22 +293,22 @@ fn sections<'py>(
         Kind::Top(field) => run!(field),
         Kind::Quadratic(field) => run!(field),
         Kind::Tape(field) => run!(field),
-        Kind::Tops(_) | Kind::Quadratics(_) | Kind::Pieces(_) => return Err(translate(Error::MethodForField)),
+        Kind::Tops(_) | Kind::Quadratics(_) | Kind::SplitTerms(_) => return Err(translate(Error::MethodForField)),
     };
     let result = PyDict::new(py);
     add_summaries(&result, &sections.summaries, field.n_components())?;
     let counts = |counts: Vec<usize>| PyArray1::from_iter(py, counts.into_iter().map(|count| count as i64));
-    let doubts = |count: &dyn Fn(&Doubts) -> u64| {
-        PyArray1::from_iter(py, sections.doubts.iter().map(|doubts| count(doubts) as i64))
+    let uncertified = |count: &dyn Fn(&Uncertified) -> u64| {
+        PyArray1::from_iter(py, sections.uncertified.iter().map(|uncertified| count(uncertified) as i64))
     };
-    result.set_item("unbounded_steps", doubts(&|doubts| doubts.n_unbounded))?;
-    result.set_item("unseen_steps", doubts(&|doubts| doubts.n_unseen))?;
-    let times = |time: &dyn Fn(&Doubts) -> f64| PyArray1::from_iter(py, sections.doubts.iter().map(time));
-    result.set_item("undefined_time", times(&|doubts| doubts.undefined_time))?;
-    result.set_item("unresolved_time", times(&|doubts| doubts.unresolved_time))?;
-    result.set_item("seen_to", times(&|doubts| doubts.seen_to))?;
-    result.set_item("lost_changes", doubts(&|doubts| doubts.n_lost_changes))?;
-    let in_surface = sections.doubts.iter().map(|doubts| doubts.is_in_surface);
+    result.set_item("unbounded_steps", uncertified(&|uncertified| uncertified.n_unbounded))?;
+    result.set_item("unseen_steps", uncertified(&|uncertified| uncertified.n_unseen))?;
+    let times = |time: &dyn Fn(&Uncertified) -> f64| PyArray1::from_iter(py, sections.uncertified.iter().map(time));
+    result.set_item("undefined_time", times(&|uncertified| uncertified.undefined_time))?;
+    result.set_item("unresolved_time", times(&|uncertified| uncertified.unresolved_time))?;
+    result.set_item("seen_to", times(&|uncertified| uncertified.seen_to))?;
+    result.set_item("lost_changes", uncertified(&|uncertified| uncertified.n_lost_changes))?;
+    let in_surface = sections.uncertified.iter().map(|uncertified| uncertified.is_in_surface);
     result.set_item("in_surface", PyArray1::from_iter(py, in_surface))?;
     result.set_item("side", sections.sides.into_pyarray(py))?;
     result.set_item("first_step", sections.first_steps.into_pyarray(py))?;

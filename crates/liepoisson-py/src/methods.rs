@@ -113,7 +113,7 @@ macro_rules! with_field_and_method {
             (Kind::Tape(field), How::Taylor(method)) => $run!(field, method),
             (Kind::Tape(field), How::RungeKutta(method)) => $run!(field, method),
             (Kind::Tape(field), How::Gauss(method)) => $run!(field, method),
-            (Kind::Pieces(field), How::Splitting(method)) => $run!(field, method),
+            (Kind::SplitTerms(field), How::Splitting(method)) => $run!(field, method),
             _ => return Err(translate(Error::MethodForField)),
         }
     }};

@@ -2,7 +2,7 @@
 
 use crate::json::{self, Value};
 use crate::refusal::{Kind, Refusal};
-use liepoisson_core::field::{Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use liepoisson_core::field::{Functions, Instruction, Quadratic, Ridge, Space, SplitTerms, Tape, Top};
 use liepoisson_core::method::{Splitting, Taylor};
 
 /// A vector field.
@@ -10,7 +10,7 @@ pub(crate) enum Field {
     Top(Top),
     Quadratic(Quadratic),
     Tape(Tape),
-    Pieces(Pieces),
+    SplitTerms(SplitTerms),
 }
 
 /// A method of integration.
@@ -26,7 +26,7 @@ impl Field {
             Field::Top(field) => field.n_components(),
             Field::Quadratic(field) => field.n_components(),
             Field::Tape(field) => field.n_components(),
-            Field::Pieces(field) => field.n_components(),
+            Field::SplitTerms(field) => field.n_components(),
         }
     }
 
@@ -57,7 +57,7 @@ impl Field {
                         generator: generator.each(|entry| entry.entry().map(|([i, k], c)| (i, k, c)))?,
                     })
                 })?;
-                Ok(Field::Pieces(Pieces::new(record.n_components()?, ridges)?))
+                Ok(Field::SplitTerms(SplitTerms::new(record.n_components()?, ridges)?))
             }
             other => Err(record.unknown(other, "top, quadratic, tape or pieces")),
         }

@@ -53,13 +53,13 @@ pub extern "C" fn lp_start() -> i32 {
 /// Room for a text.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_bytes(len: u32) -> i32 {
-    answer(table::room(len as usize, 0).map(Thing::Bytes))
+    answer(table::filled(len as usize, 0).map(Thing::Bytes))
 }
 
 /// Room for numbers of double precision.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_numbers(len: u32) -> i32 {
-    answer(table::room(len as usize, 0.0).map(Thing::Numbers))
+    answer(table::filled(len as usize, 0.0).map(Thing::Numbers))
 }
 
 /// Where a text or numbers are in memory; 0 of anything else.
@@ -218,8 +218,8 @@ pub extern "C" fn lp_exponents(field: i32, method: i32, states: i32, tangents: i
     answer(run())
 }
 
-/// A result: frames of tangent vectors, `(member, component, vector)`, orthonormal after each of `n_intervals` intervals of length
-/// `duration`, to go on with. Its parts are `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`.
+/// A result: frames of tangent vectors, `(trajectory, component, vector)`, orthonormal after each of `n_intervals` intervals of
+/// length `duration`, to go on with. Its parts are `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_frames(
     field: i32,

@@ -4,7 +4,7 @@ use crate::describe::{Field, Method};
 use crate::refusal::{Kind, Refusal};
 use liepoisson_core::analysis::orbit::{self, Kept};
 use liepoisson_core::analysis::section::{self, Surface};
-use liepoisson_core::analysis::tangent_frames::{self, Course};
+use liepoisson_core::analysis::tangent_frames::{self, Schedule};
 use liepoisson_core::analysis::{lyapunov, rates};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
@@ -26,7 +26,7 @@ macro_rules! with_field_and_method {
             (Field::Quadratic(field), Method::Taylor(method)) => $run!(field, method),
             (Field::Tape(field), Method::Taylor(method)) => $run!(field, method),
             (Field::Top(field), Method::Splitting(method)) => $run!(field, method),
-            (Field::Pieces(field), Method::Splitting(method)) => $run!(field, method),
+            (Field::SplitTerms(field), Method::Splitting(method)) => $run!(field, method),
             _ => return Err(Error::MethodForField.into()),
         }
     };
@@ -104,7 +104,7 @@ pub(crate) fn states_at(orbit: &Table, times: &[f64]) -> Result<Vec<f64>, Refusa
     Ok(orbit::states_at(&[kept], n, times, backwards, Simd::widest())?)
 }
 
-/// `[outcome, end_time, n_steps, end_state, exponent]`, the last `(member, time)` at the times after the first.
+/// `[outcome, end_time, n_steps, end_state, exponent]`, the last `(trajectory, time)` at the times after the first.
 pub(crate) fn exponents(
     field: &Field,
     method: Method,
@@ -116,17 +116,17 @@ pub(crate) fn exponents(
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
-            lyapunov::growth(&ensemble, 0, Simd::widest(), &Control::default(), |_| ())?
+            lyapunov::finite_time_exponents(&ensemble, 0, Simd::widest(), &Control::default(), |_| ())?
         }};
     }
-    let growth = with_field_and_method!(field, method, run);
-    let mut parts = ends(&growth.summaries, field.n_components()).to_vec();
-    parts.push(growth.exponents);
+    let found = with_field_and_method!(field, method, run);
+    let mut parts = ends(&found.summaries, field.n_components()).to_vec();
+    parts.push(found.exponents);
     Ok(Table { parts, dense: None })
 }
 
 /// `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`: frames of tangent vectors over intervals, to be carried
-/// on from where a call ends; `growth` is `(member, interval, vector)`.
+/// on from where a call ends; `growth` is `(trajectory, interval, vector)`.
 #[allow(clippy::too_many_arguments)] // flat, as the call comes in
 pub(crate) fn frames(
     field: &Field,
@@ -140,13 +140,13 @@ pub(crate) fn frames(
 ) -> Result<Table, Refusal> {
     check_size(field, n_vectors)?;
     let units = vec![1.0; states.len()];
-    let course = Course { frames, units: &units, elapsed, n_intervals, per_row: 1, keep: false };
+    let schedule = Schedule { frames, units: &units, elapsed, n_intervals, per_row: 1, keep: false };
     let times = &[0.0, duration];
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble =
                 Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
-            tangent_frames::carry(&ensemble, &course, 0, Simd::widest(), &Control::default(), |_| ())?
+            tangent_frames::carry(&ensemble, &schedule, 0, Simd::widest(), &Control::default(), |_| ())?
         }};
     }
     let carried = with_field_and_method!(field, method, run);
@@ -188,7 +188,7 @@ pub(crate) fn section(
         Field::Top(field) => run!(field),
         Field::Quadratic(field) => run!(field),
         Field::Tape(field) => run!(field),
-        Field::Pieces(_) => return Err(Error::MethodForField.into()),
+        Field::SplitTerms(_) => return Err(Error::MethodForField.into()),
     };
     let counts = |counts: Vec<usize>| counts.into_iter().map(|count| count as f64).collect();
     let signs = |signs: Vec<i8>| signs.into_iter().map(f64::from).collect();
@@ -202,12 +202,12 @@ pub(crate) fn section(
         sections.touches.times,
         sections.touches.states,
         signs(sections.sides),
-        sections.doubts.iter().map(|doubts| doubts.seen_to).collect(),
-        sections.doubts.iter().map(|doubts| doubts.unresolved_time).collect(),
-        sections.doubts.iter().map(|doubts| doubts.undefined_time).collect(),
-        sections.doubts.iter().map(|doubts| doubts.n_unbounded as f64).collect(),
-        sections.doubts.iter().map(|doubts| doubts.n_unseen as f64).collect(),
-        sections.doubts.iter().map(|doubts| f64::from(u8::from(doubts.is_in_surface))).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.seen_to).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.unresolved_time).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.undefined_time).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.n_unbounded as f64).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.n_unseen as f64).collect(),
+        sections.uncertified.iter().map(|uncertified| f64::from(u8::from(uncertified.is_in_surface))).collect(),
     ]);
     Ok(Table { parts, dense: None })
 }

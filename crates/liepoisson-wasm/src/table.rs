@@ -72,7 +72,7 @@ by_handle!(method, Method, Method, "a method");
 by_handle!(table, Table, Rc<Table>, "a result");
 
 /// Room for so many, or the refusal of the memory for it.
-pub(crate) fn room<T: Clone>(len: usize, value: T) -> Result<Rc<RefCell<Vec<T>>>, Refusal> {
+pub(crate) fn filled<T: Clone>(len: usize, value: T) -> Result<Rc<RefCell<Vec<T>>>, Refusal> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
     values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes })?;

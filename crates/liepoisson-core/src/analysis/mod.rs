@@ -14,10 +14,10 @@ use std::sync::Mutex;
 /// Of what the calling thread does meanwhile.
 const CALLED_ONCE: &str = "a run calls it once";
 
-/// A member that no worker has started, because the run was ended before.
+/// A trajectory that no worker has started, because the run was ended before.
 const UNREACHED: Summary = Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
 
-/// Says of members that no worker has started why the run was ended.
+/// Says of trajectories that no worker has started why the run was ended.
 fn name_unreached(summaries: &mut [Summary], control: &Control) {
     if let Some(reason) = control.reason_to_stop() {
         for summary in summaries.iter_mut().filter(|summary| summary.time.is_nan()) {
@@ -35,22 +35,22 @@ fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>, Error> {
     Ok(values)
 }
 
-/// An array as one row for each member, to be taken by the worker that computes it: results are written where they stay, and
+/// An array as one row for each trajectory, to be taken by the worker that computes it: results are written where they stay, and
 /// are in memory once.
 struct Rows<'r>(Mutex<Vec<&'r mut [f64]>>);
 
 impl<'r> Rows<'r> {
-    fn new(values: &'r mut [f64], members: usize) -> Rows<'r> {
-        let row = values.len().checked_div(members).unwrap_or(0);
+    fn new(values: &'r mut [f64], trajectories: usize) -> Rows<'r> {
+        let row = values.len().checked_div(trajectories).unwrap_or(0);
         Rows(Mutex::new(match row {
-            0 => (0..members).map(|_| <&mut [f64]>::default()).collect(),
+            0 => (0..trajectories).map(|_| <&mut [f64]>::default()).collect(),
             _ => values.chunks_exact_mut(row).collect(),
         }))
     }
 
-    /// The row of a member; empty if it was taken before.
-    fn take(&self, member: usize) -> &'r mut [f64] {
-        std::mem::take(&mut self.0.lock().expect("no worker panics while it takes a row")[member])
+    /// The row of a trajectory; empty if it was taken before.
+    fn take(&self, trajectory: usize) -> &'r mut [f64] {
+        std::mem::take(&mut self.0.lock().expect("no worker panics while it takes a row")[trajectory])
     }
 }
 

@@ -13,13 +13,13 @@ use std::time::Duration;
 
 /// States at the times of an ensemble. What a trajectory did not reach is NaN; its outcome says why.
 pub struct Orbits {
-    /// `(member, time, component)`.
+    /// `(trajectory, time, component)`.
     pub states: Vec<f64>,
-    /// `(member, time, tangent, component)`, of the size that they have at that time.
+    /// `(trajectory, time, tangent, component)`, of the size that they have at that time.
     pub tangents: Vec<f64>,
-    /// The end of each member.
+    /// The end of each trajectory.
     pub summaries: Vec<Summary>,
-    /// Dense output of each member, if it was asked for.
+    /// Dense output of each trajectory, if it was asked for.
     pub series: Vec<Series>,
 }
 
@@ -123,16 +123,16 @@ fn orbits_of(
 ) -> Result<Orbits, Error> {
     ensemble.check()?;
     let (n, n_times, n_tangents) = (ensemble.n_components, ensemble.times.len(), ensemble.n_tangents);
-    let members = ensemble.n_members();
-    let numbers = members.saturating_mul(n_times).saturating_mul(n);
+    let trajectories = ensemble.n_trajectories();
+    let numbers = trajectories.saturating_mul(n_times).saturating_mul(n);
     let mut states = filled(numbers, f64::NAN)?;
     let mut tangents = filled(numbers.saturating_mul(n_tangents), f64::NAN)?;
     let ended = Mutex::new(Ended {
-        summaries: filled(members, UNREACHED)?,
-        series: filled(if dense { members } else { 0 }, Series::default())?,
+        summaries: filled(trajectories, UNREACHED)?,
+        series: filled(if dense { trajectories } else { 0 }, Series::default())?,
     });
     let refused = AtomicUsize::new(0);
-    let (state_rows, tangent_rows) = (Rows::new(&mut states, members), Rows::new(&mut tangents, members));
+    let (state_rows, tangent_rows) = (Rows::new(&mut states, trajectories), Rows::new(&mut tangents, trajectories));
     ensemble.run(
         threads,
         simd,
@@ -160,7 +160,7 @@ fn orbits_of(
     Ok(Orbits { states, tangents, summaries, series })
 }
 
-/// What is known of members that have ended, beside their rows.
+/// What is known of trajectories that have ended, beside their rows.
 struct Ended {
     summaries: Vec<Summary>,
     series: Vec<Series>,
@@ -174,7 +174,7 @@ const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'o> {
     shared: &'o Mutex<Ended>,
-    /// Where states and tangent vectors of all members belong.
+    /// Where states and tangent vectors of all trajectories belong.
     rows: [&'o Rows<'o>; 2],
     n: usize,
     n_tangents: usize,
@@ -188,8 +188,8 @@ struct Recorder<'o> {
 }
 
 impl Observer for Recorder<'_> {
-    fn begin(&mut self, lane: usize, member: usize) {
-        (self.states[lane], self.tangents[lane]) = (self.rows[0].take(member), self.rows[1].take(member));
+    fn begin(&mut self, lane: usize, trajectory: usize) {
+        (self.states[lane], self.tangents[lane]) = (self.rows[0].take(trajectory), self.rows[1].take(trajectory));
         self.series[lane] = Series::default();
     }
 
@@ -226,11 +226,11 @@ impl Observer for Recorder<'_> {
         }
     }
 
-    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
+    fn end(&mut self, lane: usize, trajectory: usize, summary: Summary) {
         let mut shared = self.shared.lock().expect(POISONED);
-        shared.summaries[member] = summary;
+        shared.summaries[trajectory] = summary;
         if self.dense {
-            shared.series[member] = std::mem::take(&mut self.series[lane]);
+            shared.series[trajectory] = std::mem::take(&mut self.series[lane]);
         }
     }
 }

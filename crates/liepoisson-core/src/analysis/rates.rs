@@ -2,7 +2,7 @@
 
 use super::filled;
 use crate::error::Error;
-use crate::field::Hold;
+use crate::field::Instantiate;
 use crate::lanes::Simd;
 use crate::method::{Method, Taylor};
 
@@ -10,7 +10,7 @@ use crate::method::{Method, Taylor};
 ///
 /// # Errors
 /// States that are not so many for each; no memory.
-pub fn rates<F: Hold>(field: &F, method: Taylor, states: &[f64], simd: Simd) -> Result<Vec<f64>, Error> {
+pub fn rates<F: Instantiate>(field: &F, method: Taylor, states: &[f64], simd: Simd) -> Result<Vec<f64>, Error> {
     let n = field.n_components();
     if !states.len().is_multiple_of(n) {
         return Err(Error::Length { name: "states", wanted: states.len().next_multiple_of(n), got: states.len() });

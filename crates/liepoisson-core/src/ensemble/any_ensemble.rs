@@ -31,7 +31,7 @@ pub(crate) struct AnyEnsemble<'a> {
     pub(super) max_steps: u64,
     pub(crate) majorant: Option<Majorant>,
     pub(crate) n_components: usize,
-    /// For how many members the field is made, if not for any.
+    /// For how many trajectories the field is made, if not for any.
     pub(super) fields: Option<usize>,
     pub(crate) n_tangents: usize,
     pub(crate) states: &'a [f64],
@@ -56,7 +56,7 @@ impl<'a> AnyEnsemble<'a> {
         self.integrator.terms(state, rest, to);
     }
 
-    pub(crate) fn n_members(&self) -> usize {
+    pub(crate) fn n_trajectories(&self) -> usize {
         self.states.len() / self.n_components
     }
 
@@ -64,10 +64,10 @@ impl<'a> AnyEnsemble<'a> {
     pub(crate) fn check(&self) -> Result<(), Error> {
         let n = self.n_components;
         if !self.states.len().is_multiple_of(n) {
-            let wanted = n.saturating_mul(self.n_members() + 1);
+            let wanted = n.saturating_mul(self.n_trajectories() + 1);
             return Err(Error::Length { name: "states", wanted, got: self.states.len() });
         }
-        if let Some(wanted) = self.fields.filter(|&fields| fields != self.n_members()) {
+        if let Some(wanted) = self.fields.filter(|&fields| fields != self.n_trajectories()) {
             return Err(Error::Length { name: "states", wanted: wanted.saturating_mul(n), got: self.states.len() });
         }
         let wanted = self.states.len().saturating_mul(self.n_tangents);
@@ -97,11 +97,11 @@ impl<'a> AnyEnsemble<'a> {
         watch: Watch<'_>,
     ) -> Result<(), Error> {
         self.check()?;
-        if self.n_members() == 0 {
+        if self.n_trajectories() == 0 {
             return Ok(());
         }
         let on_this_thread = threads == 0 || !HAS_THREADS;
-        let threads = threads.clamp(1, self.n_members());
+        let threads = threads.clamp(1, self.n_trajectories());
         self.reserve(threads, simd)?;
         let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
         if on_this_thread {
@@ -147,7 +147,7 @@ impl<'a> AnyEnsemble<'a> {
     fn reserve(&self, threads: usize, simd: Simd) -> Result<(), Error> {
         let registers = self.integrator.registers(self.n_tangents);
         let bytes = registers.saturating_mul(simd.width() * size_of::<f64>()).saturating_mul(threads);
-        let mut room = Vec::<u8>::new();
-        room.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })
+        let mut memory = Vec::<u8>::new();
+        memory.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })
     }
 }

@@ -5,9 +5,9 @@ mod clock;
 mod control;
 mod observer;
 mod outcome;
-mod pace;
+mod poll_interval;
 mod running;
-mod seat;
+mod slot;
 mod worker;
 
 pub(crate) use any_ensemble::{AnyEnsemble, Watch};
@@ -30,11 +30,11 @@ pub struct Ensemble<'a, F, M> {
     pub field: &'a F,
     /// How it is integrated.
     pub method: M,
-    /// States at the first time, member by member.
+    /// States at the first time, trajectory by trajectory.
     pub states: &'a [f64],
-    /// Tangent vectors at the first time: member by member, vector by vector.
+    /// Tangent vectors at the first time: trajectory by trajectory, vector by vector.
     pub tangents: &'a [f64],
-    /// Tangent vectors per member.
+    /// Tangent vectors per trajectory.
     pub n_tangents: usize,
     /// Start, times of interest, end; strictly monotone in either direction.
     pub times: &'a [f64],
@@ -42,8 +42,8 @@ pub struct Ensemble<'a, F, M> {
 
 impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
     /// Number of trajectories.
-    pub fn n_members(&self) -> usize {
-        self.any().n_members()
+    pub fn n_trajectories(&self) -> usize {
+        self.any().n_trajectories()
     }
 
     /// Checks that the parts fit together.
@@ -54,9 +54,9 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
         self.any().check()
     }
 
-    /// Integrates every member on `threads` threads; with 0, and in WebAssembly, on the calling thread, and nobody watches.
+    /// Integrates every trajectory on `threads` threads; with 0, and in WebAssembly, on the calling thread, and nobody watches.
     ///
-    /// The result for a member has the same bits for any number of threads and any instruction set. `observer` makes
+    /// The result for a trajectory has the same bits for any number of threads and any instruction set. `observer` makes
     /// the observer of one worker, given the number of its lanes. `watch` runs on the calling thread meanwhile: the
     /// function that it is given waits for the workers, at most so long, and says whether they have all ended.
     ///
@@ -84,7 +84,7 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
             max_steps: self.method.max_steps(),
             majorant: self.field.majorant(),
             n_components: self.field.n_components(),
-            fields: self.field.n_members(),
+            fields: self.field.n_trajectories(),
             n_tangents: self.n_tangents,
             states: self.states,
             tangents: self.tangents,

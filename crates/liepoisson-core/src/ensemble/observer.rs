@@ -103,8 +103,8 @@ pub enum Onward<'o> {
 
 /// What a worker does with the trajectories that it advances; each worker has its own.
 pub trait Observer: Send {
-    /// `member` starts in `lane`.
-    fn begin(&mut self, lane: usize, member: usize);
+    /// `trajectory` starts in `lane`.
+    fn begin(&mut self, lane: usize, trajectory: usize);
     /// The power series of all lanes are made: what is looked at in all of them at once is looked at here. The steps are those that
     /// follow, lane by lane, of trajectories that can go on.
     fn look_over(&mut self, block: &dyn Block, steps: &[f64]) {
@@ -129,7 +129,7 @@ pub trait Observer: Send {
             self.sample(lane, first + k, tau, step);
         }
     }
-    /// How often a trajectory goes from the first time to the last: it counts in the progress of a run as that part of a member.
+    /// How often a trajectory goes from the first time to the last: each time counts in the progress of a run as that part of it.
     fn passes(&self) -> u64 {
         1
     }
@@ -138,11 +138,11 @@ pub trait Observer: Send {
         let _ = (lane, n_steps, last);
         Onward::Ends
     }
-    /// The next member that waits, to go on in an empty lane: its number, its state and its tangent vectors.
+    /// The next trajectory that waits, to go on in an empty lane: its number, its state and its tangent vectors.
     fn resume(&mut self, lane: usize) -> Option<(usize, &[f64], &[f64])> {
         let _ = lane;
         None
     }
-    /// `member` has ended.
-    fn end(&mut self, lane: usize, member: usize, summary: Summary);
+    /// `trajectory` has ended.
+    fn end(&mut self, lane: usize, trajectory: usize, summary: Summary);
 }

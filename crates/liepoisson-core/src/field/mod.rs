@@ -2,21 +2,21 @@
 
 mod convolution;
 mod cover;
-pub(crate) mod pieces;
 mod quadratic;
 mod quadratics;
+pub(crate) mod split_terms;
 mod tape;
 mod terms;
 pub(crate) mod top;
 mod tops;
 
-pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
-pub use quadratics::{Quadratics, SeatedQuadratics};
+pub use quadratics::{LaneQuadratics, Quadratics};
+pub use split_terms::{Ridge, SplitTerms};
 pub use tape::{Enclosure, Functions, Instruction, Rounding, Tape};
 pub use terms::Terms;
 pub use top::Top;
-pub use tops::{SeatedTops, Tops};
+pub use tops::{LaneTops, Tops};
 
 use crate::error::Error;
 use crate::lanes::{Body, IS_FUSED, Lane};
@@ -35,7 +35,7 @@ pub trait Space: Sync {
     fn n_components(&self) -> usize;
 
     /// For how many trajectories it is made, where each has parameters of its own.
-    fn n_members(&self) -> Option<usize> {
+    fn n_trajectories(&self) -> Option<usize> {
         None
     }
 
@@ -66,8 +66,8 @@ impl<S: Space> Space for &S {
         (**self).n_components()
     }
 
-    fn n_members(&self) -> Option<usize> {
-        (**self).n_members()
+    fn n_trajectories(&self) -> Option<usize> {
+        (**self).n_trajectories()
     }
 
     fn majorant(&self) -> Option<Majorant> {
@@ -113,9 +113,9 @@ pub trait Field: Space {
         self.row(n_tangents) * (order + 1)
     }
 
-    /// A member of the ensemble takes a lane: where each has parameters of its own, they are those of this lane from now on.
-    fn seat(&mut self, lane: usize, member: usize) {
-        let _ = (lane, member);
+    /// A trajectory of the ensemble takes a lane: where each has parameters of its own, they are those of this lane from now on.
+    fn assign(&mut self, lane: usize, trajectory: usize) {
+        let _ = (lane, trajectory);
     }
 
     /// Completes row `k`: work quantities from the components.
@@ -141,7 +141,7 @@ pub trait Field: Space {
 
     /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
     /// that is thin beside it.
-    fn has_walls(&self, order: usize) -> bool {
+    fn has_steep_barriers(&self, order: usize) -> bool {
         let _ = order;
         false
     }
@@ -200,14 +200,14 @@ pub trait Point<V> {
 }
 
 /// A field as each block of trajectories holds it: shared, or with the parameters of its own trajectories.
-pub trait Hold: Space {
+pub trait Instantiate: Space {
     /// What a block holds.
-    type Held<'f>: Field
+    type Instance<'f>: Field
     where
         Self: 'f;
 
     /// Makes it.
-    fn hold(&self) -> Self::Held<'_>;
+    fn instantiate(&self) -> Self::Instance<'_>;
 }
 
 impl<F: Field> Field for &F {
@@ -242,8 +242,8 @@ impl<F: Field> Field for &F {
         (**self).shows_its_terms()
     }
 
-    fn has_walls(&self, order: usize) -> bool {
-        (**self).has_walls(order)
+    fn has_steep_barriers(&self, order: usize) -> bool {
+        (**self).has_steep_barriers(order)
     }
 
     fn has_branches(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, Hold, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over};
+use super::{Field, Instantiate, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -180,10 +180,10 @@ impl Space for Quadratic {
 
 impl SinglePrecision for Quadratic {}
 
-impl Hold for Quadratic {
-    type Held<'f> = &'f Quadratic;
+impl Instantiate for Quadratic {
+    type Instance<'f> = &'f Quadratic;
 
-    fn hold(&self) -> &Quadratic {
+    fn instantiate(&self) -> &Quadratic {
         self
     }
 }

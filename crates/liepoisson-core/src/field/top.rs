@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, Hold, Majorant, Point, SinglePrecision, Space, Terms, over};
+use super::{Field, Instantiate, Majorant, Point, SinglePrecision, Space, Terms, over};
 use crate::error::Error;
 use crate::lanes::{Body, Lane};
 
@@ -139,10 +139,10 @@ impl Constants for Top {
     }
 }
 
-impl Hold for Top {
-    type Held<'f> = Top;
+impl Instantiate for Top {
+    type Instance<'f> = Top;
 
-    fn hold(&self) -> Top {
+    fn instantiate(&self) -> Top {
         *self
     }
 }

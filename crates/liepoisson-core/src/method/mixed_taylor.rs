@@ -3,7 +3,7 @@
 use crate::field::top::{
     Constant, Constants, GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangents,
 };
-use crate::field::{Field, Hold, Top, over};
+use crate::field::{Field, Instantiate, Top, over};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, exp2_estimate_single, log2_estimate, log2_estimate_single};
 use crate::method::taylor::{Terms, Trend, sum_of_sizes};
@@ -65,14 +65,14 @@ impl MixedTaylor {
     }
 }
 
-impl<F: Hold> Method<F> for MixedTaylor
+impl<F: Instantiate> Method<F> for MixedTaylor
 where
-    for<'f> F::Held<'f>: Constants,
+    for<'f> F::Instance<'f>: Constants,
 {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        let field = field.hold();
+        let field = field.instantiate();
         let (n_double, row) = (self.double_order() + 1, field.row(n_tangents));
-        Box::new(MixedBlock::<F::Held<'f>, V> {
+        Box::new(MixedBlock::<F::Instance<'f>, V> {
             top: field,
             method: self.0,
             double_order: self.double_order(),
@@ -91,7 +91,7 @@ where
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
-        let field = field.hold();
+        let field = field.instantiate();
         2 * (self.double_order() + 1) * GROUP + (self.0.order() + 1) * field.row(n_tangents)
     }
 
@@ -128,8 +128,8 @@ impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
         Stepping::Series
     }
 
-    fn seat(&mut self, lane: usize, member: usize) {
-        self.top.seat(lane, member);
+    fn assign(&mut self, lane: usize, trajectory: usize) {
+        self.top.assign(lane, trajectory);
     }
 
     fn load(&mut self, lane: usize, group: usize, values: &[f64]) {

@@ -117,9 +117,9 @@ pub trait Block {
         1
     }
 
-    /// A member of the ensemble takes a lane, before its values are put there.
-    fn seat(&mut self, lane: usize, member: usize) {
-        let _ = (lane, member);
+    /// A trajectory of the ensemble takes a lane, before its values are put there.
+    fn assign(&mut self, lane: usize, trajectory: usize) {
+        let _ = (lane, trajectory);
     }
 
     /// Puts values into one group of a lane; into group 0 (which comes first) those of a new trajectory.

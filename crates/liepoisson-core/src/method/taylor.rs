@@ -5,7 +5,7 @@
 //! Experimental Mathematics 14 (2005): the choice of order and step; here each lane takes its own step.
 
 use crate::error::Error;
-use crate::field::{Field, Hold};
+use crate::field::{Field, Instantiate};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
@@ -67,9 +67,9 @@ impl Taylor {
     }
 }
 
-impl<F: Hold> Method<F> for Taylor {
+impl<F: Instantiate> Method<F> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        let field = field.hold();
+        let field = field.instantiate();
         let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
         let trend = Trend::new(self.tolerance, self.order);
         let largest = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
@@ -87,7 +87,7 @@ impl<F: Hold> Method<F> for Taylor {
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
-        field.hold().registers(n_tangents, self.order)
+        field.instantiate().registers(n_tangents, self.order)
     }
 
     fn max_steps(&self) -> u64 {
@@ -118,8 +118,8 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
         Stepping::Series
     }
 
-    fn seat(&mut self, lane: usize, member: usize) {
-        self.field.seat(lane, member);
+    fn assign(&mut self, lane: usize, trajectory: usize) {
+        self.field.assign(lane, trajectory);
     }
 
     fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
@@ -144,9 +144,9 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
 
     fn prepare(&mut self, longest: &mut [f64]) {
         V::outline(Expansion(self));
-        let mut is_doubtful = false;
-        V::outline(Steps { block: self, sizes: longest, is_doubtful: &mut is_doubtful });
-        if is_doubtful {
+        let mut is_out_of_range = false;
+        V::outline(Steps { block: self, sizes: longest, is_out_of_range: &mut is_out_of_range });
+        if is_out_of_range {
             for (lane, longest) in longest.iter_mut().enumerate() {
                 self.rely_on_known_terms(lane, longest);
             }
@@ -170,7 +170,7 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
             end.keep_to_the_field(field, rows, (*row, method.order), sizes);
         }
         for (size, largest) in sizes.iter_mut().zip(&self.largest) {
-            // what is hidden is the corner of a root, where the branch ends, and no wall
+            // what is hidden is the corner of a root, where the branch ends, and no barrier
             if size.abs() < NO_STEP * largest.abs() {
                 *size = 0.0;
             }
@@ -260,7 +260,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
         let order = self.method.order;
         let groups = 0..=self.n_tangents;
         if groups.clone().all(|group| self.norm_in(lane, 1, group) == 0.0) {
-            return; // an equilibrium or an empty seat: all terms vanish
+            return; // an equilibrium or an empty slot: all terms vanish
         }
         let finite = match longest.is_nan() {
             true => groups.clone().map(|group| finite_order(order, |k| self.norm_in(lane, k, group))).min(),
@@ -328,13 +328,13 @@ struct Steps<'b, F, V> {
     block: &'b TaylorBlock<F, V>,
     sizes: &'b mut [f64],
     /// Whether a last term may be lost, or is beyond the range of numbers, in any lane.
-    is_doubtful: &'b mut bool,
+    is_out_of_range: &'b mut bool,
 }
 
 impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Steps { block, sizes, is_doubtful } = self;
+        let Steps { block, sizes, is_out_of_range } = self;
         let (sizes, order) = (&mut sizes[..V::WIDTH], block.method.order);
         let mut are_in_range = true;
         sizes.fill(f64::INFINITY);
@@ -352,7 +352,7 @@ impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
                 are_in_range &= is_in_range(last) & is_in_range(before);
             }
         }
-        *is_doubtful = !are_in_range;
+        *is_out_of_range = !are_in_range;
         shorten_by_trend([&block.trend; 2], block.n_tangents, sizes, block);
     }
 }

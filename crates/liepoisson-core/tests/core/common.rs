@@ -84,8 +84,8 @@ pub fn vector9() -> impl Strategy<Value = Vec<f64>> {
 }
 
 /// A spread of deterministic starts: each vector on the unit sphere, by golden angles.
-pub fn starts(members: usize) -> Vec<f64> {
-    (0..3 * members)
+pub fn starts(trajectories: usize) -> Vec<f64> {
+    (0..3 * trajectories)
         .flat_map(|k| {
             let (z, phase) = (1.0 - 2.0 * ((k as f64 * 0.618_034) % 1.0), k as f64 * 2.4);
             let radius = (1.0 - z * z).sqrt();
@@ -98,7 +98,7 @@ pub fn taylor(tolerance: f64) -> Taylor {
     Taylor::new(tolerance, None, 1_000_000).unwrap()
 }
 
-/// Orbits of one or more members at `times`.
+/// Orbits of one or more trajectories at `times`.
 pub fn run<M: Method<Top>>(
     top: &Top,
     method: M,

@@ -9,7 +9,7 @@
 //! wrong by the round-off of these terms, and they make the unit ([`Terms`]).
 
 use super::remainder::{Sizes, first_of_last, term};
-use super::room::unit;
+use super::workspace::unit;
 use crate::ensemble::AnyEnsemble;
 use crate::field::{Enclosure, Functions, Majorant, Rounding, Terms};
 

@@ -19,7 +19,7 @@ pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::{Field, Hold, Space, Terms};
+use super::{Field, Instantiate, Space, Terms};
 use crate::error::Error;
 use crate::lanes::Lane;
 use enclosure::enclose;
@@ -104,10 +104,10 @@ impl Space for Tape {
     }
 }
 
-impl Hold for Tape {
-    type Held<'f> = &'f Tape;
+impl Instantiate for Tape {
+    type Instance<'f> = &'f Tape;
 
-    fn hold(&self) -> &Tape {
+    fn instantiate(&self) -> &Tape {
         self
     }
 }
@@ -132,7 +132,7 @@ impl Field for Tape {
         false
     }
 
-    fn has_walls(&self, order: usize) -> bool {
+    fn has_steep_barriers(&self, order: usize) -> bool {
         self.degree > order as f64 / 2.0
     }
 

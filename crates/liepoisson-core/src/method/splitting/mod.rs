@@ -1,4 +1,4 @@
-//! Splitting methods: compositions of the exact flows of pieces of a Hamiltonian, of order 2, 4, 6 and 8.
+//! Splitting methods: compositions of the exact flows of split terms of a Hamiltonian, of order 2, 4, 6 and 8.
 //!
 //! Every flow is a Poisson map, so a method keeps all Casimirs for any step, is a Poisson map itself, and keeps a nearby
 //! energy for exponentially long times. Tangent vectors are advanced by the derivative of the numerical map.
@@ -6,11 +6,11 @@
 //! # References
 //! McLachlan and Quispel, *Splitting methods*, Acta Numerica 11 (2002); McLachlan, *On the numerical integration of
 //! ordinary differential equations by symmetric composition methods*, SIAM J. Sci. Comput. 16 (1995): splittings into
-//! two pieces and compositions with the adjoint have the same conditions on their coefficients.
+//! two split terms and compositions with the adjoint have the same conditions on their coefficients.
 
 mod coefficients;
-mod pieces;
 mod rotation;
+mod split_terms;
 mod top;
 
 use crate::error::Error;
@@ -63,7 +63,7 @@ impl Splitting {
     }
 }
 
-/// A field whose Hamiltonian is a sum of pieces with known flows.
+/// A field whose Hamiltonian is a sum of split terms with known flows.
 pub trait Split: Space {
     /// Takes `repeats` steps of each lane's size: `groups` holds the state and then the tangent vectors.
     fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64);
