@@ -1,11 +1,9 @@
 //! The largest Lyapunov exponent of each trajectory as a function of time.
 
-use super::{CALLED_ONCE, Rows, UNREACHED, filled, name_unreached};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Summary, Watch};
+use super::{POISONED, Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Observer, Step, Summary, Watch};
 use crate::error::Error;
-use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::Method;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -23,21 +21,18 @@ pub struct FiniteTimeExponents {
 /// Tangent vectors are only ever scaled by powers of two, so no interval of renormalisation enters the result.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; an ensemble without tangent vectors, or with one that is zero or not finite.
+/// See [`AnyEnsemble::check`]; an ensemble without tangent vectors, or with one that is zero or not finite.
 ///
 /// # References
 /// Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
-pub fn finite_time_exponents<F: Space, M: Method<F>>(
-    ensemble: &Ensemble<'_, F, M>,
+pub fn finite_time_exponents<'a>(
+    ensemble: impl Into<AnyEnsemble<'a>>,
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<FiniteTimeExponents, Error> {
-    let mut watch = Some(watch);
-    finite_time_exponents_of(&ensemble.any(), threads, simd, control, &mut |wait| {
-        watch.take().expect(CALLED_ONCE)(wait)
-    })
+    finite_time_exponents_of(&ensemble.into(), threads, simd, control, &mut watch)
 }
 
 fn finite_time_exponents_of(
@@ -104,8 +99,6 @@ fn logarithm(norm: f64, scale: i64) -> f64 {
     }
     libm::log(libm::scalbn(norm, -exponent)) + whole as f64 * std::f64::consts::LN_2
 }
-
-const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'g> {
     summaries: &'g Mutex<Vec<Summary>>,

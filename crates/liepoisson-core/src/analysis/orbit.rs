@@ -1,11 +1,10 @@
 //! Orbits: states and tangent vectors at given times, and the power series of every step on request.
 
-use super::{CALLED_ONCE, Rows, UNREACHED, filled, name_unreached};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
+use super::{POISONED, Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::{Method, sum_series};
+use crate::method::sum_series;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -100,17 +99,16 @@ fn step_at(starts: &[f64], near: usize, has_begun: impl Fn(f64) -> bool) -> usiz
 /// Integrates the ensemble and keeps its states at each of its times.
 ///
 /// # Errors
-/// See [`Ensemble::check`].
-pub fn orbits<F: Space, M: Method<F>>(
-    ensemble: &Ensemble<'_, F, M>,
+/// See [`AnyEnsemble::check`].
+pub fn orbits<'a>(
+    ensemble: impl Into<AnyEnsemble<'a>>,
     threads: usize,
     simd: Simd,
     control: &Control,
     dense: bool,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<Orbits, Error> {
-    let mut watch = Some(watch);
-    orbits_of(&ensemble.any(), threads, simd, control, dense, &mut |wait| watch.take().expect(CALLED_ONCE)(wait))
+    orbits_of(&ensemble.into(), threads, simd, control, dense, &mut watch)
 }
 
 fn orbits_of(
@@ -169,8 +167,6 @@ struct Ended {
 fn empty_rows<'r>(lanes: usize) -> Vec<&'r mut [f64]> {
     (0..lanes).map(|_| Default::default()).collect()
 }
-
-const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'o> {
     shared: &'o Mutex<Ended>,

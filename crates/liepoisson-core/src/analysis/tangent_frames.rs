@@ -7,12 +7,10 @@
 //! Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
 
 use super::frame::Frame;
-use super::{CALLED_ONCE, Rows, filled};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Onward, Outcome, Step, Summary, Watch};
+use super::{POISONED, Rows, filled};
+use crate::ensemble::{AnyEnsemble, Control, Observer, Onward, Outcome, Step, Summary, Watch};
 use crate::error::Error;
-use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::Method;
 use std::collections::VecDeque;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -68,18 +66,16 @@ pub struct Carried {
 /// not have; it has their number.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; arrays of the wrong length; no memory.
-pub fn carry<F: Space, M: Method<F>>(
-    ensemble: &Ensemble<'_, F, M>,
+/// See [`AnyEnsemble::check`]; arrays of the wrong length; no memory.
+pub fn carry<'a>(
+    ensemble: impl Into<AnyEnsemble<'a>>,
     schedule: &Schedule<'_>,
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<Carried, Error> {
-    let mut watch = Some(watch);
-    let watch = &mut |wait: &dyn Fn(Duration) -> bool| watch.take().expect(CALLED_ONCE)(wait);
-    carry_along(&ensemble.any(), schedule, threads, simd, control, watch)
+    carry_along(&ensemble.into(), schedule, threads, simd, control, &mut watch)
 }
 
 fn carry_along(
@@ -118,7 +114,7 @@ fn carry_along(
     let observer = |lanes: usize| Carrier {
         shared: &shared,
         schedule,
-        ensemble,
+        ensemble: &ensemble,
         simd,
         turn: match trajectories > lanes.saturating_mul(threads) {
             true => (schedule.n_intervals / TURNS).clamp(1, LONGEST_TURN),
@@ -176,8 +172,6 @@ fn vectors_of<'f>(row: impl Fn(usize) -> &'f [f64], unit: &[f64], vectors: &mut 
         }
     }
 }
-
-const POISONED: &str = "no worker panics while it writes";
 
 /// What all workers write to.
 struct Shared<'s> {
@@ -266,7 +260,7 @@ impl Trajectory<'_> {
 struct Carrier<'c, 's> {
     shared: &'c Shared<'s>,
     schedule: &'c Schedule<'c>,
-    ensemble: AnyEnsemble<'c>,
+    ensemble: &'c AnyEnsemble<'c>,
     simd: Simd,
     /// Intervals after which a trajectory gives way to another.
     turn: usize,

@@ -7,7 +7,7 @@ use super::outcome::{Outcome, Summary};
 use super::poll_interval::PollInterval;
 use super::slot::Slot;
 use crate::lanes::Simd;
-use crate::method::{Block, StepOutcome, Stepping};
+use crate::method::{Block, Precision, StepOutcome, Stepping};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -32,21 +32,22 @@ impl Worker<'_> {
         let mut slots: Vec<Slot> = (0..lanes).map(|_| Slot::empty(ensemble.n_tangents)).collect();
         let (mut sizes, mut outcomes) = (vec![0.0; lanes], vec![StepOutcome::Taken; lanes]);
         let mut ahead = sizes.clone();
-        let (stepping, large) = (block.stepping(), libm::scalbn(1.0, block.range_exponent()));
+        let (stepping, precision) = (block.stepping(), block.precision());
+        let large = libm::scalbn(1.0, precision.range_exponent());
         let mut poll_interval = PollInterval::new();
         self.control.look_at_clock();
         while self.fill_slots(block, &mut slots, &mut observer) {
-            block.prepare(&mut sizes);
-            if block.looks_ahead() {
-                self.look_ahead(block, &slots, &mut sizes, &mut ahead);
+            for (ahead, slot) in ahead.iter_mut().zip(&slots) {
+                *ahead = if slot.occupied { slot.until(ensemble.times[ensemble.times.len() - 1]) } else { 0.0 };
             }
-            if stepping == Stepping::Series && observer.looks_over() {
+            block.prepare(&ahead, &mut sizes);
+            if let Some(series) = block.series().filter(|_| observer.looks_over()) {
                 for ((step, slot), &longest) in ahead.iter_mut().zip(&slots).zip(&sizes) {
                     *step = if slot.occupied { self.step_along_series(slot, longest).0 } else { 0.0 };
                 }
-                observer.look_over(block, &ahead);
+                observer.look_over(series, &ahead);
             }
-            let repeats = self.plan(block, stepping, &mut slots, poll_interval.repeats);
+            let repeats = self.plan((stepping, precision), &mut slots, poll_interval.repeats);
             for (lane, slot) in slots.iter_mut().enumerate() {
                 sizes[lane] = self.decide(block, stepping, lane, slot, (sizes[lane], repeats), &mut observer);
             }
@@ -62,7 +63,7 @@ impl Worker<'_> {
                     self.lead_on(block, lane, slot, &mut observer);
                 }
             }
-            if poll_interval.is_time(block.most_repeats()) {
+            if poll_interval.is_time(stepping.most_repeats()) {
                 for slot in slots.iter_mut().filter(|slot| slot.occupied) {
                     self.report(slot, false, observer.passes());
                 }
@@ -107,11 +108,10 @@ impl Worker<'_> {
     /// Puts a trajectory, from its number, state and tangent vectors, into a lane at the first time.
     fn begin(&self, block: &mut dyn Block, lane: usize, slot: &mut Slot, start: (usize, &[f64], &[f64])) {
         let (trajectory, state, tangents) = start;
-        block.assign(lane, trajectory);
         slot.take(trajectory, self.ensemble.times[0]);
-        load(block, lane, 0, state, &mut slot.stored);
+        load(block, (lane, trajectory), 0, state, &mut slot.stored);
         for (k, tangent) in tangents.chunks_exact(state.len()).enumerate() {
-            slot.scales[k] = load_tangent(block, lane, 1 + k, tangent, &mut slot.stored);
+            slot.scales[k] = load_tangent(block, (lane, trajectory), 1 + k, tangent, &mut slot.stored);
         }
     }
 
@@ -133,35 +133,19 @@ impl Worker<'_> {
         }
     }
 
-    /// Shortens the longest steps of a method with series where the steps that they lead to would end wrongly.
-    fn look_ahead(&self, block: &mut dyn Block, slots: &[Slot], longest: &mut [f64], steps: &mut [f64]) {
-        let end = self.ensemble.times[self.ensemble.times.len() - 1];
-        for ((step, slot), &longest) in steps.iter_mut().zip(slots).zip(longest.iter()) {
-            let remaining = slot.until(end);
-            let is_open = slot.occupied && longest > 0.0;
-            *step = if is_open { longest.min(remaining.abs()).copysign(remaining) } else { 0.0 };
-        }
-        block.look_ahead(steps);
-        for ((longest, slot), &step) in longest.iter_mut().zip(slots).zip(steps.iter()) {
-            if slot.occupied && *longest > 0.0 && step.abs() < longest.min(slot.until(end).abs()) {
-                *longest = step.abs();
-            }
-        }
-    }
-
     /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all
     /// slots can take at once, and not more than `most`. A power of two, so that the product with the size is exact.
     #[inline(always)]
-    fn plan(&self, block: &dyn Block, stepping: Stepping, slots: &mut [Slot], most: u64) -> u64 {
-        let Stepping::Fixed(longest) = stepping else { return 1 };
+    fn plan(&self, (stepping, precision): (Stepping, Precision), slots: &mut [Slot], most: u64) -> u64 {
+        let Stepping::Fixed { longest, most_repeats } = stepping else { return 1 };
         let (times, max_steps) = (self.ensemble.times, self.ensemble.max_steps);
-        let mut repeats = block.most_repeats().min(most);
+        let mut repeats = most_repeats.min(most);
         for slot in slots.iter_mut().filter(|slot| slot.occupied) {
             if slot.steps_left == 0 {
                 let interval = slot.until(times[slot.next_sample.max(1)]);
                 // a whole number of steps up to round-off is not one step more
                 let count = (interval.abs() / longest * (1.0 - 1e-12)).ceil().max(1.0);
-                (slot.steps_left, slot.equal_step) = (count as u64, block.representable(interval / count));
+                (slot.steps_left, slot.equal_step) = (count as u64, precision.nearest(interval / count));
             }
             if slot.careful_steps > 0 {
                 repeats = 1;
@@ -194,8 +178,8 @@ impl Worker<'_> {
                 let lands = n_steps * longest >= interval.abs();
                 (if lands { interval / n_steps } else { longest.copysign(interval) }, n_steps == 1.0)
             }
-            Stepping::Fixed(_) if slot.steps_left == 1 => (slot.until(times[slot.next_sample.max(1)]), true),
-            Stepping::Fixed(_) => (slot.equal_step, false),
+            Stepping::Fixed { .. } if slot.steps_left == 1 => (slot.until(times[slot.next_sample.max(1)]), true),
+            Stepping::Fixed { .. } => (slot.equal_step, false),
         };
         if let Some(outcome) = self.obstacle(slot, longest, size, is_last) {
             self.dismiss(block, lane, slot, outcome, observer);
@@ -367,7 +351,7 @@ impl Worker<'_> {
     /// Empties a slot: its lane rests at the origin.
     fn vacate(&self, block: &mut dyn Block, lane: usize, slot: &mut Slot) {
         for group in 0..=self.ensemble.n_tangents {
-            block.load(lane, group, &vec![0.0; self.ensemble.n_components]);
+            block.load(lane, slot.trajectory, group, &vec![0.0; self.ensemble.n_components]);
         }
         slot.occupied = false;
     }
@@ -384,25 +368,31 @@ impl Worker<'_> {
 
 /// Puts values into one group of a lane; those that its numbers cannot hold, since single precision ends at 1e-38, as NaN:
 /// a state of 1e-300 would come to rest at the origin and be said to have finished there.
-fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64], stored: &mut Vec<f64>) {
-    block.load(lane, group, values);
+fn load(
+    block: &mut dyn Block,
+    (lane, trajectory): (usize, usize),
+    group: usize,
+    values: &[f64],
+    stored: &mut Vec<f64>,
+) {
+    block.load(lane, trajectory, group, values);
     stored.resize(values.len(), 0.0);
     block.read(lane, group, stored);
     if largest(stored) < 0.5 * largest(values) {
-        block.load(lane, group, &vec![f64::NAN; values.len()]);
+        block.load(lane, trajectory, group, &vec![f64::NAN; values.len()]);
     }
 }
 
 /// Puts a tangent vector into a lane, less a power of two where it is beyond the range in which the block keeps them: one that is
 /// shorter than the numbers of single precision keeps its digits. The exponent of that power.
-fn load_tangent(block: &mut dyn Block, lane: usize, group: usize, values: &[f64], stored: &mut Vec<f64>) -> i64 {
+fn load_tangent(block: &mut dyn Block, at: (usize, usize), group: usize, values: &[f64], stored: &mut Vec<f64>) -> i64 {
     let (_, exponent) = libm::frexp(largest(values));
-    if exponent.abs() < block.range_exponent() || !values.iter().all(|value| value.is_finite()) {
-        load(block, lane, group, values, stored);
+    if exponent.abs() < block.precision().range_exponent() || !values.iter().all(|value| value.is_finite()) {
+        load(block, at, group, values, stored);
         return 0;
     }
     let scaled: Vec<f64> = values.iter().map(|&value| libm::scalbn(value, -exponent)).collect();
-    load(block, lane, group, &scaled, stored);
+    load(block, at, group, &scaled, stored);
     i64::from(exponent)
 }
 

@@ -2,7 +2,7 @@
 
 use super::quadratic::Coefficients;
 use super::tops::MOST_LANES;
-use super::{Field, Instantiate, Quadratic, Space};
+use super::{Field, Instance, Instantiate, Quadratic, Space};
 use crate::error::Error;
 use crate::lanes::{Lane, Number};
 
@@ -84,16 +84,18 @@ impl Space for LaneQuadratics<'_> {
     }
 }
 
-impl Field for LaneQuadratics<'_> {
-    fn group(&self) -> usize {
-        self.fields.shape.group()
-    }
-
+impl Instance for LaneQuadratics<'_> {
     fn assign(&mut self, lane: usize, trajectory: usize) {
         let own = &self.fields.coefficients[trajectory * self.lanes.len()..];
         for (numbers, &number) in self.lanes.iter_mut().zip(own) {
             numbers[lane] = number;
         }
+    }
+}
+
+impl Field for LaneQuadratics<'_> {
+    fn group(&self) -> usize {
+        self.fields.shape.group()
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Tops of one kind with parameters of their own, one for each trajectory: a register holds trajectories of different tops.
 
 use super::top::{self, Constant, Constants, GROUP, N};
-use super::{Field, Instantiate, Space, Top};
+use super::{Field, Instance, Instantiate, Space, Top};
 use crate::error::Error;
 use crate::lanes::{Lane, Number};
 
@@ -86,11 +86,7 @@ impl Space for LaneTops<'_> {
     }
 }
 
-impl Field for LaneTops<'_> {
-    fn group(&self) -> usize {
-        GROUP
-    }
-
+impl Instance for LaneTops<'_> {
     fn assign(&mut self, lane: usize, trajectory: usize) {
         self.trajectories[lane] = trajectory;
         let top = &self.tops.tops[trajectory];
@@ -99,6 +95,12 @@ impl Field for LaneTops<'_> {
                 numbers[lane] = number;
             }
         }
+    }
+}
+
+impl Field for LaneTops<'_> {
+    fn group(&self) -> usize {
+        GROUP
     }
 
     #[inline(always)]

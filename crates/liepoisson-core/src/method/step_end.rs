@@ -11,13 +11,13 @@
 //! is at most twice as long as the one before it, the first as the time in which the state changes by its own size.
 //!
 //! Nodes inside of the step are for fields with terms that hide like this, exponentials and high powers
-//! ([`Field::has_steep_barriers`]). What varies as a power of the distance, such as a pole, is seen from everywhere or is too thin
+//! ([`Tape::has_steep_barriers`]). What varies as a power of the distance, such as a pole, is seen from everywhere or is too thin
 //! for any nodes; of fields that have nothing else the end of the step is looked at, and its length is not limited.
 //!
 //! Fields of degree two need no such look where a term vanishes exactly: a series that ends before half of its order and
 //! obeys the equations up to its order is a solution.
 
-use crate::field::{Field, Terms};
+use crate::field::{Field, Space, Tape, Terms};
 use crate::lanes::{Body, ROUNDINGS, Wide};
 use crate::method::taylor::sum_of_sizes;
 
@@ -80,7 +80,7 @@ struct Look {
 }
 
 impl<V: Wide> StepEnd<V> {
-    pub(super) fn new<F: Field>(field: &F, order: usize, tolerance: f64) -> Self {
+    pub(super) fn new(field: &Tape, order: usize, tolerance: f64) -> Self {
         let zero = vec![V::splat(0.0); field.n_components()];
         let allowed = |node: usize| {
             let truncation =
@@ -138,9 +138,9 @@ impl<V: Wide> StepEnd<V> {
     /// Shortens the steps, one for each lane and zero for one that stays, along which the series fails the equations.
     ///
     /// `rows` are the coefficients from order 0 to `order`, `row` registers each, those of the state first.
-    pub(super) fn keep_to_the_field<F: Field>(
+    pub(super) fn keep_to_the_field(
         &mut self,
-        field: &F,
+        field: &Tape,
         rows: &[V],
         (row, order): (usize, usize),
         steps: &mut [f64],
@@ -195,9 +195,9 @@ impl<V: Wide> StepEnd<V> {
 
     /// The defect of one lane at the node that was looked at last, less what round-off explains.
     #[cold]
-    fn excess<F: Field>(
+    fn excess(
         &mut self,
-        field: &F,
+        field: &Tape,
         rows: &[V],
         (row, order): (usize, usize),
         lane: usize,
@@ -270,8 +270,8 @@ impl<V: Wide> StepEnd<V> {
 }
 
 /// For each lane the sum of `|x'(h) - f(x(h))| |h|` over the components, in units of the size of the state.
-struct Defects<'a, F, V> {
-    field: &'a F,
+struct Defects<'a, V> {
+    field: &'a Tape,
     rows: &'a [V],
     row: usize,
     order: usize,
@@ -281,7 +281,7 @@ struct Defects<'a, F, V> {
     to: &'a mut StepEnd<V>,
 }
 
-impl<F: Field, V: Wide> Body for Defects<'_, F, V> {
+impl<V: Wide> Body for Defects<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Defects { field, rows, row, order, steps, part, to } = self;

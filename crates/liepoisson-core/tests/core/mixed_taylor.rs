@@ -52,13 +52,7 @@ proptest! {
         };
         let results =
             everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap());
-        for other in &results[1..] {
-            prop_assert_eq!(bits(&results[0].states), bits(&other.states));
-            prop_assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
-            for (a, b) in results[0].series.iter().zip(&other.series) {
-                prop_assert_eq!(bits(&a.coefficients), bits(&b.coefficients));
-            }
-        }
+        assert_same_bits(&results, true);
     }
 }
 

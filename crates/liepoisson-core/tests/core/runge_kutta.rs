@@ -36,22 +36,6 @@ pub fn integrate_all<F: liepoisson_core::field::Space, M: Method<F>>(
     everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
 }
 
-/// `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of
-/// steps, and what a batch is depends on the neighbours.
-pub fn assert_same_bits(results: &[Orbits], with_times: bool) {
-    for other in &results[1..] {
-        assert_eq!(bits(&results[0].states), bits(&other.states));
-        assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
-        for (a, b) in results[0].summaries.iter().zip(&other.summaries) {
-            assert_eq!(a.outcome, b.outcome);
-            if with_times || a.outcome != Outcome::NotFinite {
-                assert_eq!((a.n_steps, a.time.to_bits()), (b.n_steps, b.time.to_bits()));
-                assert_eq!(bits(&a.state), bits(&b.state));
-            }
-        }
-    }
-}
-
 /// Largest relative error of the states and of the tangent vectors, against the Taylor method at 1e-15.
 fn errors<M: Method<liepoisson_core::field::Top>>(p: &Parameters, method: M, times: &[f64]) -> (f64, f64) {
     let (states, tangents) = (starts(8), starts(9)[9..].to_vec());

@@ -1,7 +1,7 @@
 //! The Runge-Kutta method of order 8 on tapes and quadratic fields: closed forms, the Taylor method, singularities.
 
 use crate::common::*;
-use crate::runge_kutta::{adaptive, assert_same_bits, fixed, integrate_all, single};
+use crate::runge_kutta::{adaptive, fixed, integrate_all, single};
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::{Instruction, Quadratic, Tape};
@@ -57,7 +57,8 @@ fn the_origin_can_be_left() {
 fn tapes_and_quadratic_fields_follow_the_taylor_method() {
     fn check<F>(field: &F, states: &[f64], tangents: &[f64])
     where
-        F: liepoisson_core::field::Field + liepoisson_core::field::Instantiate,
+        F: liepoisson_core::field::Field,
+        liepoisson_core::method::Taylor: liepoisson_core::method::Method<F>,
     {
         let n_tangents = tangents.len() / states.len();
         let exact = Ensemble { field, method: taylor(1e-15), states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };

@@ -21,7 +21,7 @@ use liepoisson_core::enclosure::polynomial::Polynomial;
 use liepoisson_core::enclosure::program::Program;
 use liepoisson_core::enclosure::rational::Rational;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
-use liepoisson_core::field::{Field, Functions, Instantiate, Instruction, Quadratic, Ridge, Space, SplitTerms, Tape};
+use liepoisson_core::field::{Bounds, Functions, Instruction, Quadratic, Ridge, Space, SplitTerms, Tape};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
@@ -129,7 +129,10 @@ impl Hashes {
     }
 
     /// Crossings of the surface on which the first component is 0.1.
-    fn section<F: Field + Instantiate>(&mut self, name: &str, field: &F, t_end: f64) {
+    fn section<F: Bounds>(&mut self, name: &str, field: &F, t_end: f64)
+    where
+        Taylor: Method<F>,
+    {
         let n = field.n_components();
         let plane = Instruction::Linear { terms: vec![(0, 1.0)], constant: -0.1 };
         let function = Functions::new(n, vec![plane], vec![n]).unwrap();

@@ -5,8 +5,9 @@ use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::analysis::section::{Sections, Surface, sections};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Functions, Instantiate, Instruction, Quadratic, Tape};
+use liepoisson_core::field::{Bounds, Functions, Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
+use liepoisson_core::method::{Method, Taylor};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::time::Duration;
@@ -36,19 +37,18 @@ fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
     }
 }
 
-fn run<F: Instantiate>(
-    field: &F,
-    states: &[f64],
-    times: [f64; 2],
-    surface: &Surface,
-    threads: usize,
-    simd: Simd,
-) -> Sections {
+fn run<F: Bounds>(field: &F, states: &[f64], times: [f64; 2], surface: &Surface, threads: usize, simd: Simd) -> Sections
+where
+    Taylor: Method<F>,
+{
     let ensemble = Ensemble { field, method: taylor(TOLERANCE), states, tangents: &[], n_tangents: 0, times: &times };
     sections(&ensemble, surface, threads, simd, &Control::default(), |_| ()).unwrap()
 }
 
-fn alone<F: Instantiate>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections {
+fn alone<F: Bounds>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections
+where
+    Taylor: Method<F>,
+{
     run(field, start, times, surface, 1, Simd::widest())
 }
 

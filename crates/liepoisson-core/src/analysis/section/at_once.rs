@@ -3,8 +3,8 @@
 use super::remainder::{error_of_state, first_of_last, is_in_range, small};
 use super::survey::{Mark, RANGE};
 use super::workspace::{BLUNT, SHARP, error_of_form, unit};
-use super::{Part, Recorder};
-use crate::ensemble::{AnyEnsemble, Step};
+use super::{Part, Recorder, SectionEnsemble};
+use crate::ensemble::Step;
 use crate::method::{Overview, SeriesSums};
 
 impl Recorder<'_> {
@@ -36,7 +36,7 @@ impl Recorder<'_> {
 fn known_at_once(
     (lane, n_lanes): (usize, usize),
     step: f64,
-    field: &AnyEnsemble<'_>,
+    field: &SectionEnsemble<'_>,
     overview: &Overview<'_>,
 ) -> Option<Known> {
     let sums = &overview.sums[lane];

@@ -6,18 +6,20 @@
 
 mod at_once;
 mod components;
+mod ensemble;
 mod points;
 mod remainder;
 mod slot;
 mod survey;
 mod workspace;
 
-use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
+use super::{POISONED, UNREACHED, filled, name_unreached};
+use crate::ensemble::{Control, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::{Functions, Instantiate};
+use crate::field::Functions;
 use crate::lanes::{ROUNDINGS, Simd};
-use crate::method::{Block, Overview, Taylor};
+use crate::method::{Overview, Series};
+pub use ensemble::SectionEnsemble;
 use points::Collected;
 pub use points::Points;
 use remainder::shifted;
@@ -114,30 +116,28 @@ pub struct Sections {
 /// nothing is found, and [`Uncertified`] say for how long.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; functions of another number of components than the field; a direction that is none, no crossing
-/// wanted; no memory for the points.
-pub fn sections<F: Instantiate>(
-    ensemble: &Ensemble<'_, F, Taylor>,
+/// See [`AnyEnsemble::check`](crate::ensemble::AnyEnsemble::check); functions of another number of components than the field; a
+/// direction that is none, no crossing wanted; no memory for the points.
+pub fn sections<'a>(
+    ensemble: impl Into<SectionEnsemble<'a>>,
     surface: &Surface,
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<Sections, Error> {
-    let mut watch = Some(watch);
-    let watch: Watch<'_> = &mut |wait| watch.take().expect(CALLED_ONCE)(wait);
-    sections_of(&ensemble.any(), surface, threads, simd, control, watch)
+    sections_of(&ensemble.into(), surface, threads, simd, control, &mut watch)
 }
 
 fn sections_of(
-    ensemble: &AnyEnsemble<'_>,
+    ensemble: &SectionEnsemble<'_>,
     surface: &Surface,
     threads: usize,
     simd: Simd,
     control: &Control,
     watch: Watch<'_>,
 ) -> Result<Sections, Error> {
-    let (n, trajectories) = (ensemble.n_components, ensemble.n_trajectories());
+    let (n, trajectories) = (ensemble.any.n_components, ensemble.n_trajectories());
     for functions in std::iter::once(&surface.function).chain(&surface.kept) {
         if functions.n_components() != n {
             return Err(Error::Length { name: "variables of the surface", wanted: n, got: functions.n_components() });
@@ -149,7 +149,7 @@ fn sections_of(
     if surface.n_crossings == Some(0) {
         return Err(Error::NoCrossings);
     }
-    ensemble.check()?;
+    ensemble.any.check()?;
     if ![0, trajectories].contains(&surface.sides.len()) {
         return Err(Error::Length { name: "sides", wanted: trajectories, got: surface.sides.len() });
     }
@@ -169,13 +169,13 @@ fn sections_of(
         surface,
         ensemble,
         n,
-        start: ensemble.times[0],
+        start: ensemble.any.times[0],
         slots: vec![Slot::default(); lanes],
         workspace: Workspace::default(),
         overview: Overview { form: surface.function.linear_form().unwrap_or_default(), ..Overview::default() },
         is_looked_over: false,
     };
-    ensemble.run(threads, simd, control, recorder, watch)?;
+    ensemble.any.run(threads, simd, control, recorder, watch)?;
     match refused.into_inner() {
         0 => {}
         bytes => return Err(Error::Memory { bytes }),
@@ -199,15 +199,13 @@ struct Ended {
     summaries: Vec<Summary>,
 }
 
-const POISONED: &str = "no worker panics while it writes";
-
 struct Recorder<'s> {
     shared: &'s Mutex<Ended>,
     control: &'s Control,
     /// Bytes for points that could not be had; the run is then cancelled.
     refused: &'s AtomicUsize,
     surface: &'s Surface,
-    ensemble: &'s AnyEnsemble<'s>,
+    ensemble: &'s SectionEnsemble<'s>,
     n: usize,
     /// Time at which trajectories start.
     start: f64,
@@ -229,8 +227,8 @@ impl Observer for Recorder<'_> {
         self.surface.function.linear_form().is_some()
     }
 
-    fn look_over(&mut self, block: &dyn Block, steps: &[f64]) {
-        self.is_looked_over = block.look_over(steps, &mut self.overview);
+    fn look_over(&mut self, series: &dyn Series, steps: &[f64]) {
+        self.is_looked_over = series.look_over(steps, &mut self.overview);
     }
 
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {

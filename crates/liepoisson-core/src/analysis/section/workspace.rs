@@ -1,10 +1,10 @@
 //! What a worker keeps for the steps of all its trajectories: the series of the surface function on a part of a step, and how
 //! far it is from the function.
 
-use super::Surface;
 use super::components::Components;
 use super::remainder::{Sizes, left_out, scale, term};
-use crate::ensemble::{AnyEnsemble, Step};
+use super::{SectionEnsemble, Surface};
+use crate::ensemble::Step;
 use crate::field::{Enclosure, Functions, Rounding};
 use crate::lanes::ROUNDINGS;
 
@@ -72,13 +72,14 @@ pub(super) fn unit(n_orders: usize) -> f64 {
 impl Workspace {
     /// Finds how far the series `(order, component)` of a state is from the state on a step; whether that is bounded, or
     /// estimated only.
-    pub(super) fn measure(&mut self, state: &[f64], step: f64, field: &AnyEnsemble<'_>) -> bool {
+    pub(super) fn measure(&mut self, state: &[f64], step: f64, field: &SectionEnsemble<'_>) -> bool {
         let Workspace { sizes, error_of_state, components, .. } = self;
-        sizes.measure(state, field.n_components, step);
-        components.are_looked_at = sizes.has_small_component(state, field.n_components);
+        let n = field.any.n_components;
+        sizes.measure(state, n, step);
+        components.are_looked_at = sizes.has_small_component(state, n);
         if components.are_looked_at {
-            components.measure_of(state, field.n_components, step);
-            return components.find_errors(&state[..field.n_components], field);
+            components.measure_of(state, n, step);
+            return components.find_errors(&state[..n], field);
         }
         let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
         *error_of_state = bound.unwrap_or_else(|| sizes.last());

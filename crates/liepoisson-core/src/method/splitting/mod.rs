@@ -16,7 +16,8 @@ mod top;
 use crate::error::Error;
 use crate::field::{Space, Top};
 use crate::lanes::{Body, Lane, Number, Wide};
-use crate::method::{Block, Method, Single, StepOutcome, Stepping};
+use crate::method::variational::spread;
+use crate::method::{Block, Method, Precision, Series, Single, StepOutcome, Stepping};
 use coefficients::{ORDERS, Scheme};
 use top::DiscreteLagrange;
 
@@ -50,16 +51,6 @@ impl Splitting {
     /// Order of the composition.
     pub fn order(&self) -> usize {
         self.order
-    }
-
-    /// Longest step.
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// Most steps that a trajectory may take.
-    pub fn max_steps(&self) -> u64 {
-        self.max_steps
     }
 }
 
@@ -193,18 +184,14 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
     }
 
     fn stepping(&self) -> Stepping {
-        Stepping::Fixed(self.step)
+        Stepping::Fixed { longest: self.step, most_repeats: MOST_REPEATS }
     }
 
-    fn representable(&self, size: f64) -> f64 {
-        V::Number::of(size).to_f64()
+    fn precision(&self) -> Precision {
+        Precision::of::<V::Number>()
     }
 
-    fn most_repeats(&self) -> u64 {
-        MOST_REPEATS
-    }
-
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+    fn load(&mut self, lane: usize, _trajectory: usize, group: usize, values: &[f64]) {
         let at = self.group(group);
         for (register, &value) in self.groups[at].iter_mut().zip(values) {
             register.set(lane, value);
@@ -217,7 +204,7 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
         }
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         longest.fill(f64::INFINITY);
     }
 
@@ -244,27 +231,16 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
         V::outline(Norms { group: &self.groups[self.group(group)], norms });
     }
 
-    /// Far enough from overflow for the growth of many steps: a quarter of the exponents that there are.
-    fn range_exponent(&self) -> i32 {
-        if size_of::<V::Number>() == size_of::<f32>() { 32 } else { 256 }
-    }
-
     fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
         let at = self.group(group);
         for register in &mut self.groups[at] {
             register.set(lane, libm::scalbn(register.get(lane), exponent));
         }
     }
-}
 
-/// One number for each lane, rounded to what it holds.
-#[inline(always)]
-fn lanes_of<V: Lane>(numbers: &[f64]) -> V {
-    let mut register = V::splat(0.0);
-    for (lane, &number) in numbers[..V::WIDTH].iter().enumerate() {
-        register.set(lane, number);
+    fn series(&self) -> Option<&dyn Series> {
+        None
     }
-    register
 }
 
 /// Whether all numbers are finite.

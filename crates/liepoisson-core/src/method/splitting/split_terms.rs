@@ -1,7 +1,7 @@
 //! Flows of split terms `F(xi.x)`: exponentials of constant matrices, by their power series.
 
 use super::coefficients::Scheme;
-use super::{Split, lanes_of};
+use super::{Split, spread};
 use crate::field::SplitTerms;
 use crate::field::split_terms::Prepared;
 use crate::lanes::{Body, Lane};
@@ -32,7 +32,7 @@ impl<V: Lane> Body for Steps<'_, V> {
     fn run(self) {
         let Steps { split_terms, scheme, groups, sizes, repeats } = self;
         let Some((outermost, inner)) = split_terms.ridges.split_first() else { return };
-        let step: V = lanes_of(sizes);
+        let step: V = spread(sizes);
         let mut work = Work::new(split_terms.n_components);
         let mut flow = |split_term: &Prepared, part: f64| work.flow(split_term, step.mul(V::splat(part)), groups);
         for _ in 0..repeats {
