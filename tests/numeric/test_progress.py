@@ -1,4 +1,4 @@
-from liepoisson.numeric.progress import part_of
+from liepoisson.numeric.run_options import part_of
 
 
 def test_parts_report_the_fraction_of_the_whole():

@@ -191,7 +191,7 @@ class CovariantRecord:
         states = np.where(np.isnan(states).any(axis=2, keepdims=True), source.state[:, None], states)
         if not finished.any():
             return CovariantVectors(time, states, vector, growth)
-        coefficients = _random_triangles(n, n_all, seed=source.seed, first=source.first)[finished]
+        coefficients = _random_triangles(n, n_all, **source.options.drawn)[finished]
         for k in range(self._after.shape[1] - 1, -1, -1):
             coefficients, _ = _back(self._after[finished, k], coefficients)
         for k in range(self._during - 1, -1, -1):

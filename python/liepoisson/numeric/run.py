@@ -14,7 +14,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import Result, labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, method_of, method_record
-from liepoisson.numeric.systems import HasField, component_names
+from liepoisson.numeric.systems import HasField
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +55,3 @@ def whole(time: Array, t_end: float) -> float:
     if not n or not np.allclose(time, t_end * np.arange(1, n + 1) / n, rtol=1e-12, atol=0.0):
         raise ParameterError(f"time: wanted all times of the run, up to {t_end:g}; got {shown(time)}; load the file")
     return t_end
-
-
-def given(system: Any, field: Field, method: Method, start: Array) -> dict[str, Any]:
-    """The first fields of a `Run`."""
-    names = component_names(system, field.n_components)
-    return {"system": system, "components": names, "field": field, "method": method, "start": start}

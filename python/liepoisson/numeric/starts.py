@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike
 
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
+from liepoisson.portable import elementary
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
 """States as arrays, or by the names of vectors and components, the others being zero."""
@@ -182,6 +184,27 @@ def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
             "sort them and drop repeated ones"
         )
     return times
+
+
+def as_forward_times(t_end: float | None, times: ArrayLike | None, n: int) -> Array:
+    """A copy of positive increasing times; or n times spaced evenly in the logarithm, from `t_end`/1000 to `t_end`.
+
+    Raises:
+        ParameterError: both or neither are given, or they are no such times.
+    """
+    if (t_end is None) == (times is None):
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
+    if times is None:
+        end = as_time(t_end, "t_end", example=1000)
+        wanted = elementary.geomspace(end / 1000.0, end, n)
+        wanted[-1] = end
+        return wanted
+    wanted = as_times(times, "times", least=1)
+    if wanted[0] <= 0.0 or wanted[-1] < wanted[0]:
+        raise ParameterError(
+            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
+        )
+    return wanted
 
 
 def as_values(values: ArrayLike, name: str) -> Array:

@@ -210,9 +210,6 @@ def attitude(
             points along the third axis of space.  By default the two frames coincide at `t[0]`.
         method: How; by default `Taylor()`.  Methods that need a top or pieces of a Hamiltonian do not apply.
         dense: Keep the power series, so that `.at(t)` answers for any time.
-        threads: By default all processors.
-        time_limit: Seconds that the run may take.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Attitude; a trajectory that fails is an outcome in it, not an error.
@@ -226,16 +223,8 @@ def attitude(
     carried = FrameSystem(system)
     states = as_starts(system, starts, len(system.component_names))
     start = np.hstack([states, initial_quaternions(system, states, attitude)])
-    orbit = integrate(
-        carried,
-        start,
-        times=times,
-        method=method,
-        dense=dense,
-        threads=threads,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    run: dict[str, Any] = {"method": method, "threads": threads, "time_limit": time_limit, "progress": progress}
+    orbit = integrate(carried, start, times=times, dense=dense, **run)
     return attitude_of(system, orbit)
 
 

@@ -167,9 +167,6 @@ def rod(
         attitude: Directors at the first arclength, as in `attitude`; "beta" puts the magnetic field upright.
         origin: Beginning of the centre line, shape (3,) or (trajectory, 3).
         method: How; by default `Taylor()`.
-        threads: By default all processors.
-        time_limit: Seconds that the run may take.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Rod; a trajectory that fails is an outcome in it, not an error.
@@ -183,15 +180,8 @@ def rod(
     n = len(system.component_names)
     states = as_starts(system, starts, n)
     start = np.hstack([states, initial_quaternions(system, states, attitude), _origins(origin, len(states))])
-    orbit = integrate(
-        carried,
-        start,
-        times=_arclengths(length, n_points, arclengths),
-        method=method,
-        threads=threads,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    run: dict[str, Any] = {"method": method, "threads": threads, "time_limit": time_limit, "progress": progress}
+    orbit = integrate(carried, start, times=_arclengths(length, n_points, arclengths), **run)
     frames = attitude_of(system, orbit)
     fields = frames.state.reshape(*frames.state.shape[:-1], -1, 3)
     in_space = [

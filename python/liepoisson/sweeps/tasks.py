@@ -16,11 +16,11 @@ from liepoisson.compile.field import QuadraticField, TopField
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.indicators.finite_time_exponents import exponents_of_many, finite_time_exponents
-from liepoisson.indicators.verdict import METHOD as DEFAULT_OF_VERDICTS
 from liepoisson.indicators.verdict import Rule, decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
@@ -215,7 +215,7 @@ class _Points:
         for rows in groups:
             system, points = systems[rows[0]], [chosen[row] for row in rows]
             if piece.quantity == "chaotic_fraction":
-                self.method = str(piece.method or DEFAULT_OF_VERDICTS)
+                self.method = str(piece.method or ENSEMBLE_METHOD)
                 for row, point in zip(rows, points, strict=True):
                     self.value[point], self.outcome[point] = _verdicts(piece, system, x0[row], found[row], self.listen)
                 continue
@@ -344,10 +344,7 @@ def _exponents_of_many(
             x0[found],
             t_end=piece.t_end,
             tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
-            method=cast("Taylor", _method(piece, fields[0])),
-            threads=piece.threads,
-            time_limit=_TIME_LIMIT,
-            progress=listen,
+            options=RunOptions.read(_method(piece, fields[0]), piece.threads, _TIME_LIMIT, listen),
         )
         outcome[found] = _ORDER[np.searchsorted(_SORTED, ended)]
     return value, outcome

@@ -2,7 +2,6 @@ r"""Frequency analysis after Laskar: the main frequency of an orbit in two windo
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_time, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_time
 from liepoisson.indicators.alignment import bound_memory
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
@@ -19,11 +18,12 @@ from liepoisson.inputs.given import at_interval, listed, ordered
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.run import Run
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
+from liepoisson.numeric.systems import HasField, component_names, has_functions
 from liepoisson.portable import elementary, linear
 
 Signal: TypeAlias = NDArray[np.complex128]
@@ -63,11 +63,6 @@ class FrequencyDrift(Run):
         (array([[-1.7776, -1.7776]]), True)
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        start: Shape (trajectory, component).
         observable: The signal, as it was given; the name of a function of the caller.
         n_samples: Samples in each window.
         window_order: Power of the Hanning window.
@@ -78,7 +73,6 @@ class FrequencyDrift(Run):
         nyquist: $\pi$ over the time between samples: lines beyond it would be taken for others.
         high_power: Share of the power of the signal at frequencies beyond half of `nyquist`, shape (trajectory,).  If
             it is not small, the signal has parts that are sampled too coarsely: raise `n_samples`.
-        outcome: How each trajectory ended, shape (trajectory,).
     """
 
     kind = "frequency drift"
@@ -150,9 +144,6 @@ def frequency_drift(
         (-1.7776, True)
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
-            beside good ones ends at once, with the outcome "not finite".
         observable: The signal f: two names or formulas for real and imaginary part, such as ("beta1", "beta2"); one for
             a real signal; or a function of states, shape (..., component),
             with values of shape (...).  Formulas need a system with a bracket.
@@ -160,10 +151,6 @@ def frequency_drift(
         n_samples: Samples per window, at least 16.
         window_order: Power p of the Hanning window, 1 to 8.  More suppresses neighbouring lines faster and resolves
             them worse.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
-        progress: Called after each 64 trajectories with the fraction that is done.
 
     Returns:
         FrequencyDrift; a trajectory that fails is an outcome in it, not an error.
@@ -177,8 +164,9 @@ def frequency_drift(
     References:
         Laskar, Icarus 88 (1990) 266; Laskar, Physica D 67 (1993) 257.
     """
-    method, observable = as_method(method, Taylor(tol=1e-13)), _texts_of(observable)
-    n = as_field(system).n_components
+    options, observable = RunOptions.read(method, threads, time_limit, progress), _texts_of(observable)
+    field = options.field(system)
+    n = field.n_components
     states, window = as_starts(system, starts, n), as_time(t_end, "t_end", example=1000) / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
     at_once = min(_CHUNK, len(states))
@@ -187,7 +175,6 @@ def frequency_drift(
     evaluate = _as_observable(system, n, observable)
     spare = states[np.isfinite(states).all(axis=1)][:1]
     times = window * np.arange(2 * samples + 1) / samples
-    deadline = clock.monotonic() + as_time_limit(time_limit)
     lines, high = np.full((2, 2, len(states)), np.nan), np.full(len(states), np.nan)
     outcome = np.full(len(states), "finished", dtype="<U16")
     for start in range(0, len(states), _CHUNK):
@@ -196,10 +183,8 @@ def frequency_drift(
             system,
             np.concatenate([states[here], spare]),  # a chunk may have bad rows only; the good one is dropped below
             times=times,
-            method=method,
             kernel="lanes",  # the same bits however the ensemble is cut
-            threads=threads,
-            time_limit=max(deadline - clock.monotonic(), 1e-9),
+            **options.inner(start / len(states), (here.stop - start) / len(states)),
         )
         outcome[here] = orbit.outcome[:-1]
         good = np.flatnonzero(orbit.outcome[:-1] == "finished")
@@ -207,14 +192,12 @@ def frequency_drift(
             signal, real = evaluate(orbit.state[good])
             halves = np.stack([signal[:, : samples + 1], signal[:, samples:]])
             lines[:, :, start + good], high[start + good] = _common_line(halves, window / samples, order, real)
-        if progress is not None:
-            progress(here.stop / len(states))
+        options.tell(here.stop / len(states))
     return FrequencyDrift(
-        **given(system, field_for(system, as_field(system), method), method, states),
+        **options.given(system, states, field),
         observable=observable,
         n_samples=samples,
         window_order=order,
-        time_limit=float(time_limit),
         window=window,
         frequency=lines[0].T.copy(),
         amplitude=lines[1].T.copy(),
