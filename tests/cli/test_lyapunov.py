@@ -90,9 +90,9 @@ def test_one_run_has_no_standard_error(command):
         (["lagrange", "--spectrum", "--t-end", "1e12", "--time-limit", "3"], "at most 10000000 intervals"),
         (["lagrange", "--ensemble", "sphere"], "wanted one of unit-vectors, cube, gaussian; got 'sphere'"),
         (["lagrange", "--tol", "2"], "tol"),
-        (["lagrange", "--threads", "0"], "--threads must be from 1 to 4096; got 0"),
-        (["lagrange", "--seed", "-1"], "--seed must be at least 0"),
-        (["lagrange", "--time-limit", "nan"], "--time-limit must be a positive number of seconds"),
+        (["lagrange", "--threads", "0"], "--threads: wanted a whole number from 1 to 4096; got 0"),
+        (["lagrange", "--seed", "-1"], "--seed: wanted a whole number >= 0"),
+        (["lagrange", "--time-limit", "nan"], "--time-limit: wanted a positive number of seconds"),
         (["lagrange", "--out", " "], "--out must name a file"),
         (
             ["lagrange", "--out", "x.txt"],
@@ -197,7 +197,7 @@ def test_a_very_long_run_is_counted_in_powers_of_ten(command):
 
 
 def test_the_unit_of_time_is_taken_of_some_of_many_starts(monkeypatch):
-    from liepoisson.cli.limits import unit_of_time
+    from liepoisson.cli.runs import unit_of_time
     from liepoisson.numeric import time_scale
 
     seen = []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.cli.options import Where
 from liepoisson.cli.orbit import run_lines
 from liepoisson.cli.starts import find_start
 from liepoisson.errors import LeafError, LiePoissonError
@@ -66,31 +67,31 @@ def test_a_guess_is_moved_onto_leaf_and_energy(command):
 
 def test_casimirs_that_are_left_out_keep_their_values(twisted):
     own = lp.sample_states(twisted, 1, seed=3)[0]
-    start = find_start(twisted, leaf=["C1=2"], seed=3)
+    start = find_start(twisted, Where(leaf=["C1=2"]), seed=3)
     assert start.leaf.casimirs["C1"] == 2
     assert start.leaf.casimirs["C2"] == pytest.approx(own[3:6] @ own[6:])
     assert start.leaf.contains(start.state)
 
 
 def test_several_values_of_leaf_are_taken_together(twisted):
-    assert find_start(twisted, leaf=["C1=2", "C2=1/2,C3=1"]).leaf.casimirs == {"C1": 2, "C2": 0.5, "C3": 1}
+    assert find_start(twisted, Where(leaf=["C1=2", "C2=1/2,C3=1"])).leaf.casimirs == {"C1": 2, "C2": 0.5, "C3": 1}
 
 
 def test_a_start_is_never_moved(twisted):
     with pytest.raises(LeafError, match=r"it has C3 = 1 instead of 2.*--guess"):
-        find_start(twisted, start=["beta=0,0,1"], leaf=["C3=2"])
+        find_start(twisted, Where(start=["beta=0,0,1"], leaf=["C3=2"]))
     with pytest.raises(LeafError, match="it has H = 0 instead of 1"):
-        find_start(twisted, start=["beta=0,0,1"], energy=1)
+        find_start(twisted, Where(start=["beta=0,0,1"], energy=1))
     with pytest.raises(LeafError, match=r"it has C3 = 1 instead of 1\.000001"):
-        find_start(twisted, start=["beta=0,0,1"], leaf=["C3=1.000001"])
-    kept = find_start(twisted, start=["beta=0,0,1"], leaf=["C3=1.00000000001"], energy=0)  # within 1e-10
+        find_start(twisted, Where(start=["beta=0,0,1"], leaf=["C3=1.000001"]))
+    kept = find_start(twisted, Where(start=["beta=0,0,1"], leaf=["C3=1.00000000001"], energy=0))  # within 1e-10
     assert kept.state.tolist() == [0, 0, 0, 0, 0, 0, 0, 0, 1]
 
 
 def test_states_are_read_exactly_by_place_or_by_name(twisted):
-    given = find_start(twisted, start=["1/3,-1,sqrt(2)/2,0,0,0,0,1e-3,2"])
+    given = find_start(twisted, Where(start=["1/3,-1,sqrt(2)/2,0,0,0,0,1e-3,2"]))
     assert given.state.tolist() == [1 / 3, -1, 2**0.5 / 2, 0, 0, 0, 0, 1e-3, 2]
-    named = find_start(twisted, start=["l=1,2,3", "beta2=-4"])
+    named = find_start(twisted, Where(start=["l=1,2,3", "beta2=-4"]))
     assert named.state.tolist() == [1, 2, 3, 0, 0, 0, 0, -4, 0]
 
 
@@ -108,7 +109,7 @@ def test_states_are_read_exactly_by_place_or_by_name(twisted):
 )
 def test_bad_states_are_refused(twisted, words, message):
     with pytest.raises(LiePoissonError, match=message):
-        find_start(twisted, start=words)
+        find_start(twisted, Where(start=words))
 
 
 def test_a_degenerate_leaf_is_named(command):
@@ -202,9 +203,9 @@ def test_ctrl_c_before_the_run_is_one_line(command, monkeypatch, where):
         (["kovalevskaya", "--t-end", "0"], "--t-end must be a finite time other than 0"),
         (["kovalevskaya", "--t-end", "nan"], "--t-end must be a finite time other than 0"),
         (["kovalevskaya", "--points", "1"], "--points must be from 2"),
-        (["kovalevskaya", "--time-limit", "nan"], "--time-limit must be a positive number of seconds; got nan"),
-        (["kovalevskaya", "--time-limit", "-1"], "--time-limit must be a positive number of seconds; got -1"),
-        (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),
+        (["kovalevskaya", "--time-limit", "nan"], "--time-limit: wanted a positive number of seconds; got nan"),
+        (["kovalevskaya", "--time-limit", "-1"], "--time-limit: wanted a positive number of seconds; got -1"),
+        (["kovalevskaya", "--seed", "-1"], "--seed: wanted a whole number >= 0"),
         (["kovalevskaya", "--leaf", "C2=-1"], "C2"),
         (
             ["kovalevskaya", "--leaf", "C7=1"],

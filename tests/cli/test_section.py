@@ -143,7 +143,7 @@ expression = "(p_x^2 + p_y^2)/2 + x^2/2 + y^2 + x^2*y^2/2"
 def test_a_figure_by_default_has_axes_that_vary_on_the_surface(command, tmp_path, monkeypatch):
     """The rate of p_y is -y times a positive function: y vanishes on the surface, and a figure of it is a line."""
     seen = []
-    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure.axes[0]) or [])
+    monkeypatch.setattr("liepoisson.cli.runs.write_figure", lambda figure, stem: seen.append(figure.axes[0]) or [])
     path = tmp_path / "even.toml"
     path.write_text(EVEN)
     code, out, _ = command("section", path, "--starts", 3, "--crossings", 20, "--figure", tmp_path / "even.png")
@@ -192,7 +192,7 @@ def titles(monkeypatch):
         found.append(figure.axes[0].get_title(loc="left") or figure.axes[0].get_title())
         return [stem]
 
-    monkeypatch.setattr("liepoisson.cli.section.write_figure", keep)
+    monkeypatch.setattr("liepoisson.cli.runs.write_figure", keep)
     return found
 
 
@@ -234,7 +234,7 @@ def curves(ax):
 def test_the_first_own_figure_is_unfolded(command, tmp_path, monkeypatch):
     """An asymmetric top: the rate of l3 vanishes on a section that no plane shows unfolded; alpha3 does not."""
     seen = []
-    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure) or [stem])
+    monkeypatch.setattr("liepoisson.cli.runs.write_figure", lambda figure, stem: seen.append(figure) or [stem])
     own = ("heavy-top", "--set", "I=2,1.5,1", "--set", "a=0.3,0,1")
     path = tmp_path / "own.nc"
     code, out, _ = command("section", *own, "--crossings", 60, "--plot", "--out", path)
@@ -257,7 +257,7 @@ def test_the_first_own_figure_is_unfolded(command, tmp_path, monkeypatch):
 
 def test_two_sheets_are_drawn_side_by_side_and_named(command, monkeypatch):
     seen = []
-    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure) or [stem])
+    monkeypatch.setattr("liepoisson.cli.runs.write_figure", lambda figure, stem: seen.append(figure) or [stem])
     leaf = ("--leaf", "C1=0.5,C2=1", "--energy", 1.5)
     _, out, _ = command("section", "kovalevskaya", "--surface", "l3", *leaf, "--crossings", 60, "--plot")
     line = r"^figure   (.+) and (.+): two sheets side by side, one for each sign of (.+)$"
@@ -284,9 +284,9 @@ def test_two_sheets_are_drawn_side_by_side_and_named(command, monkeypatch):
         (["kovalevskaya", "--crossings", "0"], "--crossings must be from 1 to 1000000000; got 0. Try 500."),
         (["kovalevskaya", "--t-end", "nan"], "--t-end must be a finite time other than 0; got nan. Leave it out."),
         (["kovalevskaya", "--t-end", "0"], "--t-end must be a finite time other than 0"),
-        (["kovalevskaya", "--threads", "0"], "--threads must be from 1 to 4096; got 0"),
-        (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),
-        (["kovalevskaya", "--time-limit", "0"], "--time-limit must be a positive number of seconds; got 0"),
+        (["kovalevskaya", "--threads", "0"], "--threads: wanted a whole number from 1 to 4096; got 0"),
+        (["kovalevskaya", "--seed", "-1"], "--seed: wanted a whole number >= 0"),
+        (["kovalevskaya", "--time-limit", "0"], "--time-limit: wanted a positive number of seconds; got 0"),
         (["kovalevskaya", "--start", "l=1,0,0", "--starts", "3"], "--starts and --start exclude each other"),
         (["kovalevskaya", "--plot", "--keep", "l1", "--x", "l2"], "--x and --y must be kept; 'l2' is not"),
         (["kovalevskaya", "--plot", "--keep", "l1"], "two functions for its axes; only 'l1' is there"),
