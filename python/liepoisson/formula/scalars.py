@@ -56,6 +56,14 @@ def as_number(value: Any, name: str, wanted: str) -> float:
     raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; give a plain number")
 
 
+def as_positive(value: Any, name: str, wanted: str, *, example: float, zero: bool = False) -> float:
+    """A finite number above 0 as a plain float; 0, too, if it may be."""
+    number = as_number(value, name, wanted)
+    if not (0.0 < number < math.inf or (zero and number == 0.0)):
+        raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; try {example:g}")
+    return number
+
+
 def as_time(value: Any, name: str, *, example: float, forwards: bool = True) -> float:
     """A length of time that is divided into others, as a plain float; either way if not `forwards`."""
     wanted = "a positive finite time" if forwards else "a finite time that is not 0"

@@ -13,7 +13,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method
@@ -259,8 +259,7 @@ def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> 
     """Unit tangent vectors made of drawn ones, shape (trajectory, tangent, component)."""
     if within == "space":
         return drawn
-    if within not in ("leaf", "energy"):
-        raise ParameterError(f'within: wanted "space", "leaf" or "energy"; got {shown(within)}; leave it out')
+    check_choice(within, "within", ("space", "leaf", "energy"), "leave it out")
     if not has_functions(system):
         raise ParameterError(
             f'within: wanted a system with a bracket for "{within}"; got {shown(system)}; try within="space"'

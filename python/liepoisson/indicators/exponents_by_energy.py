@@ -9,13 +9,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.indicators.estimates import Estimate, as_confidence
 from liepoisson.indicators.mean_error import mean_interval
 from liepoisson.indicators.tangent_frames import as_duration
 from liepoisson.indicators.verdict import Kind, Rule, as_rule, decide, rule_of, rule_record
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
@@ -186,8 +186,8 @@ def exponents_by_energy(
     _check_leaf(system, leaf)
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed)
     values, field = np.atleast_1d(as_values(energies, "energies")), options.field(system)
-    if values.ndim != 1 or values.size == 0:
-        raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
+    fits = values.ndim == 1 and values.size > 0
+    check_shape(fits, "energies", "(energy,) with one or more energies", values)
     n_starts = as_count(n_starts, "n_starts", least=1, most=_MOST, hint="try n_starts=100")
     t_end = as_duration(t_end, "t_end")
     rule, confidence = as_rule(rule), as_confidence(confidence)

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.compile.field import QuadraticField, TopField
-from liepoisson.errors import ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
 from liepoisson.numeric.methods import Method
@@ -119,24 +118,22 @@ def finite_time_exponents(
     options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
     field = options.field(system)
     n = field.n_components
-    states, wanted = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
+    states, at = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
     first = as_first(options.first, len(states))
     if tangents is None:
         vectors = sample_tangents(n, len(states), **options.drawn)
     else:
         vectors = as_states(tangents, n, "tangents", names=component_names(system, n))
-        if len(vectors) not in (1, len(states)):
-            raise ShapeError(
-                f"tangents must have shape ({n},) or ({len(states)}, {n}), one for each trajectory; got shape "
-                f"{vectors.shape}. Give as many as there are states."
-            )
+        wanted = f"({n},) or ({len(states)}, {n}), one for each trajectory"
+        fits = len(vectors) in (1, len(states))
+        check_shape(fits, "tangents", wanted, vectors, "Give as many as there are states.")
         vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
     raw = _core.growth(
         core_field(field),
         options.method.core(),
         states.ravel(),
         vectors.ravel(),
-        np.concatenate([[0.0], wanted]),
+        np.concatenate([[0.0], at]),
         options.threads,
         options.time_limit,
         progress,
@@ -145,8 +142,8 @@ def finite_time_exponents(
         **options.given(system, states, field),
         seed=options.seed,
         first=first,
-        time=wanted,
-        exponent=raw["exponent"].reshape(len(states), len(wanted)),
+        time=at,
+        exponent=raw["exponent"].reshape(len(states), len(at)),
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive
 from liepoisson.indicators.estimates import Estimate, Resampling
 from liepoisson.indicators.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
@@ -308,9 +308,9 @@ def _as_plan(
     wanted_error: float | None, t_end: float | None, block: float | None, scale: Array
 ) -> tuple[float | None, int, float]:
     """The wanted error, the largest number of blocks, and their length, which divides the longest time."""
-    wanted = None if wanted_error is None else as_number(wanted_error, "wanted_error", "a positive number")
-    if wanted is not None and not 0.0 < wanted < math.inf:
-        raise ParameterError(f"wanted_error: wanted a positive number; got {wanted}; try 0.01")
+    wanted = (
+        None if wanted_error is None else as_positive(wanted_error, "wanted_error", "a positive number", example=0.01)
+    )
     longest = as_duration(natural_duration(LONGEST, scale, otherwise=LONGEST) if t_end is None else t_end, "t_end")
     if block is None:
         most = longest / (2 * _LEAST_BLOCKS)

@@ -9,16 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.indicators.covariant_vectors import CovariantRecord, CovariantVectors
 from liepoisson.indicators.mean_error import mean_error, mean_over_starts
 from liepoisson.indicators.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
 from liepoisson.indicators.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_kind
 from liepoisson.io.result import labelled, part
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories
@@ -228,12 +227,10 @@ def lyapunov_spectrum(
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
         structure = poisson_structure(system, start, frames.unit)
-    elif not isinstance(structure, PoissonStructure):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"structure: wanted a PoissonStructure; got {shown(structure)}; leave it out")
-    elif structure.shape != (len(start),):
-        raise ShapeError(
-            f"structure: wanted arrays of shape ({len(start)},), a value for each trajectory; got {structure.shape}"
-        )
+    else:
+        check_kind(structure, PoissonStructure, "structure", "a PoissonStructure", "leave it out")
+        fits = structure.shape == (len(start),)
+        check_shape(fits, "structure", f"({len(start)},), a value for each trajectory", structure)
     before = n_intervals(transient, interval, names=("transient", "interval"))
     per_time = -(-n_intervals(t_end, interval) // N_TIMES)
     n_times = -(-n_intervals(t_end, interval) // per_time)

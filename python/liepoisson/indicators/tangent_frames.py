@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from liepoisson import _core
 from liepoisson.compile.field import Field
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_number, as_time
+from liepoisson.formula.scalars import as_count, as_positive, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.outcomes import outcome_names
@@ -320,12 +320,11 @@ def as_duration(value: Any, name: str, *, zero: bool = False) -> float:
     Raises:
         ParameterError: it is none.
     """
-    if not zero:
-        return as_time(value, name, example=5)
-    duration = as_number(value, name, "a finite time >= 0")
-    if not 0.0 <= duration < np.inf:
-        raise ParameterError(f"{name}: wanted a finite time >= 0; got {duration}; try {name}=0")
-    return duration
+    return (
+        as_positive(value, name, "a finite time >= 0", example=0, zero=True)
+        if zero
+        else as_time(value, name, example=5)
+    )
 
 
 def n_intervals(duration: float, interval: float, *, names: tuple[str, str] = ("t_end", "interval")) -> int:

@@ -23,7 +23,7 @@ from liepoisson.indicators.proportions import proportion
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.inputs.given import listed
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, check_kind, not_a, shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories
@@ -97,10 +97,8 @@ class Rule:
                 object.__setattr__(self, name, (low, high))
         for name in ("averages", "least_time"):
             if not as_number(getattr(self, name), f"rule.{name}", "a number") >= 0.0:
-                raise ParameterError(
-                    f"rule.{name}: wanted a number >= 0; got {shown(getattr(self, name))}; "
-                    f"try {getattr(type(self), name)}"
-                )
+                usual = getattr(type(self), name)
+                raise not_a("a number >= 0", getattr(self, name), f"rule.{name}", f"try {usual}")
 
     def votes(self, growth_power: Array, mean_megno: Array, sali: Array, averages: Array) -> NDArray[np.int8]:
         """What each indicator says: -1 regular, +1 chaotic, 0 neither (or no value), shape (trajectory, indicator)."""
@@ -194,8 +192,7 @@ class Verdict(Run):
         Raises:
             ParameterError: an unknown kind, or no trajectory finished.
         """
-        if kind not in KINDS:
-            raise ParameterError(f"kind: wanted one of {', '.join(KINDS)}; got {shown(kind)}")
+        check_choice(kind, "kind", KINDS)
         done = self.outcome == "finished"
         return proportion(int(np.sum(self.verdict[done] == kind)), int(done.sum()), confidence=confidence)
 
@@ -310,11 +307,9 @@ def as_rule(rule: Any) -> Rule:
     Raises:
         ParameterError: it is no `Rule`.
     """
-    if rule is None:
-        return Rule()
-    if not isinstance(rule, Rule):
-        raise ParameterError(f"rule: wanted a Rule; got {shown(rule)}; try Rule(megno=(3, 5)), or leave it out")
-    return rule
+    return (
+        Rule() if rule is None else check_kind(rule, Rule, "rule", "a Rule", "try Rule(megno=(3, 5)), or leave it out")
+    )
 
 
 def _judge(
@@ -422,8 +417,7 @@ def agreement(verdict: Verdict) -> Agreement:
     Raises:
         ParameterError: it is none.
     """
-    if not isinstance(verdict, Verdict):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"verdict: wanted what decide returns; got {shown(verdict)}; call decide first")
+    check_kind(verdict, Verdict, "verdict", "what decide returns", "call decide first")
     done = np.flatnonzero(verdict.outcome == "finished")
     votes = verdict.votes[done].astype(np.int64)
     same = (votes[:, :, None] == votes[:, None, :]).sum(axis=0)

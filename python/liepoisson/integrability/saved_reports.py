@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
 from liepoisson.formula.scalars import as_count, as_time_limit
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import MOST_BYTES, certificate
@@ -40,7 +40,6 @@ _KINDS = ("System", "CanonicalSystem", "Top")
 """Classes of systems that have texts."""
 
 
-@explains_its_arguments
 @shows_progress
 def load_report(
     path: str | Path,

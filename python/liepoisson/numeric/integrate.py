@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.compile.field import TopField
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.io.result import labelled, pieces
 from liepoisson.numeric.invariants import KeepsInvariants
@@ -329,10 +329,7 @@ def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, names: Sequenc
     vectors = as_array(tangents, "tangents", names)
     if vectors.ndim == 2:
         vectors = np.broadcast_to(vectors, (n_trajectories, *vectors.shape))
-    if vectors.ndim != 3 or vectors.shape[0] != n_trajectories or vectors.shape[2] != n:
-        raise ShapeError(
-            f"tangents must have shape (tangent, {n}) or ({n_trajectories}, tangent, {n}); got shape {vectors.shape}"
-        )
-    if not np.isfinite(vectors).all():
-        raise ParameterError("tangents: wanted finite numbers; got a NaN or an infinity; drop these vectors")
+    fits = vectors.ndim == 3 and vectors.shape[0] == n_trajectories and vectors.shape[2] == n
+    check_shape(fits, "tangents", f"(tangent, {n}) or ({n_trajectories}, tangent, {n})", vectors)
+    check_finite(vectors, "tangents", "drop these vectors")
     return np.ascontiguousarray(vectors)

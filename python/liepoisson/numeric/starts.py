@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_time
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 from liepoisson.portable import elementary
@@ -152,11 +152,8 @@ def as_states(
     """
     states = as_array(starts, name, names)
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
-        hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
-        raise ShapeError(
-            f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}."
-            f"{hint or _component_hint(names)}"
-        )
+        hint = "Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else _component_hint(names)
+        check_shape(False, name, f"({n_components},) or (trajectory, {n_components})", states, hint)
     states = np.atleast_2d(states)
     bad = ~np.isfinite(states).all(axis=1)
     if bad.any() and (bad.all() or not some_may_fail):
@@ -169,14 +166,14 @@ def as_states(
 
 def _component_hint(names: Sequence[str]) -> str:
     few = names if len(names) <= 9 else (*names[:6], "...", *names[-3:])
-    return f" The components are {', '.join(few)}." if names else ""
+    return f"The components are {', '.join(few)}." if names else ""
 
 
 def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
     """A copy of finite, strictly monotone times, at least `least` of them."""
     times = np.atleast_1d(as_values(times, name))
-    if times.ndim != 1 or len(times) < least:
-        raise ShapeError(f"{name} must have shape (time,) with {least} or more times; got shape {times.shape}")
+    fits = times.ndim == 1 and len(times) >= least
+    check_shape(fits, name, f"(time,) with {least} or more times", times)
     steps = np.diff(times)
     if not np.isfinite(times).all() or not (np.all(steps > 0) or np.all(steps < 0)):
         raise ParameterError(

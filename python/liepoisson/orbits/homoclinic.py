@@ -102,7 +102,6 @@ def symmetric_homoclinic_orbits(
         threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.
         time_limit: Seconds after which nothing more is looked for; what was found by then is described to the end, and
             `is_cut_short` is true.
-        progress: Called with the fraction that is done.
 
     Returns:
         The orbits by increasing time of flight; that there are no others is not proved.

@@ -103,7 +103,6 @@ def symmetric_periodic_orbits(
             do not depend on it, bit for bit.
         time_limit: Seconds after which nothing more is looked for; what was found by then is described to the end, and
             `is_cut_short` is true.
-        progress: Called with the fraction that is done.
 
     Returns:
         The orbits by decreasing growth rate; that there are no others is not proved.

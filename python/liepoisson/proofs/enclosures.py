@@ -157,7 +157,6 @@ def enclose_flow(
         step: The longest step; by default only the series decide.
         precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the set has become too wide, or the time limit has passed.
@@ -275,7 +274,6 @@ def enclose_section_map(
         step: The longest step; by default only the series decide.
         precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the set has become too wide, it is not certain that every orbit crosses once and transversally

@@ -167,7 +167,6 @@ def prove_equilibrium(
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
         precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: no box is mapped into itself: there is no equilibrium nearby, or it is not isolated on its
@@ -227,7 +226,6 @@ def enclose_equilibria(
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb, which is slow.
         precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the time limit has passed.

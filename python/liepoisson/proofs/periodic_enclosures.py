@@ -150,7 +150,6 @@ def prove_periodic_orbit(
         step: The longest step; by default only the series decide.
         precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the orbit does not close, no box is mapped into itself, the enclosures have become too wide, or

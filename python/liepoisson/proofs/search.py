@@ -124,7 +124,6 @@ def find_certificate(
         t_end: The longest segment of a periodic orbit.
         seed: Draws them.
         threads: How many.
-        progress: Called with the fraction that is done.
 
     Raises:
         LeafError: the leaf is not regular, or the level has an equilibrium.

@@ -22,7 +22,7 @@ from liepoisson.compile.field import Field
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array, read_only
+from liepoisson.inputs.arrays import Array, check_shape, read_only
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import not_a_system, shown
 from liepoisson.io.result import Result, labelled, part
@@ -149,8 +149,7 @@ class Attitude(Result, KeepsInvariants):
             ShapeError: the times do not have shape (time,).
         """
         times = as_values(times, "times")
-        if times.ndim != 1:
-            raise ShapeError(f"times must have shape (time,); got shape {times.shape}. Give a list of times.")
+        check_shape(times.ndim == 1, "times", "(time,)", times, "Give a list of times.")
         values = self.orbit.at(times)
         return replace(self, time=times, **_parts(values, self.system))
 

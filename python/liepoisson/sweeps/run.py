@@ -15,7 +15,7 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import MOST_THREADS, as_count, as_number
+from liepoisson.formula.scalars import MOST_THREADS, as_count, as_positive
 from liepoisson.indicators.verdict import as_rule
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
@@ -181,8 +181,7 @@ def _check_options(store: Any, scheduler: Any, patience: Any) -> None:
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}. Write FILE.zarr.")
     if scheduler is not None and not isinstance(scheduler, str):
         raise ParameterError(f"scheduler: wanted an address; got {shown(scheduler)}. Write tcp://node1:8786.")
-    if not 0 <= as_number(patience, "patience", "a number of seconds") < math.inf:
-        raise ParameterError(f"patience: wanted a number of seconds, not negative; got {shown(patience)}; try 60")
+    as_positive(patience, "patience", "a number of seconds, not negative", example=60, zero=True)
 
 
 def _columns(axes: object) -> dict[Any, Any] | None:

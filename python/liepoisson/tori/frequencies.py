@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_time
 from liepoisson.indicators.alignment import bound_memory
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import at_interval, listed, ordered
 from liepoisson.inputs.refusals import shown
@@ -226,17 +226,12 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
         ParameterError: The signal is not finite, the interval is not positive, or the signal has times as labels that
             do not differ by it.
     """
-    step = as_number(interval, "interval", "a positive time")
-    if not 0.0 < step < np.inf:
-        raise ParameterError(f"interval: wanted a positive time; got {step}; give the time between two samples")
+    step = as_positive(interval, "interval", "a positive time between two samples", example=0.1)
     values = np.atleast_2d(np.array(ordered(at_interval(signal, "signal", step), "signal")))
-    if values.ndim != 2 or values.shape[1] < 17 or values.dtype.kind not in "iufc":
-        raise ShapeError(
-            f"signal must have shape (sample,) or (trajectory, sample), numbers, 17 samples or more; got shape "
-            f"{values.shape} of {values.dtype}. Sample it for longer."
-        )
-    if not np.isfinite(values).all():
-        raise ParameterError("signal: wanted finite numbers; got a NaN or an infinity; leave these trajectories out")
+    fits = values.ndim == 2 and values.shape[1] >= 17 and values.dtype.kind in "iufc"
+    wanted = "(sample,) or (trajectory, sample), numbers, 17 samples or more"
+    check_shape(fits, "signal", wanted, values, f"They are of {values.dtype}. Sample it for longer.")
+    check_finite(values, "signal", "leave these trajectories out")
     order = as_count(window_order, "window_order", least=1, most=_MOST_ORDER)
     real = values.dtype.kind != "c"
     lines, _ = _common_line(values.astype(np.complex128)[None], step, order, real)
@@ -353,8 +348,7 @@ def _from_function(function: Callable[[Array], ArrayLike]) -> Callable[[Array], 
                 f"observable: a function of states of shape {states.shape} must give numbers of shape "
                 f"{states.shape[:-1]}; got shape {signal.shape} of {signal.dtype}. Index the last axis?"
             )
-        if not np.isfinite(signal).all():
-            raise ParameterError("observable: wanted finite values; got a NaN or an infinity; choose another function")
+        check_finite(signal, "observable", "choose another function")
         return signal.astype(np.complex128), signal.dtype.kind != "c"
 
     return values
