@@ -9,7 +9,7 @@ from liepoisson.plot.labels import label
 from liepoisson.plot.section import _in_one_turn, titled_section
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.style import SEQUENCE
-from liepoisson.poincare.section_axes import default_axes
+from liepoisson.poincare.section_coordinates import default_axes
 
 TOP = lp.Top.kovalevskaya()
 

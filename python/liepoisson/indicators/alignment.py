@@ -17,8 +17,7 @@ from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run
+from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_alignment_vectors
 from liepoisson.numeric.starts import StartsLike, as_forward_times, as_starts, as_states

@@ -21,8 +21,7 @@ from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import typical
-from liepoisson.numeric.run import Run
+from liepoisson.numeric.run import Run, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import as_values
 from liepoisson.numeric.systems import HasField, as_field, has_functions

@@ -21,8 +21,7 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run
+from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField

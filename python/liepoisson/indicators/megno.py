@@ -16,8 +16,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run, whole
+from liepoisson.numeric.run import Run, trajectories, typical, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states

@@ -20,8 +20,7 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.io.result import labelled, part
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories
-from liepoisson.numeric.run import IntegratedRun, whole
+from liepoisson.numeric.run import IntegratedRun, trajectories, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField

@@ -20,7 +20,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_positive, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.outcomes import outcome_names
+from liepoisson.numeric.run import outcome_names
 from liepoisson.numeric.run_options import Progress, RunOptions
 from liepoisson.numeric.sampling import BLOCK, as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts

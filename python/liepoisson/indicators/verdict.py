@@ -26,8 +26,7 @@ from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, check_kind, not_a, shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories
-from liepoisson.numeric.run import Run
+from liepoisson.numeric.run import Run, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.numeric.starts import StartsLike, given_starts

@@ -25,8 +25,7 @@ from liepoisson.integrability.painleve.singularity_analysis import PainleveTest,
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
-from liepoisson.io.files import read_text
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, read_text
 from liepoisson.model.system_text import read_system_text
 
 if TYPE_CHECKING:

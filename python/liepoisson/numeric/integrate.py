@@ -19,8 +19,7 @@ from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.io.result import labelled, pieces
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.outcomes import outcome_names, trajectories
-from liepoisson.numeric.run import IntegratedRun
+from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
 from liepoisson.numeric.systems import HasField, component_names, core_field, without_value

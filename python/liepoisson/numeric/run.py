@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson import _core
 from liepoisson.compile.field import Field, field_of, record_of
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array
@@ -55,3 +56,22 @@ def whole(time: Array, t_end: float) -> float:
     if not n or not np.allclose(time, t_end * np.arange(1, n + 1) / n, rtol=1e-12, atol=0.0):
         raise ParameterError(f"time: wanted all times of the run, up to {t_end:g}; got {shown(time)}; load the file")
     return t_end
+
+
+def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:
+    """Outcomes by name."""
+    return np.array(_core.outcomes())[codes]
+
+
+def trajectories(outcome: NDArray[np.str_]) -> str:
+    """How many there are, and how many of them failed, as a `repr` says it."""
+    failed = int(np.sum(outcome != "finished"))
+    return f"{outcome.size} trajector{'y' if outcome.size == 1 else 'ies'}" + (f" ({failed} failed)" if failed else "")
+
+
+def typical(quantity: str, values: Array) -> str:
+    """The median of the finite ones among the values, as a `repr` says it: the value itself if there is one."""
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return f"no {quantity}"
+    return f"{'median ' if finite.size > 1 else ''}{quantity} {np.median(finite):.4g}"

@@ -15,8 +15,7 @@ from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.outcomes import typical
-from liepoisson.numeric.run import Run
+from liepoisson.numeric.run import Run, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField

@@ -18,8 +18,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.io.result import labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.outcomes import outcome_names
-from liepoisson.numeric.run import IntegratedRun
+from liepoisson.numeric.run import IntegratedRun, outcome_names
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, component_names, core_field

@@ -19,8 +19,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run
+from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, component_names, has_functions
