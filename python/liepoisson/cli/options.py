@@ -145,10 +145,11 @@ def flat(command: Callable[..., None]) -> Callable[..., None]:
 
     arguments = [p for p in options if p.kind is not p.KEYWORD_ONLY]
     named = [p for p in options if p.kind is p.KEYWORD_ONLY]
-    call.__signature__ = inspect.Signature([*arguments, *named])  # pyright: ignore[reportFunctionMemberAccess]
-    call.__annotations__ = {p.name: p.annotation for p in options}
-    del call.__wrapped__  # pyright: ignore[reportFunctionMemberAccess]  # whose options Typer would look up
-    return call
+    flattened: Any = call
+    flattened.__signature__ = inspect.Signature([*arguments, *named])
+    flattened.__annotations__ = {p.name: p.annotation for p in options}
+    del flattened.__wrapped__  # whose options Typer would look up
+    return flattened
 
 
 def _option(field: Field[Any], annotation: Any) -> inspect.Parameter:

@@ -67,7 +67,8 @@ def check_choice(value: object, name: str, choices: Collection[object], hint: st
         return
     said = [f'"{one}"' if isinstance(one, str) else str(one) for one in choices]
     wanted = " or ".join(filter(None, [", ".join(said[:-1]), said[-1]]))
-    raise not_a(wanted, value, name, hint or did_you_mean(value, map(str, choices)).strip() or "take one of these")
+    near = did_you_mean(value, map(str, choices)).strip()
+    raise not_a(wanted, value, name, hint or near.replace("Did", "did") or "take one of these")
 
 
 def not_a(wanted: str, value: object, name: str, hint: str) -> ParameterError:

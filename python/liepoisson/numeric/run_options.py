@@ -87,7 +87,7 @@ class RunOptions:
         return not self.deadline.lasts()
 
     @property
-    def drawn(self) -> dict[str, int]:
+    def drawn(self) -> dict[str, Any]:
         """Seed and number of the first trajectory, as functions take them and results record them."""
         return {"seed": self.seed, "first": self.first}
 

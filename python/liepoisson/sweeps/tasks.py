@@ -16,7 +16,7 @@ from liepoisson.compile.field import QuadraticField, TopField
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.indicators.finite_time_exponents import exponents_of_many, finite_time_exponents
-from liepoisson.indicators.verdict import Rule, decide
+from liepoisson.indicators.verdict import Rule, as_rule, decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import Method, Taylor
@@ -28,7 +28,7 @@ from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
 if TYPE_CHECKING:
-    from liepoisson.sweeps.spec import Starts
+    from liepoisson.sweeps.spec import Starts, SweepSpec
     from liepoisson.sweeps.targets import Targets
 
 OUTCOMES: tuple[str, ...] = (*_core.outcomes(), "no start", "not computed", "no system", "failed")
@@ -78,6 +78,34 @@ class Piece:
     rule: Rule = field(default_factory=Rule)
     threads: int | None = 1
     meaning: Meaning | None = None
+
+    @classmethod
+    def of(
+        cls,
+        spec: SweepSpec,
+        family: Family,
+        targets: Targets,
+        n_points: int,
+        *,
+        index: int = 0,
+        meaning: Meaning | None = None,
+    ) -> Piece:
+        """The task that a spec makes of some points."""
+        return cls(
+            index=index,
+            family=family,
+            targets=targets,
+            n_points=n_points,
+            starts=spec.starts,
+            n=spec.n_starts,
+            t_end=float(spec.t_end),
+            quantity=spec.quantity,
+            rule=as_rule(spec.rule),
+            method=spec.method,
+            seed=spec.seed,
+            version=__version__,
+            meaning=meaning,
+        )
 
 
 @dataclass(frozen=True)
