@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import ShownList
 from liepoisson.io.tables import Tabular
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ EULER = {"point": 1, "circle": 0, "sphere": 2, "all rotations": 0}
 _DIMENSION = {"point": 0, "circle": 1, "sphere": 2, "all rotations": 3}
 
 
-@dataclass(frozen=True)
-class Equilibria(Sequence["Equilibrium"], Tabular):
+@dataclass(frozen=True, repr=False)
+class Equilibria(ShownList["Equilibrium"], Tabular):
     r"""The equilibria of a leaf by increasing energy, and whether they are all.
 
     Behaves like a list of `Equilibrium`: one for each isolated equilibrium and for each connected family.
@@ -91,18 +91,6 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             f"characteristic of the leaf is {self.euler_characteristic}: take more starts"
         )
 
-    @overload
-    def __getitem__(self, index: int) -> Equilibrium: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Equilibrium]: ...
-    def __getitem__(self, index: int | slice) -> Equilibrium | list[Equilibrium]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many, each family counted once."""
-        return len(self.found)
-
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each equilibrium its energy, state, family and stability."""
         names = self.leaf.system.component_names
@@ -132,16 +120,6 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             for k, names in found
             if names
         )
-
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: how complete the list is, and its table."""
-        return as_line(self._head()) + as_table(self._rows())
 
     def _head(self) -> str:
         n = len(self.found) - self.n_undecided

@@ -1,9 +1,49 @@
-"""What a notebook shows of things that are tables or plain texts, as HTML."""
+"""What a terminal and a notebook show of things that are lists, tables or plain texts."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from html import escape
+from typing import TypeVar, overload
+
+T = TypeVar("T")
+
+
+class ShownList(Sequence[T]):
+    """What a search has found, a sequence: a line says what it is, and a table has a row for each item."""
+
+    found: tuple[T, ...]
+
+    @abstractmethod
+    def _head(self) -> str:
+        """The line."""
+
+    @abstractmethod
+    def _rows(self) -> list[tuple[str, ...]]:
+        """The table, the first row its head."""
+
+    @overload
+    def __getitem__(self, index: int) -> T: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[T]: ...
+    def __getitem__(self, index: int | slice) -> T | list[T]:
+        """One of them, or a list of several."""
+        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.found)
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return "\n".join([self._head(), *table] if self.found else [self._head()])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the line and the table."""
+        return as_line(self._head()) + as_table(self._rows())
 
 
 def as_line(text: str) -> str:

@@ -22,7 +22,7 @@ import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,7 +34,7 @@ from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import by_name
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import ShownList
 from liepoisson.model.signed_permutations import (
     MOST_TRIED,
     SignedPermutation,
@@ -194,8 +194,8 @@ class DiscreteSymmetry:
         return f"<DiscreteSymmetry of {self.system.name!r}: {self.text}>"
 
 
-@dataclass(frozen=True)
-class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
+@dataclass(frozen=True, repr=False)
+class DiscreteSymmetries(ShownList[DiscreteSymmetry]):
     """The discrete symmetries of a system, those that keep the direction of time first; the identity is left out.
 
     Example:
@@ -217,28 +217,6 @@ class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
     def reversers(self) -> tuple[DiscreteSymmetry, ...]:
         """The involutions that reverse time."""
         return tuple(one for one in self.found if one.is_reverser)
-
-    @overload
-    def __getitem__(self, index: int) -> DiscreteSymmetry: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[DiscreteSymmetry]: ...
-    def __getitem__(self, index: int | slice) -> DiscreteSymmetry | list[DiscreteSymmetry]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
-
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
 
     def _head(self) -> str:
         n = len(self.found)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import ShownList
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.periodic_orbits import CUT_SHORT
 from liepoisson.orbits.unstable import UnstableSpace
@@ -108,8 +107,8 @@ class HomoclinicOrbit(ReadOnlyArrays):
         )
 
 
-@dataclass(frozen=True, eq=False)
-class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
+@dataclass(frozen=True, eq=False, repr=False)
+class HomoclinicOrbits(ShownList[HomoclinicOrbit], Tabular):
     """Symmetric homoclinic orbits to one periodic orbit or equilibrium, those with the shortest flight first.
 
     Example:
@@ -135,18 +134,6 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
     n_starts: int
     is_cut_short: bool = False
 
-    @overload
-    def __getitem__(self, index: int) -> HomoclinicOrbit: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[HomoclinicOrbit]: ...
-    def __getitem__(self, index: int | slice) -> HomoclinicOrbit | list[HomoclinicOrbit]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
-
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its half flight, midpoint and angles in rad."""
         names = self.origin.system.component_names
@@ -160,16 +147,6 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit], Tabular):
             **{f"midpoint_{name}": column for name, column in zip(names, states.T, strict=True)},
             **{f"angle_{k}": column for k, column in enumerate(angles.T, start=1)},
         }
-
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
 
     def _head(self) -> str:
         n = len(self.found)

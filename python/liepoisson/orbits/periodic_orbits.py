@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import ShownList
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import ComplexArray, kind_of
@@ -136,8 +135,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         return f"<SymmetricOrbit of {self.system.name!r}: period {self.period:.8g}, {self.stability}{big}>"
 
 
-@dataclass(frozen=True, eq=False)
-class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
+@dataclass(frozen=True, eq=False, repr=False)
+class SymmetricOrbits(ShownList[SymmetricOrbit], Tabular):
     """Symmetric periodic orbits of a level, those with the largest growth rate first.
 
     Example:
@@ -165,18 +164,6 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
     n_families: int
     is_cut_short: bool = False
 
-    @overload
-    def __getitem__(self, index: int) -> SymmetricOrbit: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[SymmetricOrbit]: ...
-    def __getitem__(self, index: int | slice) -> SymmetricOrbit | list[SymmetricOrbit]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
-
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its start, period, stability and the size of its multipliers."""
         names = self.level.system.component_names
@@ -190,16 +177,6 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
             **{f"start_{name}": column for name, column in zip(names, states.T, strict=True)},
             **{f"multiplier_size_{k}": column for k, column in enumerate(sizes.T, start=1)},
         }
-
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
 
     def _head(self) -> str:
         n = len(self.found)
