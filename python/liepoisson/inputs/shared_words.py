@@ -27,6 +27,8 @@ ARGUMENTS = {
         'Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".  What '
         "is done is kept."
     ),
+    "arithmetic": '"intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.',
+    "precision": "Bits of the balls, 53 to 10,000.",
     "progress": "Called with the fraction that is done; by default a bar in a notebook and on a terminal.",
 }
 """What functions say about arguments that they do not describe themselves."""
