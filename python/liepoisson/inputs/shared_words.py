@@ -40,7 +40,7 @@ ATTRIBUTES = {
     "method": "How it was integrated.",
     "seed": "Seed of the tangent vectors.",
     "first": "Number of the first trajectory.",
-    "start": "States at time 0, shape (trajectory, component).",
+    "start": "States at the first time, shape (trajectory, component).",
     "outcome": "How each trajectory ended, shape (trajectory,).",
     "end_time": "Time that each trajectory reached, shape (trajectory,).",
     "n_steps": "Accepted steps of each trajectory.",

@@ -18,6 +18,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
+from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -139,7 +140,8 @@ class Result(ReadOnlyArrays, Tabular):
 
     def __init_subclass__(cls) -> None:
         """Describes the attributes that its docstring leaves out as others are."""
-        names = [name for base in reversed(cls.__mro__) for name in vars(base).get("__annotations__", ())]
+        super().__init_subclass__()
+        names = [name for base in reversed(cls.__mro__) for name in get_annotations(base)]
         cls.__doc__ = completed(cls.__doc__, "Attributes", names, ATTRIBUTES)
 
     @abstractmethod

@@ -123,8 +123,7 @@ def as_leaf(leaf: Any) -> Leaf:
     """
     from liepoisson.leaf.leaf import Leaf
 
-    check_kind(leaf, Leaf, "leaf", "a Leaf", "try Leaf.through(system, state)")
-    return leaf
+    return check_kind(leaf, Leaf, "leaf", "a Leaf", "try Leaf.through(system, state)")
 
 
 @explains_its_arguments
