@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NoReturn, TypeAlias, TypeVar, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,19 +121,3 @@ def _protected(value: Any) -> Any:
     if type(value) is dict:
         return {key: _protected(item) for key, item in cast("dict[Any, Any]", value).items()}
     return value
-
-
-Key = TypeVar("Key")
-Value = TypeVar("Value")
-
-
-class ReadOnlyDict(dict[Key, Value]):
-    """A dict that refuses changes; `dict(d)` gives one that can be changed."""
-
-    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("these values belong to a system and cannot be changed; make a system with others")
-
-    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse  # pyright: ignore
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (dict(self),)

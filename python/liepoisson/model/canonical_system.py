@@ -13,10 +13,10 @@ from liepoisson.compile.field import QuadraticField, TapeField
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.values import GivenValue
-from liepoisson.inputs.arrays import ReadOnlyDict
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import by_name, listed
 from liepoisson.inputs.names import check_name
+from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.model.hamiltonian import Hamiltonian, is_expression, read_declarations
 from liepoisson.model.system import System
 from liepoisson.structure.canonical_bracket import canonical

@@ -13,9 +13,9 @@ from liepoisson.compile.field import Field, PiecesField, TapeFunction
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.facades import function_of
 from liepoisson.formula.values import GivenValue, Value, flattened, read_values
-from liepoisson.inputs.arrays import ReadOnlyDict
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.names import check_title
+from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.model.hamiltonian import (
     RESERVED_NAME,
