@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.compile.field import Field, PiecesField, QuadraticField, TopField
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count, as_number
-from liepoisson.inputs.arrays import Array, check_shape
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.numeric.systems import TOP_COMPONENTS, has_pieces
@@ -314,8 +314,10 @@ class LagrangeMap:
         if not isinstance(field, TopField) or not _is_lagrange(field) or field.a[2] == 0.0:
             raise ParameterError(f"integrals: {_NOT_LAGRANGE}, a not zero; got {shown(top)}")
         states = as_array(states, "states", TOP_COMPONENTS)
-        fits = states.ndim > 0 and states.shape[-1] == 9
-        check_shape(fits, "states", "(..., 9), the last axis that of (l, alpha, beta)", states, "Transpose it?")
+        if states.ndim == 0 or states.shape[-1] != 9:
+            raise ShapeError(
+                f"states must end in 9 components (l, alpha, beta); got shape {states.shape}. Transpose it?"
+            )
         return _lax_coefficients(field, self.step, states)
 
     def __str__(self) -> str:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.compile.field import TapeFunction
+from liepoisson.errors import ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array, check_shape
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.methods import Method, Taylor
@@ -131,7 +132,8 @@ def first_return(
     run = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
     states, field = given_starts(system, starts), run.field(system)
     n = field.n_components
-    check_shape(states.ndim > 0 and states.shape[-1] == n, "starts", f"(..., {n})", states)
+    if states.ndim == 0 or states.shape[-1] != n:
+        raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")
     options: dict[str, Any] = {"surface": surface_alone(surface), "t_end": t_end, "direction": direction}
     returned, times, outcome = _arrivals(system, states.reshape(-1, n), run, options)
     shape = states.shape[:-1]
