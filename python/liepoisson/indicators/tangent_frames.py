@@ -8,7 +8,7 @@ References: [benettin1980]; Eckmann and Ruelle, Rev. Mod. Phys. 57 (1985) 617.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -224,7 +224,7 @@ class TangentFrames:
             self.state[going],
             times=[0.0, duration],
             tangents=np.ascontiguousarray(np.swapaxes(self.frame[going] * self.unit[going, :, None], 1, 2)),
-            **self.options.inner() | {"progress": progress},
+            **replace(self.options, progress=progress).inner(),
         )
         self.order, self.kernel = orbit.order, orbit.kernel
         pushed = np.swapaxes(orbit.tangent[:, -1], 1, 2) / self.unit[going, :, None]
