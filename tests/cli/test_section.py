@@ -14,7 +14,7 @@ FEW = ("--starts", 3, "--crossings", 5)
 def drawn(monkeypatch):
     """The figures that a command would write."""
     figures = []
-    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: figures.append(figure) or [stem])
+    monkeypatch.setattr("liepoisson.cli.runs.write_figure", lambda figure, stem: figures.append(figure) or [stem])
     return figures
 
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
 from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
@@ -192,7 +192,6 @@ def _counted(n: int) -> str:
     return "1 case is" if n == 1 else f"{n} cases are"
 
 
-@explains_its_arguments
 @shows_progress
 def integrable_families(
     system: System,

@@ -12,7 +12,7 @@ from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import as_count
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.refusals import not_a, shown
@@ -166,7 +166,6 @@ class FirstIntegrals:
         return "\n".join([*lines, *self.notes])
 
 
-@explains_its_arguments
 @shows_progress
 def first_integrals(
     system: System,

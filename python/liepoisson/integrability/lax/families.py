@@ -15,7 +15,7 @@ from liepoisson.algebra import sparse_polynomials
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
@@ -122,7 +122,6 @@ class LaxFamilies:
         return "\n".join(lines)
 
 
-@explains_its_arguments
 @shows_progress
 def lax_families(
     system: System,
