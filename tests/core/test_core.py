@@ -126,18 +126,20 @@ def cross(*, direction=0, n_crossings=None):
 @pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux", reason="limits the memory of a process")
 def test_what_does_not_fit_into_memory_is_refused_and_the_process_goes_on():
-    """In a process with 2 GiB: too many times, too large a field, too many threads for it."""
+    """With half a GiB more than is used: too many times, too large a field, too many threads for it."""
     script = textwrap.dedent("""
         import resource
+        from pathlib import Path
         import numpy as np
         from liepoisson import _core
         from liepoisson.errors import LiePoissonError, MemoryLimitError
 
         top = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
         taylor = _core.Method.taylor(1e-12, None, False, 1000)
-        n = 2**20
+        n = 2**20  # its series needs 0.7 GB in one lane
         large = _core.Field.quadratic(n, [], [(0, 1, 1.0)], [])
-        resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + (512 << 20), used + (512 << 20)))
         none = np.zeros(0)
         calls = [
             lambda: _core.orbits(top, taylor, np.ones(180), none, 0, np.arange(3e6), 1, 9.0, False, False, None),

@@ -8,7 +8,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.section import titled_section
 from liepoisson.plot.style import SEQUENCE
-from liepoisson.poincare.section_axes import default_axes
+from liepoisson.poincare.section_coordinates import default_axes
 
 TOP = lp.Top.kovalevskaya()
 

@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.indicators.proportions import wilson_interval
+from liepoisson.indicators.mean_error import wilson_interval
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.sweeps.lattice import Cell, split
 from liepoisson.sweeps.run import sweep

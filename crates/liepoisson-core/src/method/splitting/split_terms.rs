@@ -1,9 +1,9 @@
-//! Flows of pieces `F(xi.x)`: exponentials of constant matrices, by their power series.
+//! Flows of split terms `F(xi.x)`: exponentials of constant matrices, by their power series.
 
 use super::coefficients::Scheme;
-use super::{Split, lanes_of};
-use crate::field::Pieces;
-use crate::field::pieces::Prepared;
+use super::{Split, spread};
+use crate::field::SplitTerms;
+use crate::field::split_terms::Prepared;
 use crate::lanes::{Body, Lane};
 
 /// Terms of `exp(s M) x` for `|s M| <= 1`: the next is below `1/19! = 8e-18` of x, in single precision `1/12! = 2e-9`.
@@ -13,14 +13,14 @@ const TERMS_SINGLE: usize = 11;
 /// Most intervals with `|s M| <= 1` in one flow. A longer one makes the numbers NaN: the step is far beyond sense.
 const MOST_INTERVALS: f64 = 4096.0;
 
-impl Split for Pieces {
+impl Split for SplitTerms {
     fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64) {
-        V::outline(Steps { pieces: self, scheme, groups, sizes, repeats });
+        V::outline(Steps { split_terms: self, scheme, groups, sizes, repeats });
     }
 }
 
 struct Steps<'s, V> {
-    pieces: &'s Pieces,
+    split_terms: &'s SplitTerms,
     scheme: &'s Scheme,
     groups: &'s mut [V],
     sizes: &'s [f64],
@@ -30,18 +30,18 @@ struct Steps<'s, V> {
 impl<V: Lane> Body for Steps<'_, V> {
     #[inline(always)]
     fn run(self) {
-        let Steps { pieces, scheme, groups, sizes, repeats } = self;
-        let Some((outermost, inner)) = pieces.ridges.split_first() else { return };
-        let step: V = lanes_of(sizes);
-        let mut work = Work::new(pieces.n_components);
-        let mut flow = |piece: &Prepared, part: f64| work.flow(piece, step.mul(V::splat(part)), groups);
+        let Steps { split_terms, scheme, groups, sizes, repeats } = self;
+        let Some((outermost, inner)) = split_terms.ridges.split_first() else { return };
+        let step: V = spread(sizes);
+        let mut work = Work::new(split_terms.n_components);
+        let mut flow = |split_term: &Prepared, part: f64| work.flow(split_term, step.mul(V::splat(part)), groups);
         for _ in 0..repeats {
             flow(outermost, scheme.first);
             for stage in &scheme.stages {
                 if let Some((innermost, passed)) = inner.split_last() {
-                    passed.iter().for_each(|piece| flow(piece, stage.inwards));
+                    passed.iter().for_each(|split_term| flow(split_term, stage.inwards));
                     flow(innermost, stage.innermost);
-                    passed.iter().rev().for_each(|piece| flow(piece, stage.outwards));
+                    passed.iter().rev().for_each(|split_term| flow(split_term, stage.outwards));
                 }
                 flow(outermost, stage.outermost);
             }
@@ -71,39 +71,39 @@ impl<V: Lane> Work<V> {
         Work { term: vector(), image: vector(), before: vector() }
     }
 
-    /// The flow of a piece for the time t: with `s = t F'(y)`, `x -> exp(s M) x` and
+    /// The flow of a split term for the time t: with `s = t F'(y)`, `x -> exp(s M) x` and
     /// `dx -> exp(s M) (dx + t F''(y) (xi.dx) M x)`.
     #[inline(always)]
-    fn flow(&mut self, piece: &Prepared, t: V, groups: &mut [V]) {
+    fn flow(&mut self, split_term: &Prepared, t: V, groups: &mut [V]) {
         let n = self.term.len();
         let (x, tangents) = groups.split_at_mut(n);
         let form = |vector: &[V]| {
             let sum = V::splat(0.0);
-            piece.ridge.form.iter().fold(sum, |sum, &(i, xi)| vector[i].mul_add(V::splat(xi), sum))
+            split_term.ridge.form.iter().fold(sum, |sum, &(i, xi)| vector[i].mul_add(V::splat(xi), sum))
         };
-        let (first, second) = derivatives(&piece.ridge.derivative, form(x));
-        let intervals = Intervals::new(piece, t.mul(first));
+        let (first, second) = derivatives(&split_term.ridge.derivative, form(x));
+        let intervals = Intervals::new(split_term, t.mul(first));
         for dx in tangents.chunks_exact_mut(n) {
-            if piece.ridge.derivative.len() > 1 {
-                apply(piece, x, &mut self.image);
+            if split_term.ridge.derivative.len() > 1 {
+                apply(split_term, x, &mut self.image);
                 let factor = t.mul(second).mul(form(dx));
                 for (dx, image) in dx.iter_mut().zip(&self.image) {
                     *dx = image.mul_add(factor, *dx);
                 }
             }
-            self.exponential(piece, &intervals, dx);
+            self.exponential(split_term, &intervals, dx);
         }
-        self.exponential(piece, &intervals, x);
+        self.exponential(split_term, &intervals, x);
     }
 
     /// `u -> exp(s M) u`
     #[inline(always)]
-    fn exponential(&mut self, piece: &Prepared, intervals: &Intervals<V>, u: &mut [V]) {
+    fn exponential(&mut self, split_term: &Prepared, intervals: &Intervals<V>, u: &mut [V]) {
         for done in 0..intervals.most {
             self.before.copy_from_slice(u);
             self.term.copy_from_slice(u);
             for k in 1..=intervals.terms {
-                apply(piece, &self.term, &mut self.image);
+                apply(split_term, &self.term, &mut self.image);
                 let factor = intervals.size.mul(V::splat(1.0 / k as f64));
                 for ((u, term), image) in u.iter_mut().zip(&mut self.term).zip(&self.image) {
                     *term = image.mul(factor);
@@ -122,14 +122,14 @@ impl<V: Lane> Work<V> {
 
 impl<V: Lane> Intervals<V> {
     #[inline(always)]
-    fn new(piece: &Prepared, s: V) -> Intervals<V> {
+    fn new(split_term: &Prepared, s: V) -> Intervals<V> {
         let terms = if size_of::<V::Number>() == size_of::<f32>() { TERMS_SINGLE } else { TERMS };
         let (mut size, mut counts, mut most) = (s, V::splat(1.0), 1);
-        if let Some(power) = piece.nilpotent_from.filter(|&power| power <= terms + 1) {
+        if let Some(power) = split_term.nilpotent_from.filter(|&power| power <= terms + 1) {
             return Intervals { size, counts, most, terms: power - 1 };
         }
         for lane in 0..V::WIDTH {
-            let bound = s.get(lane).abs() * piece.norm;
+            let bound = s.get(lane).abs() * split_term.norm;
             let count = bound.ceil().max(1.0);
             if count <= MOST_INTERVALS {
                 size.set(lane, s.get(lane) / count);
@@ -145,9 +145,9 @@ impl<V: Lane> Intervals<V> {
 
 /// `image = M u`
 #[inline(always)]
-fn apply<V: Lane>(piece: &Prepared, u: &[V], image: &mut [V]) {
+fn apply<V: Lane>(split_term: &Prepared, u: &[V], image: &mut [V]) {
     image.fill(V::splat(0.0));
-    for &(row, column, value) in &piece.ridge.generator {
+    for &(row, column, value) in &split_term.ridge.generator {
         image[row] = u[column].mul_add(V::splat(value), image[row]);
     }
 }

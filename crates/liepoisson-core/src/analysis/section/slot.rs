@@ -1,14 +1,14 @@
 //! One trajectory under way: its crossings, and on which side of the surface it is.
 
 use super::survey::Mark;
-use super::{Doubts, Points};
+use super::{Points, Uncertified};
 
 /// One trajectory under way.
 #[derive(Clone)]
-pub(super) struct Seat {
+pub(super) struct Slot {
     pub(super) crossings: Points,
     pub(super) touches: Points,
-    pub(super) doubts: Doubts,
+    pub(super) uncertified: Uncertified,
     /// The last sign of the function that is known, 0 if none is; at first, that before the start.
     pub(super) side: i8,
     /// Whether one was since the start.
@@ -29,13 +29,13 @@ pub(super) struct Seat {
     pub(super) refused: usize,
 }
 
-impl Default for Seat {
-    fn default() -> Seat {
+impl Default for Slot {
+    fn default() -> Slot {
         let (crossings, touches) = (Points::default(), Points::default());
-        Seat {
+        Slot {
             crossings,
             touches,
-            doubts: Doubts::NONE,
+            uncertified: Uncertified::NONE,
             side: 0,
             had_side: false,
             is_cut: false,
@@ -69,7 +69,7 @@ struct Nearest {
     kept: Vec<f64>,
 }
 
-impl Seat {
+impl Slot {
     /// Ends the stay near the surface without a decision: a touch, if it came from a side and did not start there.
     pub(super) fn leave_the_nearest(&mut self) {
         if let Some(Nearest { time, kept, .. }) = self.nearest.take()
@@ -83,7 +83,7 @@ impl Seat {
     /// Forgets the side that was given for a start which is far from the surface, on the other side.
     ///
     /// Near the surface the side is that of a run before, whose error was another one.
-    pub(super) fn doubt_side(&mut self, value: f64, error: f64) {
+    pub(super) fn forget_refuted_side(&mut self, value: f64, error: f64) {
         if !self.had_side && value.abs() > FAR * error && self.side == -sign(value > 0.0) {
             self.side = 0;
         }

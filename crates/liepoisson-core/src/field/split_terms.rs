@@ -1,12 +1,12 @@
-//! Any Hamiltonian that is a sum of functions of one linear form each: every piece has a flow in closed form.
+//! Any Hamiltonian that is a sum of functions of one linear form each: every split term has a flow in closed form.
 
 use super::{Space, check_components};
 use crate::error::Error;
 
-/// A piece `F(y)` of a Hamiltonian, with the linear form `y = xi.x`.
+/// A split term `F(y)` of a Hamiltonian, with the linear form `y = xi.x`.
 ///
 /// A bracket `{x_i, x_j} = sum_k c_ij^k x_k` makes of it `x' = F'(y) M x` with `M_ik = sum_j c_ij^k xi_j`. The form is
-/// constant along its own flow, which is therefore `exp(t F'(y) M)`. Every quadratic Hamiltonian is a sum of such pieces:
+/// constant along its own flow, which is therefore `exp(t F'(y) M)`. Every quadratic Hamiltonian is a sum of such split terms:
 /// squares of linear forms, and one linear form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ridge {
@@ -19,7 +19,7 @@ pub struct Ridge {
 }
 
 impl Ridge {
-    /// The piece with this form and `F'` for the bracket whose entries `(i, j, k, c)` mean that c is a part of `c_ij^k`.
+    /// The split term with this form and `F'` for the bracket whose entries `(i, j, k, c)` mean that c is a part of `c_ij^k`.
     pub fn of_bracket(bracket: &[(usize, usize, usize, f64)], form: Vec<(usize, f64)>, derivative: Vec<f64>) -> Ridge {
         let generator = bracket
             .iter()
@@ -33,12 +33,12 @@ impl Ridge {
 
 /// A Hamiltonian that is a sum of [`Ridge`] functions, with a bracket that is linear in the state.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pieces {
+pub struct SplitTerms {
     pub(crate) n_components: usize,
     pub(crate) ridges: Vec<Prepared>,
 }
 
-/// A piece and what its flow has to know of it.
+/// A split term and what its flow has to know of it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Prepared {
     pub(crate) ridge: Ridge,
@@ -48,14 +48,14 @@ pub(crate) struct Prepared {
     pub(crate) nilpotent_from: Option<usize>,
 }
 
-impl Pieces {
-    /// The sum of some pieces on a space of `n_components` dimensions. The first is the outermost in a composition.
+impl SplitTerms {
+    /// The sum of some split terms on a space of `n_components` dimensions. The first is the outermost in a composition.
     ///
     /// That the generators belong to one bracket is not checked.
     ///
     /// # Errors
     /// No components or too many, an index beyond them, a number that is not finite.
-    pub fn new(n_components: usize, ridges: Vec<Ridge>) -> Result<Pieces, Error> {
+    pub fn new(n_components: usize, ridges: Vec<Ridge>) -> Result<SplitTerms, Error> {
         check_components(n_components)?;
         let mut prepared = Vec::with_capacity(ridges.len());
         for ridge in ridges {
@@ -66,11 +66,11 @@ impl Pieces {
             check_numbers("derivative", ridge.derivative.iter().copied())?;
             prepared.push(Prepared::new(n_components, ridge));
         }
-        Ok(Pieces { n_components, ridges: prepared })
+        Ok(SplitTerms { n_components, ridges: prepared })
     }
 }
 
-impl Space for Pieces {
+impl Space for SplitTerms {
     fn n_components(&self) -> usize {
         self.n_components
     }

@@ -8,7 +8,7 @@ const TURNS_PER_REPORT: u64 = 64;
 
 /// How often a worker looks at the clock, and how many equal steps it takes at once: as often and as many as the time that
 /// they take allows. It begins carefully, since a step of a large field can take longer than a whole run of a small one.
-pub(super) struct Pace {
+pub(super) struct PollInterval {
     /// Turns between two looks.
     turns: u64,
     /// Turns that are left up to the next look.
@@ -18,13 +18,13 @@ pub(super) struct Pace {
     last: Instant,
 }
 
-impl Pace {
+impl PollInterval {
     /// Between two looks there should be so much time: less costs more looks, more is felt as a delay.
     const SHORT: Duration = Duration::from_millis(25);
     const LONG: Duration = Duration::from_millis(100);
 
-    pub(super) fn new() -> Pace {
-        Pace { turns: 1, left: 1, repeats: 1, last: Instant::now() }
+    pub(super) fn new() -> PollInterval {
+        PollInterval { turns: 1, left: 1, repeats: 1, last: Instant::now() }
     }
 
     /// Counts a turn; whether it is time for a look.
@@ -36,14 +36,14 @@ impl Pace {
         }
         let now = Instant::now();
         let elapsed = now.duration_since(self.last);
-        if elapsed < Pace::SHORT {
+        if elapsed < PollInterval::SHORT {
             // more steps in a turn first: they cost less than more turns
             if self.repeats < most_repeats {
                 self.repeats *= 2;
             } else {
                 self.turns = (2 * self.turns).min(TURNS_PER_REPORT);
             }
-        } else if elapsed > Pace::LONG {
+        } else if elapsed > PollInterval::LONG {
             if self.turns > 1 {
                 self.turns /= 2;
             } else {

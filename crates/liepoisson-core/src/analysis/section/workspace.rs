@@ -1,16 +1,16 @@
 //! What a worker keeps for the steps of all its trajectories: the series of the surface function on a part of a step, and how
 //! far it is from the function.
 
-use super::Surface;
 use super::components::Components;
 use super::remainder::{Sizes, left_out, scale, term};
-use crate::ensemble::{AnyEnsemble, Step};
+use super::{SectionEnsemble, Surface};
+use crate::ensemble::Step;
 use crate::field::{Enclosure, Functions, Rounding};
 use crate::lanes::ROUNDINGS;
 
 /// Memory that steps share.
 #[derive(Default)]
-pub(super) struct Room {
+pub(super) struct Workspace {
     pub(super) state: Vec<f64>,
     pub(super) series: Vec<f64>,
     pub(super) work: Vec<f64>,
@@ -69,16 +69,17 @@ pub(super) fn unit(n_orders: usize) -> f64 {
     2.0 * ROUNDINGS * n_orders as f64 * f64::EPSILON
 }
 
-impl Room {
+impl Workspace {
     /// Finds how far the series `(order, component)` of a state is from the state on a step; whether that is bounded, or
     /// estimated only.
-    pub(super) fn measure(&mut self, state: &[f64], step: f64, field: &AnyEnsemble<'_>) -> bool {
-        let Room { sizes, error_of_state, components, .. } = self;
-        sizes.measure(state, field.n_components, step);
-        components.are_looked_at = sizes.has_small_component(state, field.n_components);
+    pub(super) fn measure(&mut self, state: &[f64], step: f64, field: &SectionEnsemble<'_>) -> bool {
+        let Workspace { sizes, error_of_state, components, .. } = self;
+        let n = field.any.n_components;
+        sizes.measure(state, n, step);
+        components.are_looked_at = sizes.has_small_component(state, n);
         if components.are_looked_at {
-            components.measure_of(state, field.n_components, step);
-            return components.find_errors(&state[..field.n_components], field);
+            components.measure_of(state, n, step);
+            return components.find_errors(&state[..n], field);
         }
         let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
         *error_of_state = bound.unwrap_or_else(|| sizes.last());
@@ -87,7 +88,7 @@ impl Room {
 
     /// Expands the function along a part of a step, in units of that part.
     pub(super) fn expand(&mut self, state: &[f64], length: f64, function: &Functions, n: usize) {
-        let Room { series, work, .. } = self;
+        let Workspace { series, work, .. } = self;
         series.resize(state.len() / n, 0.0);
         function.series(state, work, series);
         scale(series, length);
@@ -117,7 +118,7 @@ impl Room {
     /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
     /// so is every shift of the survey.
     pub(super) fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<Error> {
-        let Room { series, enclosures, sizes, error_of_state, components, along: kept_along, .. } = self;
+        let Workspace { series, enclosures, sizes, error_of_state, components, along: kept_along, .. } = self;
         let unit = unit(series.len());
         let rounding = Rounding::of_series(unit, series.len(), sizes.length());
         let total: f64 = series.iter().map(|c| c.abs()).sum();
@@ -146,7 +147,7 @@ impl Room {
     /// Whether the sign of the function may not be seen on the part because numbers below the smallest have no digits, and
     /// whether that is so on all of it; given its error.
     pub(super) fn vanishes(&mut self, start: &[f64], function: &Functions, error: f64) -> Option<bool> {
-        let Room { series, enclosures, sizes, error_of_state, components, along, .. } = self;
+        let Workspace { series, enclosures, sizes, error_of_state, components, along, .. } = self;
         let rest: f64 = series[1..].iter().map(|c| c.abs()).sum();
         if function.is_affine() || series[0].abs() > rest + error {
             return None;

@@ -1,8 +1,8 @@
-//! The place of a trajectory in a block: its member, its clock, its steps.
+//! The place of a trajectory in a block: its number, its clock, its steps.
 
 /// One trajectory under way.
-pub(super) struct Seat {
-    pub(super) member: usize,
+pub(super) struct Slot {
+    pub(super) trajectory: usize,
     pub(super) occupied: bool,
     /// Time as an unevaluated sum, so that a long run does not lose its clock.
     pub(super) time: f64,
@@ -21,14 +21,14 @@ pub(super) struct Seat {
     /// The wanted times within one step, after its start.
     pub(super) taus: Vec<f64>,
     /// Room for what the lane holds of values that are put into it.
-    pub(super) held: Vec<f64>,
+    pub(super) stored: Vec<f64>,
     pub(super) reported: u64,
 }
 
-impl Seat {
-    pub(super) fn empty(n_tangents: usize) -> Seat {
-        Seat {
-            member: 0,
+impl Slot {
+    pub(super) fn empty(n_tangents: usize) -> Slot {
+        Slot {
+            trajectory: 0,
             occupied: false,
             time: 0.0,
             time_low: 0.0,
@@ -40,13 +40,13 @@ impl Seat {
             careful_steps: 0,
             scales: vec![0; n_tangents],
             taus: vec![],
-            held: vec![],
+            stored: vec![],
             reported: 0,
         }
     }
 
-    pub(super) fn take(&mut self, member: usize, time: f64) {
-        (self.member, self.occupied, self.time, self.time_low) = (member, true, time, 0.0);
+    pub(super) fn take(&mut self, trajectory: usize, time: f64) {
+        (self.trajectory, self.occupied, self.time, self.time_low) = (trajectory, true, time, 0.0);
         (self.next_sample, self.n_steps, self.n_refused, self.steps_left, self.reported) = (0, 0, 0, 0, 0);
         self.careful_steps = 0;
         self.scales.fill(0);
