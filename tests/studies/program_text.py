@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from liepoisson.studies.twisted_top.claims.model import Verdict
+from liepoisson.studies.twisted_top.claims.evidence import Verdict
 
 # Of program text: powers, stars, a hyphen for a minus, numbers with an e, a complex number, ASCII indices and Greek.
 PROGRAM_TEXT = re.compile(

@@ -5,14 +5,14 @@ from collections import Counter
 import pytest
 
 from liepoisson.studies.twisted_top.claims import CLAIMS
-from liepoisson.studies.twisted_top.claims.errata import KINDS
-from liepoisson.studies.twisted_top.front_page import _CONFIRMED, _NOT_CONFIRMED, _QUESTIONS, _REFINED, front_page
+from liepoisson.studies.twisted_top.findings import KINDS, front_page
+from liepoisson.studies.twisted_top.paper import TEXTS
 from liepoisson.studies.twisted_top.report import spans
 
 NUMBERS = {claim.id: number for number, claim in enumerate(CLAIMS, 1)}
 AS_PRINTED = "The exponent of the ordinary top as printed stays positive."
-EXPECTED = dict((*_NOT_CONFIRMED, *_REFINED))
-EXPECTED |= {name: "holds" for line in _CONFIRMED for name in line.claims}
+EXPECTED = {line["claim"]: line["verdict"] for table in ("not_confirmed", "refined") for line in TEXTS[table]}
+EXPECTED |= {name: "holds" for line in TEXTS["confirmed"] for name in line["claims"]}
 
 
 def table(**changed):
@@ -37,12 +37,12 @@ def test_every_claim_is_on_the_first_page_once(changed):
 
 
 def test_no_line_falls_back_when_all_is_as_expected():
-    texts = {line.text for line in _CONFIRMED} | {*_NOT_CONFIRMED.values(), *_REFINED.values()}
+    texts = {line["text"] for table in ("confirmed", "not_confirmed", "refined") for line in TEXTS[table]}
     page = table()
     found = {line.text for line in (*page.confirmed, *page.not_confirmed, *page.refined)}
     assert {text.removesuffix(" " + AS_PRINTED) for text in found} == texts
     assert [line.claims for line in page.open] == [("nearby-integrable-case",)]
-    assert len(page.questions) == len(_QUESTIONS)
+    assert len(page.questions) == len(TEXTS["questions"])
 
 
 @pytest.mark.parametrize("verdict", ["misprint", "not settled", "not run"])

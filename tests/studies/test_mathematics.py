@@ -2,7 +2,7 @@
 
 import pytest
 
-from liepoisson.studies.twisted_top.mathematics import mathematics
+from liepoisson.studies.twisted_top.typography import mathematics
 
 
 @pytest.mark.parametrize(

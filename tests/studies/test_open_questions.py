@@ -3,7 +3,7 @@
 import pytest
 
 from liepoisson.studies.twisted_top.claims import CLAIMS
-from liepoisson.studies.twisted_top.open_questions import QUESTIONS, STATUS_CLASSES, open_questions
+from liepoisson.studies.twisted_top.findings import QUESTIONS, STATUS_CLASSES, open_questions
 
 BY_ID = {claim.id: claim for claim in CLAIMS}
 

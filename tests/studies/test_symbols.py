@@ -5,8 +5,8 @@ import re
 import pytest
 
 from liepoisson.studies.twisted_top.claims import CLAIMS
-from liepoisson.studies.twisted_top.mathematics import mathematics
-from liepoisson.studies.twisted_top.symbols import SYMBOLS
+from liepoisson.studies.twisted_top.paper import TEXTS
+from liepoisson.studies.twisted_top.typography import mathematics
 
 VARIABLE = re.compile(r"<i>(.*?)</i>([₀₁₂₃]*)")
 
@@ -22,7 +22,7 @@ def letters(text):
     }
 
 
-LISTED = set().union(*(letters(symbol) for symbol, _ in SYMBOLS))
+LISTED = set().union(*(letters(symbol) for symbol in TEXTS["symbols"]))
 
 
 def unexplained(text):

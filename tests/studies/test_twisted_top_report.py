@@ -13,13 +13,14 @@ from types import SimpleNamespace
 import pytest
 from small_study import SHORT, integrate, one_run
 
-from liepoisson.indicators.finite_time_fit import Estimate
+from liepoisson.results import Estimate
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.claims import CLAIMS, evaluate_claims
-from liepoisson.studies.twisted_top.claims.errata import TITLE
 from liepoisson.studies.twisted_top.figures import FIGURES
-from liepoisson.studies.twisted_top.integration import Tracker
-from liepoisson.studies.twisted_top.measurements import PRINTED, command, measurements, reduce_run
+from liepoisson.studies.twisted_top.findings import TITLE
+from liepoisson.studies.twisted_top.integration import RunStore, Tracker
+from liepoisson.studies.twisted_top.measurements import command, measurements, reduce_run
+from liepoisson.studies.twisted_top.paper import PRINTED
 from liepoisson.studies.twisted_top.report import (
     _overshoot,
     _scan_ranges,
@@ -30,8 +31,7 @@ from liepoisson.studies.twisted_top.report import (
     true_minus,
 )
 from liepoisson.studies.twisted_top.runs import Settings, plan
-from liepoisson.studies.twisted_top.store import RunStore
-from liepoisson.studies.twisted_top.study import _judge, reproduce, run_all, summary
+from liepoisson.studies.twisted_top.study import judge, reproduce, run_all, summary
 
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 
@@ -56,7 +56,7 @@ def study(tmp_path_factory, exact_results):
 @pytest.mark.slow
 def test_a_study_comes_to_these_verdicts_by_itself(study):
     """It checks the proof of chaos in both arithmetics, where the verdicts of the tests have one."""
-    claims = json.loads(json.dumps(_judge(study[0].measurements, SHORT)))
+    claims = json.loads(json.dumps(judge(study[0].measurements, SHORT)))
     shared = json.loads(json.dumps(study[0].claims))
     for document in (claims, shared):
         chaos = [entry for entry in document["claims"] if entry["id"] == "rigorous-demonstration"]
@@ -208,7 +208,7 @@ def test_summary_lists_the_errata_and_names_the_report(study):
 @pytest.mark.thorough
 def test_second_call_gives_the_same_numbers_without_integrating(study, monkeypatch):
     first, _ = study
-    monkeypatch.setattr(integration, "_integrate_piece", None)
+    monkeypatch.setattr(integration, "integrate_piece", None)
     stores = [RunStore(first.out, run) for run in plan(SHORT)]
     results = run_all(stores, None, Tracker(stores, None))
     assert measurements(list(results.values()), SHORT) == first.measurements
@@ -219,7 +219,7 @@ def test_fits_change_with_the_data(study, tmp_path):
     # Against a result that would not come from the curves at all.
     settings = dataclasses.replace(SHORT, seed=5)
     run = one_run(settings, "twisted-unit-vectors")
-    other = reduce_run(run, integrate(tmp_path, settings, run.name))
+    other = reduce_run(run, integrate(tmp_path, settings, run.name), 1.0)
     assert other.fit.lambda_ != study[0].results[run.name].fit.lambda_
     shutil.rmtree(tmp_path)
 

@@ -49,8 +49,6 @@ def test_pieces_of_a_run_cover_every_member_once():
         ({"end_time": float("nan")}, "finite"),
         ({"end_time": float("inf")}, "finite"),
         ({"seed": -1}, "seed"),
-        ({"threads": 0}, "threads"),
-        ({"threads": 4097}, "threads must be at most 4096; got 4097"),
         ({"members": 10**8 + 1}, "members must be at most 100000000; got 100000001"),
     ],
 )

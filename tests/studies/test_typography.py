@@ -3,7 +3,7 @@
 import pytest
 from program_text import PROGRAM_TEXT, lines_of
 
-from liepoisson.studies.twisted_top.claims.typography import typeset
+from liepoisson.studies.twisted_top.typography import typeset
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ from liepoisson.indicators.estimates import (
     as_confidence,
 )
 from liepoisson.inputs.arrays import check_memory
-from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import at_times, listed
 from liepoisson.inputs.refusals import shown
@@ -107,12 +107,22 @@ _LOGARITHM_LINE_AND_TWO = _Law(
 _LOG_LAWS = (_LOGARITHM, _LOGARITHM_AND_LINE, _LOGARITHM_LINE_AND_NEXT, _LOGARITHM_LINE_AND_TWO)
 
 
+@explains_its_methods
 class EnsembleReduction:
     """Growth curves of an ensemble, reduced as they come to what the fits need.
 
     Give the windows first, then the curves in pieces of any size, then ask for the fits.  What is kept is the
     running mean and variance at each time and three numbers per member and window: for 20,000 members and 20
     windows 10 MB, whatever the number of sample times.
+
+    Example:
+        >>> top, times = lp.Top.twisted_kovalevskaya(), np.arange(1.0, 201.0)
+        >>> reduction = lp.fits.EnsembleReduction(times, windows=[(20, 200)])
+        >>> for first in (0, 25):  # members in pieces
+        ...     starts = lp.sample_states(top, 25, seed=1, first=first)
+        ...     reduction.add(lp.finite_time_exponents(top, starts, times=times, first=first).exponent)
+        >>> reduction.n_members, round(reduction.finite_time_fits()[0].lambda_, 3)
+        (50, 0.0)
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
@@ -406,6 +416,7 @@ def last_decade(time: ArrayLike) -> Window:
     return max(float(t[0]), float(t[-1]) / 10.0), float(t[-1])
 
 
+@explains_its_arguments
 def window_grid(
     time: ArrayLike,
     *,
@@ -413,6 +424,10 @@ def window_grid(
     ends: Sequence[float] | None = None,
 ) -> tuple[Window, ...]:
     """The windows [start, end] inside the sample times whose end is at least twice their start.
+
+    Example:
+        >>> lp.fits.window_grid(np.arange(1.0, 201.0), starts=[10, 50], ends=[50, 200])
+        ((10.0, 50.0), (10.0, 200.0), (50.0, 200.0))
 
     Args:
         time: Sample times, shape (time,), positive and increasing.

@@ -1,0 +1,13 @@
+"""What the paper says, and the words for what is found of it: `paper.toml`, read."""
+
+from __future__ import annotations
+
+import tomllib
+from importlib.resources import files
+from typing import Any
+
+PAPER = "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335, arXiv:nlin/0101042"
+# Caption of the paper's figure: 0.497/t + 0.113/sqrt(t) + 0.122.
+PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
+TEXTS: dict[str, Any] = tomllib.loads(files(__package__).joinpath("paper.toml").read_text(encoding="utf-8"))
+"""The tables of the file; its comments say what each is for."""
