@@ -22,8 +22,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import sequence
 from liepoisson.io.files import write_atomically
-from liepoisson.laboratory.description import description_of, record_of_functions
-from liepoisson.laboratory.pictures import picture_of
+from liepoisson.laboratory.description import description_of, picture_of, record_of_functions
 from liepoisson.laboratory.saved import saved_of
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
 

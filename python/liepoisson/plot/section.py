@@ -18,8 +18,7 @@ from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE
 from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.systems import has_functions
-from liepoisson.plot.formulas import formula, number
-from liepoisson.plot.labels import label, name_of_system, plain
+from liepoisson.plot.labels import formula, label, name_of_system, number, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
 from liepoisson.poincare.section_axes import default_axes
 from liepoisson.poincare.section_coordinates import component_axes, figure_axes

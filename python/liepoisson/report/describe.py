@@ -22,11 +22,10 @@ from liepoisson.report.limits import (
     too_large_for_symmetries,
     too_large_motion,
 )
-from liepoisson.report.lines import Equation, Line, Name, write_line
+from liepoisson.report.lines import Equation, Line, Name, wrapped, write_line
 from liepoisson.report.motion_facts import EquationFacts, HamiltonianFacts, KernelFacts, named_form
 from liepoisson.report.printing import Gradient
 from liepoisson.report.vector_notation import VectorNotation
-from liepoisson.report.wrapping import wrapped
 from liepoisson.structure.casimirs import shortage
 
 MOST_SHOWN = 12

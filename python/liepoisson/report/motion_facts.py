@@ -14,7 +14,6 @@ from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.formula.values import Value, flattened
 from liepoisson.report.bracket_facts import Topic
-from liepoisson.report.decimals import LONG_NUMBER, Decimal
 from liepoisson.report.limits import too_large_formula
 from liepoisson.report.lines import (
     Column,
@@ -28,7 +27,7 @@ from liepoisson.report.lines import (
     record_of,
     record_of_formula,
 )
-from liepoisson.report.printing import Form, Formula, Image
+from liepoisson.report.printing import LONG_NUMBER, Decimal, Form, Formula, Image
 from liepoisson.report.vector_equations import VectorEquations, vector_equations
 from liepoisson.report.vector_notation import VectorNotation
 

@@ -6,9 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from liepoisson.formula.styles import PLAIN, UNICODE
-from liepoisson.report.lines import Column, Equation, Name
+from liepoisson.report.lines import Column, Equation, Name, breakable, wrapped
 from liepoisson.report.printing import Formula
-from liepoisson.report.wrapping import breakable, wrapped
 
 x = sp.symbols("x1:13")
 
