@@ -13,20 +13,21 @@ from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.errors import BracketError, LiePoissonError, ParameterError
-from liepoisson.formula.styles import LATEX
+from liepoisson.formula.styles import LATEX, Style
 from liepoisson.report.lines import (
     Equation,
     Line,
     Name,
-    Ring,
-    Shortened,
+    Sign,
     Statement,
-    Unequal,
     Written,
     definition_lines,
     joined,
     record_of,
     record_of_formula,
+    ring,
+    shortened,
+    unequal,
 )
 from liepoisson.report.printing import Formula
 from liepoisson.report.vector_notation import VectorNotation
@@ -142,7 +143,7 @@ class ExtensionFacts(Topic):
             found.append(("unit ", self.unit))
         shown = [p for p in self.products if self.unit is None or str(self.unit) not in (_e(p[0]), _e(p[1]))]
         for u, v, product in shown:
-            found.append((Equation(_Product(u, v), product),))
+            found.append((Equation(_product(u, v), product),))
         if not shown:
             found.append(("all other products vanish" if self.unit is not None else "all products vanish",))
         found.append(self._normal_form() or (f"no normal form: {self.obstacle}",))
@@ -153,15 +154,15 @@ class ExtensionFacts(Topic):
         here = self.classification
         if here is None:
             return ()
-        line: Line = (f"{here.extension.name} is ", Ring(here.name))
+        line: Line = (f"{here.extension.name} is ", ring(here.name))
         if here.conditions:
-            line = (*line, " for ", *joined(Unequal(Formula(condition)) for condition in here.conditions))
+            line = (*line, " for ", *joined(unequal(Formula(condition)) for condition in here.conditions))
         if here.adjoined:
             line = (*line, f", by a change of basis over {here.field_extension}")
         for values, other in here.exceptional_cases:
             pieces: list[Written] = [_equality(names, value) for names, value in values]
-            pieces += [Unequal(Formula(condition)) for condition in other.conditions]
-            line = (*line, "; ", *joined(pieces), ": ", Ring(other.name))
+            pieces += [unequal(Formula(condition)) for condition in other.conditions]
+            line = (*line, "; ", *joined(pieces), ": ", ring(other.name))
         return line
 
     def record(self) -> dict[str, Any]:
@@ -194,7 +195,7 @@ class JacobiFacts(Topic):
         shown = ", ".join(names) if len(names) <= 12 else f"{', '.join(names[:6])}, ..., {names[-1]}"
         lines: list[Line] = [(f"{self.name}, {len(names)} coordinates: {shown}",)]
         if self.constant:
-            parts: list[Written] = [Equation(_Braces(u, v), c) for u, v, c in self.constant]
+            parts: list[Written] = [Equation(_braces(u, v), c) for u, v, c in self.constant]
             more = f", ... ({len(parts)} in all)" if len(parts) > _MOST_CONSTANTS else ""
             lines.append(("constant part ", *joined(parts[:_MOST_CONSTANTS]), *([more] if more else [])))
         return [*lines, (str(self.certificate),)]
@@ -256,7 +257,7 @@ class CasimirFacts(Topic):
         found.append((self._completeness(),))
         for case in report.exceptional:
             at = Statement.about(case.condition, self.bracket)
-            formulas = joined(Shortened(self.notation.formula(generator)) for generator in case.generators)
+            formulas = joined(shortened(self.notation.formula(generator)) for generator in case.generators)
             found.append(("there are others for ", at, ": ", *formulas))
             if case.jumps:
                 found.append((*joined(map(Name, case.jumps)), " jump at ", at, ": other functions than near by"))
@@ -324,27 +325,19 @@ def _equality(names: Sequence[str], value: Expr) -> Written:
     return right
 
 
-class _Product:
+def _product(u: str, v: str) -> Sign:
     """The product of two basis elements of an extension, named by their fields."""
-
-    def __init__(self, u: str, v: str) -> None:
-        self.u, self.v = u, v
-
-    def write(self, style: Any) -> str:
-        """Both basis elements."""
-        return " ".join(style.component(_e(field), "e", field) for field in (self.u, self.v))
+    return Sign(lambda style: " ".join(style.component(_e(field), "e", field) for field in (u, v)))
 
 
-class _Braces:
+def _braces(u: str, v: str) -> Sign:
     """The bracket of two coordinates."""
 
-    def __init__(self, u: str, v: str) -> None:
-        self.u, self.v = u, v
-
-    def write(self, style: Any) -> str:
-        """Both coordinates in braces."""
+    def write(style: Style) -> str:
         left, right = (r"\{", r"\}") if style is LATEX else ("{", "}")
-        return f"{left}{Name(self.u).write(style)}, {Name(self.v).write(style)}{right}"
+        return f"{left}{Name(u).write(style)}, {Name(v).write(style)}{right}"
+
+    return Sign(write)
 
 
 def _e(field: str) -> str:

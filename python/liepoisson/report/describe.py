@@ -22,7 +22,7 @@ from liepoisson.report.limits import (
     too_large_for_symmetries,
     too_large_motion,
 )
-from liepoisson.report.lines import Equation, Line, Name, wrapped, write_line
+from liepoisson.report.lines import Equation, Line, Name, Sign, wrapped, write_line
 from liepoisson.report.motion_facts import EquationFacts, HamiltonianFacts, KernelFacts, named_form
 from liepoisson.report.printing import Gradient
 from liepoisson.report.vector_notation import VectorNotation
@@ -296,16 +296,6 @@ def _aligned(formula: str) -> str:
     return f"& {formula}"
 
 
-@dataclass(frozen=True)
-class _Sign:
-    """A piece of mathematics among words, in LaTeX."""
-
-    latex: str
-
-    def write(self, style: Style) -> str:
-        return self.latex
-
-
 def _with_mathematics(line: Line) -> Line:
     """The line with the mathematics among its words set off from them."""
     pieces: list[Any] = []
@@ -315,7 +305,7 @@ def _with_mathematics(line: Line) -> Line:
             continue
         place = 0
         for match in _MATH.finditer(piece):
-            pieces += [piece[place : match.start()], _Sign(_sign(match))]
+            pieces += [piece[place : match.start()], _sign(match)]
             place = match.end()
         pieces.append(piece[place:])
     kept = [piece for piece in pieces if piece]
@@ -324,7 +314,10 @@ def _with_mathematics(line: Line) -> Line:
     return tuple(kept)
 
 
-def _sign(match: re.Match[str]) -> str:
+def _sign(match: re.Match[str]) -> Sign:
+    """A piece of mathematics among words, in LaTeX."""
     if match["algebra"]:
-        return rf"\mathfrak{{{match['algebra']}}}{match['size']}"
-    return r"J\nabla C = 0" if match["casimir"] else Name(match["name"]).write(LATEX)
+        text = rf"\mathfrak{{{match['algebra']}}}{match['size']}"
+    else:
+        text = r"J\nabla C = 0" if match["casimir"] else Name(match["name"]).write(LATEX)
+    return Sign(lambda _: text)

@@ -26,9 +26,10 @@ from liepoisson.report.lines import (
     Equation,
     Line,
     Name,
-    Rate,
     Written,
     definition_lines,
+    in_parentheses,
+    rate,
     record_of,
     record_of_formula,
 )
@@ -138,12 +139,12 @@ def _integral(system: System, notation: VectorNotation, name: str, claim: Expr, 
         )
     on = notation.formula(zero)
     rates = [(derivative, Name(name)), (system.derivative(zero), on)]
-    open_ = [(rate, about) for rate, about in rates if not _is_multiple(system, rate, zero)]
-    for rate, about in open_:
-        if is_nonzero_on(rate, zero, system.variables):
-            return Integral(name, formula, claim, notation.formula(rate), on, True, about)
-    for rate, about in open_:
-        return Integral(name, formula, claim, notation.formula(rate), on, False, about)
+    open_ = [(value, about) for value, about in rates if not _is_multiple(system, value, zero)]
+    for value, about in open_:
+        if is_nonzero_on(value, zero, system.variables):
+            return Integral(name, formula, claim, notation.formula(value), on, True, about)
+    for value, about in open_:
+        return Integral(name, formula, claim, notation.formula(value), on, False, about)
     return Integral(name, formula, claim, None, on)
 
 
@@ -174,22 +175,11 @@ def _integral_line(integral: Integral) -> Line:
     if integral.derivative is None or integral.about is None:
         return (equation, *place, ": constant, proved")
     of_set = integral.about is integral.on
-    about = _InParentheses(integral.about) if of_set else integral.about
-    rate = Equation(Rate(about), integral.derivative)
+    about = in_parentheses(integral.about) if of_set else integral.about
+    derivative = Equation(rate(about), integral.derivative)
     refutation = "this set is NOT invariant" if of_set else "NOT constant"
     verdict = refutation if integral.refuted else "not proved"
-    return (equation, *place, f": {verdict}, ", rate)
-
-
-@dataclass(frozen=True)
-class _InParentheses:
-    """A formula whose derivative is meant."""
-
-    of: Written
-
-    def write(self, style: Any) -> str:
-        """The formula in parentheses."""
-        return style.parentheses(self.of.write(style))
+    return (equation, *place, f": {verdict}, ", derivative)
 
 
 _TRIES = 40

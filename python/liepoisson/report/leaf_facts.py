@@ -14,12 +14,12 @@ from liepoisson.report.lines import (
     Conditions,
     Line,
     Name,
-    Shortened,
     Statement,
     Written,
     definition_lines,
     joined,
     record_of_formula,
+    shortened,
 )
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class StrataFacts(Topic):
 
     def _casimir(self, casimir: Expr) -> Written:
         name = self.named.get(casimir)
-        return Name(name) if name else Shortened(self.notation.formula(casimir))
+        return Name(name) if name else shortened(self.notation.formula(casimir))
 
     def record(self) -> list[dict[str, Any]] | None:
         if self.strata is None:

@@ -38,6 +38,13 @@ Line: TypeAlias = "tuple[Piece, ...]"
 
 
 @dataclass(frozen=True)
+class Sign:
+    """Something that is written differently in different styles, as a function of the style says."""
+
+    write: Callable[[Style], str]
+
+
+@dataclass(frozen=True)
 class Name:
     """The name of a scalar: C1, epsilon, P', or l.alpha for a product of two vectors."""
 
@@ -80,30 +87,22 @@ def _formula(text: str, style: Style, write_name: Callable[[str, Style], str]) -
     )
 
 
-@dataclass(frozen=True)
-class Ring:
+def ring(name: str) -> Sign:
     """The name of a commutative algebra: R[x]/(x^3), C + R, maximal ideal of R[x]/(x^2)."""
 
-    name: str
+    def word(text: str, style: Style) -> str:
+        return style.ring(text) if len(text) < _WORD else style.text(text)
 
-    def write(self, style: Style) -> str:
-        """The name with its powers."""
-        return _formula(self.name, style, lambda word, s: s.ring(word) if len(word) < _WORD else s.text(word))
+    return Sign(lambda style: _formula(name, style, word))
 
 
 _WORD = 4
 """Letters of a word; shorter ones are products of variables, as in R[x,y]/(xy)."""
 
 
-@dataclass(frozen=True)
-class Unequal:
+def unequal(left: Written) -> Sign:
     """Something that does not vanish."""
-
-    left: Written
-
-    def write(self, style: Style) -> str:
-        """The inequality."""
-        return f"{self.left.write(style)} {style.unequal.strip()} 0"
+    return Sign(lambda style: f"{left.write(style)} {style.unequal.strip()} 0")
 
 
 @dataclass(frozen=True)
@@ -179,37 +178,29 @@ class Conditions:
         return written if len(names) == 1 else style.parentheses(written)
 
 
-@dataclass(frozen=True)
-class VectorName:
+def vector_name(vector: Vector) -> Sign:
     """The name of a vector."""
-
-    vector: Vector
-
-    def write(self, style: Style) -> str:
-        """The name, in one style."""
-        return write_vector(self.vector, style)
+    return Sign(lambda style: write_vector(vector, style))
 
 
-@dataclass(frozen=True)
-class Rate:
+def rate(of: Written) -> Sign:
     """The time derivative of something that has a name."""
-
-    of: Written
-
-    def write(self, style: Style) -> str:
-        """The name with a prime."""
-        return self.of.write(style) + style.prime
+    return Sign(lambda style: of.write(style) + style.prime)
 
 
-@dataclass(frozen=True)
-class Column:
+def in_parentheses(of: Written) -> Sign:
+    """A formula in parentheses."""
+    return Sign(lambda style: style.parentheses(of.write(style)))
+
+
+def column(components: Sequence[Written]) -> Sign:
     """A vector by its components."""
+    return Sign(lambda style: style.parentheses(", ".join(_short(component, style) for component in components)))
 
-    components: tuple[Written, ...]
 
-    def write(self, style: Style) -> str:
-        """The components in parentheses."""
-        return style.parentheses(", ".join(_short(component, style) for component in self.components))
+def shortened(formula: Formula) -> Sign:
+    """A formula of which only the first terms are written, and how many there are besides."""
+    return Sign(lambda style: _short(formula, style))
 
 
 @dataclass(frozen=True)
@@ -224,17 +215,6 @@ class Equation:
         left = self.left.write(style)
         right = _short(self.right, style)
         return right if left == right else f"{left} = {right}"
-
-
-@dataclass(frozen=True)
-class Shortened:
-    """A formula of which only the first terms are written."""
-
-    formula: Formula
-
-    def write(self, style: Style) -> str:
-        """The first terms, and how many there are besides."""
-        return _short(self.formula, style)
 
 
 def _short(piece: Written, style: Style) -> str:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -16,16 +16,17 @@ from liepoisson.formula.values import Value, flattened
 from liepoisson.report.bracket_facts import Topic
 from liepoisson.report.limits import too_large_formula
 from liepoisson.report.lines import (
-    Column,
     Equation,
     Line,
     Name,
-    Rate,
-    VectorName,
+    Sign,
     Written,
+    column,
     definition_lines,
+    rate,
     record_of,
     record_of_formula,
+    vector_name,
 )
 from liepoisson.report.printing import LONG_NUMBER, Decimal, Form, Formula, Image
 from liepoisson.report.vector_equations import VectorEquations, vector_equations
@@ -165,19 +166,19 @@ class EquationFacts(Topic):
     def equations(self) -> list[Equation]:
         """One equation per field, or per coordinate."""
         if self.vector is not None:
-            return [Equation(Rate(VectorName(field)), formula) for field, formula in self.vector.rows]
-        return [Equation(Rate(Formula(_symbol(name), {}, f.coordinates)), f) for name, f, _ in self.components]
+            return [Equation(rate(vector_name(field)), formula) for field, formula in self.vector.rows]
+        return [Equation(rate(Formula(_symbol(name), {}, f.coordinates)), f) for name, f, _ in self.components]
 
     def definitions(self) -> list[Equation]:
         """What the vectors in these equations stand for."""
         if self.vector is None:
             return []
         given = [
-            Equation(VectorName(name), Column(value) if isinstance(value, tuple) else value)
+            Equation(vector_name(name), column(value) if isinstance(value, tuple) else value)
             for name, value in self.vector.definitions
         ]
         if self.vector.product is not None:
-            given.append(Equation(_CrossProduct(), Column(self.vector.product)))
+            given.append(Equation(_CROSS_PRODUCT, column(self.vector.product)))
         return given
 
     def lines(self) -> list[Line]:
@@ -219,12 +220,8 @@ class KernelFacts(Topic):
         return {"kind": self.kind, "missing_values": self.missing, "obstacle": self.obstacle or None}
 
 
-class _CrossProduct:
-    """The left side of the definition of u x v."""
-
-    def write(self, style: Any) -> str:
-        """The product of two vectors u and v."""
-        return style.vector("u") + style.cross + style.vector("v")
+_CROSS_PRODUCT = Sign(lambda style: style.vector("u") + style.cross + style.vector("v"))
+"""The left side of the definition of u x v."""
 
 
 def _symbol(name: str) -> Any:
@@ -251,11 +248,11 @@ def _value(value: Value, diagonal: bool = False) -> Written:
     if not isinstance(value, tuple):
         return _decimal(value) or Formula(to_sympy(value))
     if isinstance(value[0], tuple):
-        return _Matrix(tuple(tuple(_value(entry) for entry in row) for row in value if isinstance(row, tuple)))
+        return _matrix([[_value(entry) for entry in row] for row in value if isinstance(row, tuple)])
     rows: list[Any] = [_value(entry) for entry in value]
     if not diagonal and all(map(_vanishes, value)):
         return rows[0]
-    return _Diagonal(tuple(rows)) if diagonal else Column(tuple(rows))
+    return _diagonal(rows) if diagonal else column(rows)
 
 
 def _decimal(value: Exact) -> Decimal | None:
@@ -263,26 +260,14 @@ def _decimal(value: Exact) -> Decimal | None:
     return Decimal.of(value) if isinstance(value, Fraction) and len(str(value)) > LONG_NUMBER else None
 
 
-@dataclass(frozen=True)
-class _Diagonal:
+def _diagonal(entries: Sequence[Written]) -> Sign:
     """A diagonal matrix by its entries."""
-
-    entries: tuple[Written, ...]
-
-    def write(self, style: Any) -> str:
-        """As diag(...)."""
-        return style.function("diag", ", ".join(entry.write(style) for entry in self.entries))
+    return Sign(lambda style: style.function("diag", ", ".join(entry.write(style) for entry in entries)))
 
 
-@dataclass(frozen=True)
-class _Matrix:
+def _matrix(rows: Sequence[Sequence[Written]]) -> Sign:
     """A matrix by its rows."""
-
-    rows: tuple[tuple[Written, ...], ...]
-
-    def write(self, style: Any) -> str:
-        """The rows, one after the other or below each other."""
-        return style.matrix([[entry.write(style) for entry in row] for row in self.rows])
+    return Sign(lambda style: style.matrix([[entry.write(style) for entry in row] for row in rows]))
 
 
 def _plain_value(value: Value) -> Any:
