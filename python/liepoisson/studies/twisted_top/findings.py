@@ -10,8 +10,7 @@ from __future__ import annotations
 import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from liepoisson.studies.twisted_top.claims import ClaimResult
 from liepoisson.studies.twisted_top.claims.evidence import Ruling, Step, StepKind, summary_of
@@ -35,16 +34,9 @@ _TELLING: tuple[StepKind, ...] = ("counterexample", "rank", "search")
 _MISTAKES = ("wrong", "misprint", "underspecified")
 _ORDER = (*_MISTAKES, "incomplete", "holds with a condition")
 
-Status: TypeAlias = Literal["proved", "computed", "measured", "not settled"]
-"""Proved in exact arithmetic or with rigorous enclosures; computed in floating point from what is proved; measured on
-orbits; or none of these."""
-
-STATUS_CLASSES: dict[Status, str] = {
-    "proved": "good",
-    "computed": "partly",
-    "measured": "partly",
-    "not settled": "open",
-}
+STATUS_CLASSES = {"proved": "good", "computed": "partly", "measured": "partly", "not settled": "open"}
+"""How an answer is known, and its colour: proved in exact arithmetic or with rigorous enclosures; computed in floating
+point from what is proved; measured on orbits; or none of these."""
 
 
 def claims_to_json(results: Iterable[ClaimResult], produced_by: Entry) -> dict[str, Any]:
@@ -169,8 +161,7 @@ def errata_lines(entries: Iterable[Entry], width: int = 100) -> list[str]:
     return lines
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """A line of the first page.
 
     Attributes:
@@ -182,27 +173,12 @@ class Line:
     claims: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class FrontPage:
-    """What the first page says beside the numbers: what was confirmed, what was not, what is asked of the authors.
+def front_page(claims: Iterable[Entry], errata: Iterable[Entry]) -> dict[str, list[Line]]:
+    """What the first page says beside the numbers: lines whose claims got the verdict that they put into words.
 
-    Attributes:
-        confirmed: What holds as the paper says it.
-        not_confirmed: Mistakes, misprints and what is underspecified, each once.
-        refined: Claims that hold under a condition, or of which more is proved: a short name each.
-        open: Claims that are not settled, or whose numbers are not there.
-        questions: What is asked of the authors.
-    """
-
-    confirmed: tuple[Line, ...]
-    not_confirmed: tuple[Line, ...]
-    refined: tuple[Line, ...]
-    open: tuple[Line, ...]
-    questions: tuple[Line, ...]
-
-
-def front_page(claims: Iterable[Entry], errata: Iterable[Entry]) -> FrontPage:
-    """The lines whose claims got the verdict that they put into words.
+    `confirmed` is what holds as the paper says it; `not_confirmed` are mistakes, misprints and what is underspecified,
+    each once; `refined` are claims that hold under a condition, or of which more is proved, with a short name each;
+    `open` are those that are not settled, or whose numbers are not there; `questions` is what is asked of the authors.
 
     Args:
         claims: The table of claims, in the schema of `claims_to_json`.
@@ -217,17 +193,17 @@ def front_page(claims: Iterable[Entry], errata: Iterable[Entry]) -> FrontPage:
     # The mistake that most claims share comes first among those of its kind.
     own = sorted(mistakes(errata), key=lambda pair: (_ORDER.index(pair[0]["verdict"]), -len(pair[1])))
     repeats = {str(entry["id"]): same for entry, same in own}
-    return FrontPage(
-        confirmed=tuple(confirmed),
-        not_confirmed=tuple(_line(*pair, "not_confirmed") for pair in own if pair[0]["verdict"] in _MISTAKES),
-        refined=tuple(_line(*pair, "refined") for pair in own if pair[0]["verdict"] not in _MISTAKES),
-        open=tuple(_stated(claim for claim in claims if claim["verdict"] in ("not settled", "not run"))),
-        questions=tuple(
+    return {
+        "confirmed": confirmed,
+        "not_confirmed": [_line(*pair, "not_confirmed") for pair in own if pair[0]["verdict"] in _MISTAKES],
+        "refined": [_line(*pair, "refined") for pair in own if pair[0]["verdict"] not in _MISTAKES],
+        "open": _stated(claim for claim in claims if claim["verdict"] in ("not settled", "not run")),
+        "questions": [
             Line(_with(asked["text"], repeats.get(asked["claim"], []), "question"), (asked["claim"],))
             for asked in TEXTS["questions"]
             if verdicts[asked["claim"]] == asked["verdict"]
-        ),
-    )
+        ],
+    }
 
 
 def _stated(claims: Iterable[Entry]) -> list[Line]:
@@ -249,56 +225,18 @@ def _with(text: str, same: Iterable[Entry], where: str) -> str:
     return " ".join([text, *(added[other["id"]] for other in same if other["id"] in added)])
 
 
-@dataclass(frozen=True)
-class Answer:
-    """What is known of a question.
+def open_questions(claims: Iterable[Entry]) -> list[dict[str, Any]]:
+    """The questions of the paper, each with the answers that this run bears out; without any, it is not settled.
 
-    Attributes:
-        status: How it is known.
-        text: The sentence, with the mathematics in plain Unicode.
-        claim: The claim whose check shows it; what is not settled has none, or the one that says so.
-        verdict: The verdict that the claim must have.
-    """
-
-    status: Status
-    text: str
-    claim: str = ""
-    verdict: str = ""
-
-
-@dataclass(frozen=True)
-class Question:
-    """A question that the paper leaves open.
-
-    Attributes:
-        text: The question.
-        place: Where the paper leaves it open.
-        words: The words of the paper.
-        answers: What is known.
-    """
-
-    text: str
-    place: str
-    words: str
-    answers: tuple[Answer, ...]
-
-
-QUESTIONS: tuple[Question, ...] = tuple(
-    Question(**{**question, "answers": tuple(Answer(**answer) for answer in question["answers"])})
-    for question in TEXTS["open_questions"]
-)
-
-
-def open_questions(claims: Iterable[Entry]) -> list[Question]:
-    """The questions with the answers that this run bears out; without any, a question is not settled.
+    A question has `text`, `place`, `words` (of the paper) and `answers`; an answer has `status` (a key of
+    `STATUS_CLASSES`), `text`, and the `claim` whose check shows it, with the `verdict` that it must have.
 
     Args:
         claims: The table of claims, in the schema of `claims_to_json`.
     """
     verdicts = {str(claim["id"]): str(claim["verdict"]) for claim in claims}
-    found: list[Question] = []
-    for question in QUESTIONS:
-        answers = tuple(a for a in question.answers if verdicts.get(a.claim) == a.verdict)
-        none = Answer("not settled", "Nothing that was computed for this page decides it.")
-        found.append(Question(question.text, question.place, question.words, answers or (none,)))
-    return found
+    none = {"status": "not settled", "text": "Nothing that was computed for this page decides it.", "claim": ""}
+    return [
+        {**question, "answers": [a for a in question["answers"] if verdicts.get(a["claim"]) == a["verdict"]] or [none]}
+        for question in TEXTS["open_questions"]
+    ]
