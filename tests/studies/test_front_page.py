@@ -4,9 +4,9 @@ from collections import Counter
 
 import pytest
 
+from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import CLAIMS
 from liepoisson.studies.twisted_top.findings import KINDS, front_page
-from liepoisson.studies.twisted_top.paper import TEXTS
 from liepoisson.studies.twisted_top.report import spans
 
 NUMBERS = {claim.id: number for number, claim in enumerate(CLAIMS, 1)}

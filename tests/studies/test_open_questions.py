@@ -2,9 +2,9 @@
 
 import pytest
 
+from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import CLAIMS
 from liepoisson.studies.twisted_top.findings import STATUS_CLASSES, open_questions
-from liepoisson.studies.twisted_top.paper import TEXTS
 
 QUESTIONS = TEXTS["open_questions"]
 BY_ID = {claim.id: claim for claim in CLAIMS}

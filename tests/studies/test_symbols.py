@@ -4,8 +4,8 @@ import re
 
 import pytest
 
+from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import CLAIMS
-from liepoisson.studies.twisted_top.paper import TEXTS
 from liepoisson.studies.twisted_top.typography import mathematics
 
 VARIABLE = re.compile(r"<i>(.*?)</i>([₀₁₂₃]*)")

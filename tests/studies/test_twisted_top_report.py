@@ -14,13 +14,12 @@ import pytest
 from small_study import SHORT, integrate, one_run
 
 from liepoisson.results import Estimate
-from liepoisson.studies.twisted_top import integration, runs
+from liepoisson.studies.twisted_top import PRINTED, integration, runs
 from liepoisson.studies.twisted_top.claims import CLAIMS, evaluate_claims
 from liepoisson.studies.twisted_top.figures import FIGURES
 from liepoisson.studies.twisted_top.findings import TITLE
 from liepoisson.studies.twisted_top.integration import RunStore, Tracker
 from liepoisson.studies.twisted_top.measurements import command, measurements, reduce_run
-from liepoisson.studies.twisted_top.paper import PRINTED
 from liepoisson.studies.twisted_top.report import (
     _overshoot,
     _scan_ranges,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED
 from liepoisson.studies.twisted_top.measurements import RunResult
-from liepoisson.studies.twisted_top.paper import PRINTED
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, FloatArray
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
+from liepoisson.studies.twisted_top import PAPER, TEXTS
 from liepoisson.studies.twisted_top.claims import ClaimResult
 from liepoisson.studies.twisted_top.claims.evidence import Ruling, Step, StepKind, summary_of
-from liepoisson.studies.twisted_top.paper import PAPER, TEXTS
 
 Entry: TypeAlias = Mapping[str, Any]
 """A claim or an erratum as plain data."""

@@ -42,7 +42,7 @@ from typing import Any
 import numpy as np
 
 import liepoisson as lp
-from liepoisson.studies.twisted_top.paper import PRINTED
+from liepoisson.studies.twisted_top import PRINTED
 from liepoisson.studies.twisted_top.runs import CENTRE_OF_MASS, FloatArray, Run, Settings
 
 SCHEMA_VERSION = 1

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED, TEXTS
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS
 from liepoisson.studies.twisted_top.findings import (
     KINDS,
@@ -26,7 +27,6 @@ from liepoisson.studies.twisted_top.findings import (
     open_questions,
 )
 from liepoisson.studies.twisted_top.measurements import RESAMPLING, RunResult, by_energy, command
-from liepoisson.studies.twisted_top.paper import PRINTED, TEXTS
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Moments
 from liepoisson.studies.twisted_top.typography import mathematics
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import (
     Progress,
@@ -20,7 +21,6 @@ from liepoisson.studies.twisted_top.integration import (
     write_text,
 )
 from liepoisson.studies.twisted_top.measurements import RunResult, measurements, produced_by, reduce_run
-from liepoisson.studies.twisted_top.paper import PRINTED
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
 
 

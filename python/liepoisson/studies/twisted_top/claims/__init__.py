@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import (
     canonical,
     charged,
@@ -29,7 +30,6 @@ from liepoisson.studies.twisted_top.claims.evidence import (
     Verdict,
     twisted_bracket,
 )
-from liepoisson.studies.twisted_top.paper import TEXTS
 
 __all__ = [
     "CLAIMS",

@@ -19,8 +19,8 @@ from functools import wraps
 from typing import Any
 
 import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED
 from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, Ruling, Step, Verdict, checks
-from liepoisson.studies.twisted_top.paper import PRINTED
 from liepoisson.studies.twisted_top.runs import ENSEMBLES
 from liepoisson.studies.twisted_top.typography import typeset
 
