@@ -5,8 +5,6 @@ though it is no multiple of Z (of $Z = |\alpha|^2$ these are $\alpha = 0$), or b
 Hence a point is asked for at which $\{K, H\} \ne 0$, for claims on a set also $Z = 0$.
 """
 
-# ruff: noqa: D102 - lines() and record() are described once, in Topic
-
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
@@ -15,13 +13,12 @@ from fractions import Fraction
 from itertools import combinations_with_replacement, pairwise
 from math import prod
 from random import Random
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.algebra.linear_algebra import rank
 from liepoisson.errors import ParameterError
-from liepoisson.report.bracket_facts import Topic
 from liepoisson.report.lines import (
     Equation,
     Line,
@@ -34,6 +31,7 @@ from liepoisson.report.lines import (
     record_of_formula,
 )
 from liepoisson.report.printing import Formula
+from liepoisson.report.topics import Topic
 from liepoisson.report.vector_notation import VectorNotation
 
 if TYPE_CHECKING:
@@ -79,50 +77,37 @@ NONE = "none besides H and the Casimirs (to search: liepoisson integrals, integr
 MORE = "to search for others: liepoisson integrals, integrable"
 
 
-@final
-class IntegralFacts(Topic):
-    """Known integrals besides H and the Casimirs, each proved anew."""
+def integral_topic(system: System, notation: VectorNotation) -> tuple[Topic, list[str]]:
+    """Known integrals besides H and the Casimirs, each proved anew; and which of the claims are refuted."""
+    from liepoisson.model.known_integrals import known_integrals
 
-    key, title = "integrals", "Known integrals"
-
-    def __init__(self, system: System, notation: VectorNotation) -> None:
-        from liepoisson.model.known_integrals import known_integrals
-
-        top = system.top_parameters
-        claims = {} if top is None else known_integrals(top, *system.bracket.fields.values())
-        given = system.integrals
-        again = [name for name, known in claims.items() if any(same_integral(known, k, system) for k in given.values())]
-        claims = {name: claim for name, claim in claims.items() if name not in again or name in given} | given
-        self.integrals = [_integral(system, notation, name, claim, None) for name, claim in claims.items()]
-        partial = system.partial_integrals.items()
-        self.integrals += [_integral(system, notation, name, claim, zero) for name, (claim, zero) in partial]
-        self.definitions = notation.definitions(
-            [formula for integral in self.integrals for formula in integral.formulas]
-        )
-
-    @property
-    def failed(self) -> list[str]:
-        """Which of the claims are refuted."""
-        return [_failure(integral) for integral in self.integrals if integral.refuted]
-
-    def lines(self) -> list[Line]:
-        if not self.integrals:
-            return [(NONE,)]
-        return [*map(_integral_line, self.integrals), *definition_lines(self.definitions), (MORE,)]
-
-    def record(self) -> list[dict[str, Any]]:
-        return [
+    top = system.top_parameters
+    claims = {} if top is None else known_integrals(top, *system.bracket.fields.values())
+    given = system.integrals
+    again = [name for name, known in claims.items() if any(same_integral(known, k, system) for k in given.values())]
+    claims = {name: claim for name, claim in claims.items() if name not in again or name in given} | given
+    integrals = [_integral(system, notation, name, claim, None) for name, claim in claims.items()]
+    partial = system.partial_integrals.items()
+    integrals += [_integral(system, notation, name, claim, zero) for name, (claim, zero) in partial]
+    definitions = notation.definitions([formula for integral in integrals for formula in integral.formulas])
+    lines: list[Line] = [*map(_integral_line, integrals), *definition_lines(definitions), (MORE,)]
+    topic = Topic(
+        "integrals",
+        lines if integrals else [(NONE,)],
+        lambda: [
             {
                 "name": integral.name,
                 **record_of_formula(integral.formula, integral.expression),
-                "definitions": [record_of(definition) for definition in self.definitions],
+                "definitions": [record_of(definition) for definition in definitions],
                 "proved": integral.proved,
                 "refuted": integral.refuted,
                 "on": None if integral.on is None else record_of(integral.on),
                 "derivative": None if integral.derivative is None else record_of(integral.derivative),
             }
-            for integral in self.integrals
-        ]
+            for integral in integrals
+        ],
+    )
+    return topic, [_failure(integral) for integral in integrals if integral.refuted]
 
 
 def _integral(system: System, notation: VectorNotation, name: str, claim: Expr, zero: Expr | None) -> Integral:
