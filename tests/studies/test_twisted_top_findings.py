@@ -50,7 +50,7 @@ def test_ordinary_top_is_regular_and_the_printed_inertia_is_not(tmp_path):
 def test_members_that_fail_are_counted_and_left_out(tmp_path):
     run = one_run(SMALL, "twisted-unit-vectors")
     members = integrate(tmp_path, SMALL, run.name)
-    exponent, outcome = members.exponent.copy(), members.outcome.copy()
+    exponent, outcome = members.exponent.copy(), members.outcome.astype("<U20")
     exponent[4, 50:], outcome[4] = np.nan, "not finite"
     members = replace(members, exponent=exponent, outcome=outcome)
     result = reduce_run(run, members, 1.0)
