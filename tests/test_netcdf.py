@@ -17,7 +17,7 @@ import xarray as xr
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.io.dataset import read_dataset
-from liepoisson.io.netcdf import netcdf, read_netcdf
+from liepoisson.io.netcdf import Trial, netcdf, read_netcdf
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 STATES = lp.sample_states(TOP, 3, seed=1)
@@ -64,19 +64,23 @@ def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sent
     """Then numbers may be wrong, but no error of another kind comes out, from `rerun` neither."""
     path = RUNS[kind]().save(tmp_path / "run.nc")
     content = path.read_bytes()
-    n_flips = int(os.environ.get("LIEPOISSON_FLIPS", "20"))  # each takes a process
-    random, said, n_read = np.random.default_rng(2), [], 0
+    n_flips = int(os.environ.get("LIEPOISSON_FLIPS", "150"))
+    random, said, n_read, trial = np.random.default_rng(2), [], 0, Trial()
     for bit in random.choice(8 * len(content), n_flips, replace=False).tolist():
         damaged = bytearray(content)
         damaged[bit // 8] ^= 1 << bit % 8
         path.write_bytes(damaged)
         try:
-            dataset = read_netcdf(path, verify=False)
+            dataset = read_netcdf(path, verify=False, trial=trial)
         except DamagedFileError as error:
             said.append(str(error))
+            if "does not come to an end" in said[-1]:
+                trial.__exit__()
+                trial = Trial()
             continue
         dataset.to_dict()
         n_read += 1
+    trial.__exit__()
     assert said
     assert all(str(path) in sentence for sentence in said)
     assert n_read
@@ -90,7 +94,7 @@ def test_a_file_that_hdf5_never_ends_is_refused_within_seconds():
     begin = time.monotonic()
     with pytest.raises(DamagedFileError, match="does not come to an end"):
         lp.load(NEVER_RETURNS, verify=False)
-    assert time.monotonic() - begin < 60  # 30 seconds
+    assert time.monotonic() - begin < 60  # 7 seconds on a quiet machine
     with pytest.raises(DamagedFileError, match="checksum"):
         lp.load(NEVER_RETURNS)
 

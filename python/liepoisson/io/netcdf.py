@@ -13,8 +13,11 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
+import queue
 import subprocess
 import sys
+import threading
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,8 +38,8 @@ _PLAIN = "fiuS"
 _DIMENSION_ONLY = b"This is a netCDF dimension but not a netCDF variable"
 # References from variables to their dimensions and back.  NetCDF-4 has them by these names; they stay inside the file.
 _OF_DIMENSIONS = ("DIMENSION_LIST", "REFERENCE_LIST")
-_READING, _LEAST_SPEED = 30.0, 5e6
-"""Seconds for a process to start and to read a small file, and bytes a second of a large one.
+_STARTING, _READING, _LEAST_SPEED = 60.0, 5.0, 5e6
+"""Seconds for a process to start, to read a small file, and bytes a second of a large one.
 
 Measured on one core: 0.7 seconds, 2 milliseconds, 1e9 bytes a second.
 """
@@ -67,12 +70,13 @@ def netcdf(dataset: Dataset) -> memoryview:
     return content.getbuffer()
 
 
-def read_netcdf(path: Path, *, verify: bool = True) -> Dataset:
+def read_netcdf(path: Path, *, verify: bool = True, trial: Trial | None = None) -> Dataset:
     """The dataset of a file, in memory.
 
     Args:
         path: The file.
-        verify: Whether its checksum must be there and right; if not, the file is first tried in a process of its own.
+        verify: Whether its checksum must be there and right.
+        trial: Where a file is tried whose checksum is not; by default a process of its own, started for it.
 
     Raises:
         DamagedFileError: it cannot be read, was changed, or has a structure that liepoisson does not write.
@@ -90,7 +94,8 @@ def read_netcdf(path: Path, *, verify: bool = True) -> Dataset:
     if verify:
         _verify(path, content)
     elif sys.platform != "emscripten":  # a page in a browser has one process
-        _try(path, content)
+        with contextlib.nullcontext(trial) if trial else Trial() as where:
+            where.read(path, content)
     return _read(path, content)
 
 
@@ -108,32 +113,78 @@ def _read(path: Path, content: bytes) -> Dataset:
         raise DamagedFileError(f"{path}: cannot be read as NetCDF ({error!s:.200}); make it again") from error
 
 
-def _try(path: Path, content: bytes) -> None:
-    """Returns if a process of its own comes to an end with reading the file, be it that it is refused there, too.
+class Trial:
+    """A process in which files without a checksum are read first, and which can be ended.
 
     On some damaged files HDF5 never returns, and holds the interpreter meanwhile, so that neither Ctrl-C nor a limit of
     time helps.  What was read there once can be read here.
     """
-    begin = f"import sys; sys.path[:] = {sys.path!r}; from liepoisson.io.netcdf import read_given; read_given()"
-    command, limit = [sys.executable, "-c", begin], _READING + len(content) / _LEAST_SPEED
-    try:
-        done = subprocess.run(
-            command, input=content, capture_output=True, timeout=limit, check=False, start_new_session=True
+
+    def __init__(self) -> None:
+        begin = f"import sys; sys.path[:] = {sys.path!r}; from liepoisson.io.netcdf import serve_trials; serve_trials()"
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", begin], stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
         )
-    except subprocess.TimeoutExpired as error:
-        raise DamagedFileError(
-            f"{path}: is damaged so that HDF5 does not come to an end with it; make it again"
-        ) from error
-    if not done.stdout.startswith(b"begins"):
-        raise DamagedFileError(f"{path}: could not be tried in another process ({sys.executable}); try verify=True")
+        self._said: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
+
+    def read(self, path: Path, content: bytes) -> None:
+        """Returns if the file can be read.
+
+        Raises:
+            DamagedFileError: it cannot, or reading it did not end.
+        """
+        assert self._process.stdin is not None
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.write(len(content).to_bytes(8, "little") + content)
+            self._process.stdin.flush()
+        if self._answer(_STARTING) != b"begins":
+            raise DamagedFileError(f"{path}: could not be tried in another process ({sys.executable}); try verify=True")
+        if self._answer(_READING + len(content) / _LEAST_SPEED) != b"ended":
+            raise DamagedFileError(f"{path}: is damaged so that HDF5 does not come to an end with it; make it again")
+
+    def _answer(self, limit: float) -> bytes:
+        """What the process says; nothing if it does not, or has ended.  Ctrl-C is seen between short waits."""
+        end = time.monotonic() + limit
+        while time.monotonic() < end:
+            with contextlib.suppress(queue.Empty):
+                return self._said.get(timeout=0.05)
+        return b""
+
+    def _listen(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self._said.put(line.strip())
+        self._said.put(b"")
+
+    def __enter__(self) -> Trial:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        self._process.wait()
+        self._listener.join()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None
+            with contextlib.suppress(BrokenPipeError):
+                pipe.close()
 
 
-def read_given() -> None:
-    """Reads the file that comes from standard input; one that is refused ends, too."""
-    content = sys.stdin.buffer.read()
-    print("begins", flush=True)
-    with contextlib.suppress(DamagedFileError):
-        _read(Path("tried"), content)
+def serve_trials() -> None:
+    """Reads what comes, until nothing comes; a file that is refused is one that ends."""
+    with contextlib.suppress(Exception):
+        import h5netcdf  # noqa: F401  # pyright: ignore[reportMissingTypeStubs, reportUnusedImport]
+        import xarray  # noqa: F401  # pyright: ignore[reportUnusedImport]
+    receive, tell = sys.stdin.buffer, sys.stdout.buffer
+    while size := receive.read(8):
+        content = receive.read(int.from_bytes(size, "little"))
+        tell.write(b"begins\n")
+        tell.flush()
+        with contextlib.suppress(DamagedFileError):
+            _read(Path("tried"), content)
+        tell.write(b"ended\n")
+        tell.flush()
 
 
 def _verify(path: Path, content: bytes) -> None:
