@@ -122,7 +122,7 @@ class EnsembleReduction:
         ...     starts = lp.sample_states(top, 25, seed=1, first=first)
         ...     reduction.add(lp.finite_time_exponents(top, starts, times=times, first=first).exponent)
         >>> reduction.n_members, round(reduction.finite_time_fits()[0].lambda_, 3)
-        (50, 0.0)
+        (50, 0.133)
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
