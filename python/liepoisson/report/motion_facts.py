@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.formula.values import Value, flattened
+from liepoisson.formula.parameters import Value, flattened
 from liepoisson.report.lines import (
     Equation,
     Line,
