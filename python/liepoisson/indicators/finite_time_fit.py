@@ -437,10 +437,10 @@ def window_grid(
     Raises:
         ParameterError: no such window.
     """
-    last = float(_checked_time(time)[-1])
-    starts = [last / n for n in (200, 100, 50, 20, 10, 5, 2)] if starts is None else starts
-    ends = [last / n for n in (10, 5, 2, 1)] if ends is None else ends
     t = _checked_time(time)
+    last = float(t[-1])
+    starts = [last / n for n in (200, 100, 50, 20, 10, 5, 2)] if starts is None else _times(starts, "starts")
+    ends = [last / n for n in (10, 5, 2, 1)] if ends is None else _times(ends, "ends")
     grid = [(float(start), float(end)) for end in ends for start in starts if 2 * start <= end <= t[-1]]
     grid = [window for window in grid if window[0] >= t[0] * (1 - _SLACK)]
     windows = tuple(window for window in grid if np.count_nonzero(_inside(window, t)) >= _MIN_TIMES)
@@ -450,6 +450,12 @@ def window_grid(
             f"{t[0]:g} .. {t[-1]:g}. Give `windows` yourself, or sample longer."
         )
     return windows
+
+
+def _times(values: Sequence[float], name: str) -> list[float]:
+    if (given := listed(values, name)) is None:
+        raise ParameterError(f"{name} must be a sequence of times; got {shown(values)}. Try [10, 20].")
+    return [as_number(value, name, "numbers") for value in given]
 
 
 def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
