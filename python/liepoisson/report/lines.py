@@ -28,7 +28,7 @@ MOST_TERMS = 12
 class Written(Protocol):
     """Anything that is written differently in different styles."""
 
-    def write(self, style: Style) -> str:
+    def write(self, style: Style, /) -> str:
         """In one style, without the signs that set it off from words."""
         ...
 

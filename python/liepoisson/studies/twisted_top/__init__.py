@@ -14,5 +14,6 @@ from typing import Any
 PAPER = "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335, arXiv:nlin/0101042"
 # Caption of the paper's figure: 0.497/t + 0.113/sqrt(t) + 0.122.
 PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
-TEXTS: dict[str, Any] = tomllib.loads(files(__package__).joinpath("paper.toml").read_text(encoding="utf-8"))
+_FILE = files("liepoisson.studies.twisted_top").joinpath("paper.toml")
+TEXTS: dict[str, Any] = tomllib.loads(_FILE.read_text(encoding="utf-8"))
 """The tables of the file; its comments say what each is for."""

@@ -188,7 +188,7 @@ class Evidence:
     """
 
     def __init__(self, verdict: Ruling = "holds", correct_statement: str = "") -> None:
-        self.verdict = verdict
+        self.verdict: Ruling = verdict
         self.correct_statement = correct_statement
         self.steps: list[Step] = []
         self.data: dict[str, Any] = {}

@@ -343,12 +343,10 @@ def rigorous_demonstration(evidence: Evidence, context: Context) -> Verdict:
     what = "the certificate of covering relations with cone conditions is accepted"
     try:
         proof = lp.proofs.prove_chaos(system, arithmetics=context.arithmetics)
-        obstacles = [] if proof.excludes_integrals else list(proof.notes)
     except lp.errors.LiePoissonError as error:
-        obstacles = [str(error)]
-    if obstacles:
-        evidence.proof("enclosure", what, succeeded=False, computed=obstacles)
-        return replace(evidence.conclude(), method="enclosed")
+        return _not_proved(evidence, what, [str(error)])
+    if not proof.excludes_integrals:
+        return _not_proved(evidence, what, proof.notes)
     heading = ("condition", *(_NAMES[m.arithmetic] for m in proof.margins))
     table = [heading, *((name, *(show(m) for m in proof.margins)) for name, show in _ROWS)]
     evidence.enclosures(what, table, [note for note in proof.notes if note.startswith("The level")])
@@ -366,3 +364,8 @@ def rigorous_demonstration(evidence: Evidence, context: Context) -> Verdict:
     verdict = evidence.conclude()
     statement = verdict.correct_statement.replace("{entropy}", f"{bound:.4f}")
     return replace(verdict, method="enclosed", correct_statement=statement)
+
+
+def _not_proved(evidence: Evidence, what: str, reasons: Sequence[str]) -> Verdict:
+    evidence.proof("enclosure", what, succeeded=False, computed=reasons)
+    return replace(evidence.conclude(), method="enclosed")
