@@ -232,6 +232,10 @@ def _of_runs(add):
     add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=4, interval=1)
     add("chaos.megno", "starts:S tangents:N", **run, t_end=5, n_samples=64, tangents=TANGENT)
     curves = {"time": CURVE, "exponent": exponents()}
+    windows = {"windows": [(2, 90), (3, 80)], "log_windows": [(2, 90)]}
+    add("fits.EnsembleReduction", "time:o windows:o log_windows:o", time=CURVE, **windows)
+    add("fits.EnsembleReduction.add", "exponent:o", lp.fits.EnsembleReduction(CURVE), exponent=exponents())
+    add("fits.window_grid", "time:o starts:o ends:o", time=CURVE, starts=[2.0, 3.0], ends=[50.0, 90.0])
     add("fits.finite_time_fit", "time:o exponent:o window:o", **curves, window=(2, 90), n_bootstrap=20)
     add("fits.fit_goodness", "time:o exponent:o window:o", **curves, window=(2, 90), n_degrees=4)
     add("fits.log_fit", "time:o exponent:o window:o", **curves, window=(2, 90), n_bootstrap=20)

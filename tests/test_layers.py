@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -39,13 +40,14 @@ LAYERS = (
     {"sweeps"},
     {"saved"},
     {"plot"},
-    {"studies"},
     {"laboratory"},
-    {"cli"},
     {
-        "", "__main__", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits",
+        "", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits",
         "methods", "phase_space", "results", "sections", "systems",
     },
+    {"studies"},
+    {"cli"},
+    {"__main__"},
 )  # fmt: skip
 """From the ground up, modules and folders.  Folders of one layer do not import each other; nothing imports the last."""
 
@@ -90,11 +92,15 @@ def imported_names(tree, name):
 
 
 @cache
+def tree_of(name):
+    return ast.parse(module_path(name).read_text(encoding="utf-8"))
+
+
+@cache
 def arrows():
     found = []
     for name in sorted(modules()):
-        tree = ast.parse(module_path(name).read_text(encoding="utf-8"))
-        for target, line in imported_names(tree, name):
+        for target, line in imported_names(tree_of(name), name):
             if target.partition(".")[0] != "liepoisson":
                 continue
             inner = target.removeprefix("liepoisson").lstrip(".")
@@ -154,6 +160,46 @@ def test_imports_run_down():
         if height(arrow.importer) < len(LAYERS) - 1
     ]
     assert not wrong, "arrows up:\n" + "\n".join(sorted(map(str, wrong)))
+
+
+def private_uses(tree, name):
+    """Lines of a module that import from inside the package, or take a name of it that docs/names.md does not list."""
+    chapters = {n for n in liepoisson.__all__ if isinstance(getattr(liepoisson, n), ModuleType)}
+    for target, line in imported_names(tree, name):
+        own = target.startswith(f"liepoisson.{folder(name)}")
+        if target.partition(".")[0] == "liepoisson" and target != "liepoisson" and not own:
+            yield f"line {line}: {target}"
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Attribute):
+            continue
+        match node.value:
+            case ast.Name("lp") if node.attr not in liepoisson.__all__:
+                yield f"line {node.lineno}: lp.{node.attr}"
+            case ast.Attribute(ast.Name("lp"), chapter) if (
+                chapter in chapters and node.attr not in getattr(liepoisson, chapter).__all__
+            ):
+                yield f"line {node.lineno}: lp.{chapter}.{node.attr}"
+
+
+def test_studies_use_public_names_only():
+    """As a user would: `import liepoisson as lp`, and what docs/names.md lists."""
+    found = {name: list(private_uses(tree_of(name), name)) for name in modules() if folder(name) == "studies"}
+    assert {name: uses for name, uses in found.items() if uses} == {}
+    assert len(found) > 10
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "from liepoisson.io.files import writing",
+        "import liepoisson.io.files",
+        "from liepoisson import Top",
+        "lp.numeric.methods",
+        "lp.fits.last_decade([1, 10])",
+    ],
+)
+def test_a_private_name_in_a_study_is_found(text):
+    assert len(list(private_uses(ast.parse(text), "studies.twisted_top.runs"))) == 1
 
 
 def test_circles_are_small_and_within_a_folder():

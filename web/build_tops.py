@@ -10,8 +10,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from liepoisson.laboratory.presets import presets
-from liepoisson.laboratory.tops import description_of_tops
+from liepoisson.laboratory.tops import description_of_tops, presets
 
 FILE = Path(__file__).resolve().parent / "src" / "data" / "tops.json"
 

@@ -13,3 +13,4 @@ from liepoisson.model.system_text import write_system as write_system
 from liepoisson.model.tops import Top as Top
 from liepoisson.report.describe import Report as Report
 from liepoisson.report.describe import inspect as inspect
+from liepoisson.report.vector_notation import vector_notation as vector_notation

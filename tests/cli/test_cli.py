@@ -67,7 +67,7 @@ def test_disk_that_fills_up_is_an_error_with_advice(tmp_path):
     done = run(*STUDY, "--members", 500, "--end-time", 60, "--out", tmp_path, preexec_fn=limit_file_size)
     message = refusal(done)
     assert "could not write" in message
-    assert "000000-000499.npz" in message
+    assert "000000-000499.nc" in message
     assert "another folder" in message
     assert list((tmp_path / "pieces" / "twisted-unit-vectors").iterdir()) == [], "no half-written file is left"
 
@@ -87,7 +87,7 @@ def test_progress_is_shown_on_a_terminal_and_control_c_says_how_to_go_on(tmp_pat
     folder = tmp_path / "pieces" / "twisted-unit-vectors"
     try:
         until = time.monotonic() + 120
-        while not (folder.exists() and list(folder.glob("*.npz"))):
+        while not (folder.exists() and list(folder.glob("*.nc"))):
             assert process.poll() is None
             assert time.monotonic() < until
             time.sleep(0.02)
@@ -111,7 +111,7 @@ def test_progress_is_shown_on_a_terminal_and_control_c_says_how_to_go_on(tmp_pat
     for words in ("twisted-unit-vectors", "%", "M/s", "Run the same command again"):
         assert words in text
     assert "Traceback" not in text
-    assert all(path.suffix == ".npz" for path in folder.iterdir())
+    assert all(path.suffix == ".nc" for path in folder.iterdir())
 
 
 def test_control_c_while_a_class_is_made_is_one_line(monkeypatch, capsys):

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from liepoisson.formula.styles import LATEX, PLAIN, UNICODE
-from liepoisson.report.decimals import Decimal
-from liepoisson.report.printing import Formula
+from liepoisson.report.printing import Decimal, Formula
 
 
 @given(st.integers(-(10**20), 10**20), st.integers(-340, 340))

@@ -10,8 +10,8 @@ import liepoisson as lp
 from liepoisson.compile.field import QuadraticField, TapeFunction, field_of
 from liepoisson.errors import LiePoissonError, OutputError, ParameterError
 from liepoisson.laboratory import page_of, page_of_tops, write_page
+from liepoisson.laboratory.description import N_POINTS, picture_of
 from liepoisson.laboratory.pages import MOST_BYTES, MOST_COMPONENTS, MOST_TERMS, as_data
-from liepoisson.laboratory.pictures import N_POINTS, picture_of
 
 KIRCHHOFF = lp.catalog.system("kirchhoff")
 START = [1, 0.2, 0, 0, 0.6, 0.8]

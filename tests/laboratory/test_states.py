@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError, UnknownNameError
 from liepoisson.laboratory import states
-from liepoisson.laboratory.addresses import Addresses
 from liepoisson.laboratory.pages import page_of
-from liepoisson.laboratory.presets import presets
-from liepoisson.laboratory.states import parts_of
+from liepoisson.laboratory.states import Addresses, parts_of
+from liepoisson.laboratory.tops import presets
 
 WEB = Path(__file__).resolve().parents[2] / "web" / "src"
 START = (1.0, 0.2, 0.0, 0.0, 0.6, 0.8)

@@ -9,8 +9,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.compile.field import TapeField, TapeFunction, field_of
-from liepoisson.laboratory.presets import presets
-from liepoisson.laboratory.tops import PARAMETERS, description_of_tops
+from liepoisson.laboratory.tops import PARAMETERS, description_of_tops, presets
 
 WEB = Path(__file__).resolve().parents[2] / "web"
 DESCRIPTION = description_of_tops()

@@ -7,8 +7,7 @@ from hostile_names import FAMOUS, REFUSED
 from matplotlib.cbook import is_math_text
 from matplotlib.mathtext import MathTextParser
 
-from liepoisson.plot.formulas import formula, number
-from liepoisson.plot.labels import LONGEST, label, plain, symbol, with_formulas
+from liepoisson.plot.labels import LONGEST, formula, label, number, plain, symbol, with_formulas
 from liepoisson.plot.style import house_style, new_figure
 
 TEXTS = [

@@ -8,13 +8,9 @@ import pytest
 from numerical_claims import NUMERICAL
 
 import liepoisson as lp
-from liepoisson.studies.twisted_top.claims import (
-    CLAIMS,
-    claims_to_json,
-    twisted_bracket,
-)
-from liepoisson.studies.twisted_top.claims.chaos import rigorous_demonstration
-from liepoisson.studies.twisted_top.claims.model import Context
+from liepoisson.studies.twisted_top.claims import CLAIMS, Context, twisted_bracket
+from liepoisson.studies.twisted_top.claims.evidence import CHECKS
+from liepoisson.studies.twisted_top.findings import claims_to_json
 
 pytestmark = pytest.mark.thorough  # all claims take several seconds
 
@@ -64,7 +60,7 @@ def test_chaos_is_proved_with_enclosures(results):
     assert 0.048 < verdict.data["entropy_above"] < 0.0481
     # Without the twist, or with the other sign: it is another system, and nothing is proved of it.
     for wrong in (Context(bracket=lambda _: twisted_bracket(0)), Context(bracket=lambda _: twisted_bracket(-1))):
-        failed = rigorous_demonstration(wrong)
+        failed = next(c for c in CLAIMS if c.id == "rigorous-demonstration").check(wrong)
         assert failed.verdict == OPEN
         assert "✗" in failed.certificate
 
@@ -97,7 +93,7 @@ def test_the_json_has_the_documented_schema(results):
         assert entry["produced_by"]["package"] == "liepoisson"
         module, _, name = entry["produced_by"]["check"].rpartition(".")
         assert module.startswith("liepoisson.studies.twisted_top.claims.")
-        assert name == result.claim.check.__name__
+        assert name == CHECKS[result.claim.id].__name__
         for text in (entry["statement"], entry["words"], entry["certificate"], entry["correct_statement"]):
             assert "\\" not in text
             assert "$" not in text

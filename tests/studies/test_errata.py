@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from liepoisson.studies.twisted_top.claims import CLAIMS, Claim, ClaimResult, Context, Verdict
-from liepoisson.studies.twisted_top.claims.errata import (
+from liepoisson.studies.twisted_top.claims.evidence import Step
+from liepoisson.studies.twisted_top.findings import (
     KINDS,
     count_verdicts,
     decisive_steps,
@@ -13,14 +14,10 @@ from liepoisson.studies.twisted_top.claims.errata import (
     errata_lines,
     mistakes,
 )
-from liepoisson.studies.twisted_top.claims.steps import Step
 
 
 def result(verdict, *steps, name="some-claim", root=""):
-    def check(context):
-        return Verdict(verdict, "exact", steps)
-
-    claim = Claim(name, "Section 1", "The moon is green.", check, follows_from=root)
+    claim = Claim(name, "Section 1", "The moon is green.", follows_from=root)
     return ClaimResult(claim, Verdict(verdict, "exact", steps, "" if verdict == "holds" else "It is grey."))
 
 

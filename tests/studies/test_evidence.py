@@ -2,7 +2,8 @@
 
 import sympy as sp
 
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
+from liepoisson.studies.twisted_top.claims.evidence import Evidence
+from liepoisson.studies.twisted_top.typography import show
 
 
 def test_expressions_are_shown_in_unicode():
@@ -15,21 +16,23 @@ def test_expressions_are_shown_in_unicode():
 
 def test_evidence_records_each_step():
     x = sp.Symbol("x")
-    evidence = Evidence()
+    evidence = Evidence("holds")
     assert evidence.zero("a", (x + 1) ** 2 - x**2 - 2 * x - 1)
     assert evidence.zero("b", [x - x, 1 / x - (x + 1) / (x**2 + x)])
     assert evidence.equal("c", 2, 2)
     assert evidence.nonzero("d", sp.Matrix([0, x]))
     evidence.note("e")
-    verdict = evidence.conclude("holds")
+    verdict = evidence.conclude()
     assert (verdict.verdict, verdict.method, verdict.correct_statement) == ("holds", "exact", "")
     assert verdict.certificate == "✓ a\n✓ b\n✓ c: 2\n✓ d\n    computed: x\n  e"
     assert not evidence.zero("f", x * (x + 1))
     assert not evidence.equal("g", 3, 2)
     assert not evidence.nonzero("h", 0)
-    failed = evidence.conclude("holds with a condition", "never mind")
+    evidence.verdict, evidence.correct_statement = "holds with a condition", "never mind"
+    failed = evidence.conclude()
     assert failed.verdict == "wrong"
     assert "✗ f — residual x·(x + 1)" in failed.certificate
     assert "✗ g: 2 — computed 3" in failed.certificate
     assert failed.correct_statement.endswith("g: 2 (computed 3); h (the value is 0).")
-    assert evidence.conclude("wrong").verdict == "not settled"
+    evidence.verdict = "wrong"
+    assert evidence.conclude().verdict == "not settled"

@@ -4,15 +4,15 @@ from collections import Counter
 
 import pytest
 
+from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import CLAIMS
-from liepoisson.studies.twisted_top.claims.errata import KINDS
-from liepoisson.studies.twisted_top.front_page import _CONFIRMED, _NOT_CONFIRMED, _REFINED, front_page
+from liepoisson.studies.twisted_top.findings import KINDS, front_page
 from liepoisson.studies.twisted_top.report import spans
 
 NUMBERS = {claim.id: number for number, claim in enumerate(CLAIMS, 1)}
 AS_PRINTED = "The exponent of the ordinary top as printed stays positive."
-EXPECTED = dict((*_NOT_CONFIRMED, *_REFINED))
-EXPECTED |= {name: "holds" for line in _CONFIRMED for name in line.claims}
+EXPECTED = {line["claim"]: line["verdict"] for table in ("not_confirmed", "refined") for line in TEXTS[table]}
+EXPECTED |= {name: "holds" for line in TEXTS["confirmed"] for name in line["claims"]}
 
 
 def table(**changed):
@@ -27,7 +27,7 @@ def table(**changed):
 
 
 def lines(page):
-    return (*page.confirmed, *page.not_confirmed, *page.refined, *page.open)
+    return [line for name, found in page.items() if name != "questions" for line in found]
 
 
 @pytest.mark.parametrize("changed", [{}, {"leibniz_jacobi": "wrong"}, {"kovalevskaya_inertia": "holds"}])
@@ -40,8 +40,8 @@ def test_another_verdict_is_never_told_in_the_old_words():
     page = table(collinear_stays_collinear="holds", leibniz_jacobi="wrong")
     assert not any("collinear α and β do not stay collinear" in line.text for line in lines(page))
     assert not any("satisfy the Jacobi identity" in line.text for line in lines(page))
-    assert any(line.text == "The Leibniz bracket is a Poisson bracket: wrong." for line in page.not_confirmed)
-    assert not any("counter-example" in line.text for line in page.questions)
+    assert any(line.text == "The Leibniz bracket is a Poisson bracket: wrong." for line in page["not_confirmed"])
+    assert not any("counter-example" in line.text for line in page["questions"])
 
 
 def test_runs_of_numbers_are_joined():

@@ -2,8 +2,7 @@
 
 import pytest
 
-from liepoisson.studies.twisted_top.claims.typography import typeset
-from liepoisson.studies.twisted_top.mathematics import mathematics
+from liepoisson.studies.twisted_top.typography import mathematics, typeset
 
 
 @pytest.mark.parametrize(

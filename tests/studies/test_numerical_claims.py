@@ -8,7 +8,7 @@ import pytest
 from numerical_claims import NUMERICAL
 
 from liepoisson.studies.twisted_top.claims import CLAIMS, Context
-from liepoisson.studies.twisted_top.claims.numerics import _heterogeneity
+from liepoisson.studies.twisted_top.claims.numerics import heterogeneity
 
 HOLDS, CONDITION, WRONG, MISPRINT, OPEN = "holds", "holds with a condition", "wrong", "misprint", "not settled"
 UNDERSPECIFIED = "underspecified"
@@ -119,12 +119,12 @@ def test_an_exponent_far_from_the_printed_one_is_wrong():
 
 
 def test_groups_of_energy_are_compared_by_chi_squared():
-    chi_squared, sigmas = _heterogeneity([(0.1, 0.01), (0.1, 0.02), (0.1, 0.03)])
+    chi_squared, sigmas = heterogeneity([(0.1, 0.01), (0.1, 0.02), (0.1, 0.03)])
     assert chi_squared == pytest.approx(0)
     assert sigmas < 0
     # Seven degrees of freedom: 18.48 is exceeded with probability 0.01, 2.326 standard deviations.
     step = np.sqrt(18.475 / 8)
-    assert _heterogeneity([(sign * step, 1.0) for sign in (1, -1) * 4]) == pytest.approx((18.475, 2.326), abs=0.02)
+    assert heterogeneity([(sign * step, 1.0) for sign in (1, -1) * 4]) == pytest.approx((18.475, 2.326), abs=0.02)
 
 
 @pytest.mark.parametrize("claim", NUMERICAL)

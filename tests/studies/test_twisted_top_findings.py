@@ -23,7 +23,7 @@ def test_fitted_exponent_of_the_twisted_top_agrees_with_the_anchors(tmp_path):
     settings = Settings(members=3000, end_time=200.0, seed=11)
     for ensemble, (anchor, anchor_error) in ANCHORS.items():
         run = one_run(settings, f"twisted-{ensemble}")
-        estimate = reduce_run(run, integrate(tmp_path, settings, run.name)).fit.estimates["lambda"]
+        estimate = reduce_run(run, integrate(tmp_path, settings, run.name), 1.0).fit.estimates["lambda"]
         error = np.hypot(estimate.standard_error, anchor_error)
         # Three combined standard errors: a right program fails with probability 0.3 % for a new seed.
         assert abs(estimate.value - anchor) < 3 * error, f"{ensemble}: {estimate} against {anchor}"
@@ -34,14 +34,14 @@ def test_fitted_exponent_of_the_twisted_top_agrees_with_the_anchors(tmp_path):
 def test_ordinary_top_is_regular_and_the_printed_inertia_is_not(tmp_path):
     settings = Settings(members=3000, end_time=200.0, seed=12)
     ordinary = one_run(settings, "ordinary-unit-vectors")
-    regular = reduce_run(ordinary, integrate(tmp_path, settings, ordinary.name))
+    regular = reduce_run(ordinary, integrate(tmp_path, settings, ordinary.name), 1.0)
     B = regular.log_fit.estimates["B"]
     # The bound of the project is 0.02; the measured value is 0.997 with error 0.001.
     assert abs(B.value - 1) < 0.02
     assert B.standard_error < 0.004
     assert regular.log_fit.floor_is_zero
     as_printed = one_run(settings, "ordinary-as-printed-unit-vectors")
-    chaotic = reduce_run(as_printed, integrate(tmp_path, settings, as_printed.name)).curve.at(200.0)
+    chaotic = reduce_run(as_printed, integrate(tmp_path, settings, as_printed.name), 1.0).curve.at(200.0)
     # 20,000 members give 0.1972 with error 0.0006; four combined errors: wrong with probability 6e-5.
     assert abs(chaotic.value - 0.1972) < 4 * np.hypot(chaotic.standard_error, 0.0006)
     assert regular.curve.at(200.0).high < 0.03
@@ -50,10 +50,10 @@ def test_ordinary_top_is_regular_and_the_printed_inertia_is_not(tmp_path):
 def test_members_that_fail_are_counted_and_left_out(tmp_path):
     run = one_run(SMALL, "twisted-unit-vectors")
     members = integrate(tmp_path, SMALL, run.name)
-    exponent, outcome = members.exponent.copy(), members.outcome.copy()
+    exponent, outcome = members.exponent.copy(), members.outcome.astype("<U20")
     exponent[4, 50:], outcome[4] = np.nan, "not finite"
     members = replace(members, exponent=exponent, outcome=outcome)
-    result = reduce_run(run, members)
+    result = reduce_run(run, members, 1.0)
     assert result.outcomes == {"finished": 49, "not finite": 1}
     assert result.curve.n_members == result.final_exponent.size == result.energy.size == 49
     assert result.fit.n_excluded == 1
@@ -63,7 +63,7 @@ def test_members_that_fail_are_counted_and_left_out(tmp_path):
 def test_energy_goes_with_its_member(tmp_path):
     run = one_run(SMALL, "ordinary-gaussian")
     members = integrate(tmp_path, SMALL, run.name)
-    result = reduce_run(run, members)
+    result = reduce_run(run, members, 1.0)
     l, alpha = members.start[:, :3], members.start[:, 3:6]
     np.testing.assert_allclose(result.energy, (l**2 / [4, 4, 2]).sum(axis=1) - alpha[:, 0], rtol=1e-12)
 

@@ -9,13 +9,13 @@ from types import SimpleNamespace
 import pytest
 from small_study import SHORT
 
-from liepoisson.indicators.finite_time_fit import Estimate
-from liepoisson.studies.twisted_top import integration, runs
+from liepoisson.results import Estimate
+from liepoisson.studies.twisted_top import PRINTED, integration, runs
 from liepoisson.studies.twisted_top.claims import CLAIMS, evaluate_claims
-from liepoisson.studies.twisted_top.claims.errata import TITLE
 from liepoisson.studies.twisted_top.figures import FIGURES
-from liepoisson.studies.twisted_top.integration import Tracker
-from liepoisson.studies.twisted_top.measurements import PRINTED, measurements
+from liepoisson.studies.twisted_top.findings import TITLE
+from liepoisson.studies.twisted_top.integration import RunStore, Tracker
+from liepoisson.studies.twisted_top.measurements import measurements
 from liepoisson.studies.twisted_top.report import (
     _overshoot,
     _scan_ranges,
@@ -25,8 +25,7 @@ from liepoisson.studies.twisted_top.report import (
     true_minus,
 )
 from liepoisson.studies.twisted_top.runs import plan
-from liepoisson.studies.twisted_top.store import RunStore
-from liepoisson.studies.twisted_top.study import _judge, reproduce, run_all
+from liepoisson.studies.twisted_top.study import judge, reproduce, run_all
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +48,7 @@ def study(tmp_path_factory, exact_results):
 @pytest.mark.slow
 def test_a_study_comes_to_these_verdicts_by_itself(study):
     """It checks the proof of chaos in both arithmetics, where the verdicts of the tests have one."""
-    claims = json.loads(json.dumps(_judge(study[0].measurements, SHORT)))
+    claims = json.loads(json.dumps(judge(study[0].measurements, SHORT)))
     shared = json.loads(json.dumps(study[0].claims))
     for document in (claims, shared):
         chaos = [entry for entry in document["claims"] if entry["id"] == "rigorous-demonstration"]
@@ -131,7 +130,7 @@ def test_the_range_of_each_ensemble_lies_within_that_of_all():
 @pytest.mark.thorough
 def test_second_call_gives_the_same_numbers_without_integrating(study, monkeypatch):
     first, _ = study
-    monkeypatch.setattr(integration, "_integrate_piece", None)
+    monkeypatch.setattr(integration, "integrate_piece", None)
     stores = [RunStore(first.out, run) for run in plan(SHORT)]
     results = run_all(stores, None, Tracker(stores, None))
     assert measurements(list(results.values()), SHORT) == first.measurements

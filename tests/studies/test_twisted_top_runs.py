@@ -42,8 +42,6 @@ def test_plan_covers_both_tops_three_ensembles_and_the_readings_of_the_inertia()
         ({"end_time": float("nan")}, "finite"),
         ({"end_time": float("inf")}, "finite"),
         ({"seed": -1}, "seed"),
-        ({"threads": 0}, "threads"),
-        ({"threads": 4097}, "threads must be at most 4096; got 4097"),
         ({"members": 10**8 + 1}, "members must be at most 100000000; got 100000001"),
     ],
 )

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.laboratory.presets import presets
+from liepoisson.laboratory.tops import presets
 
 ROOT = Path(__file__).resolve().parents[2]
 WEB = ROOT / "web"

@@ -12,6 +12,8 @@ from liepoisson.cli.ending import INTERRUPTED
 from liepoisson.cli.options import QuietOption, SeedOption
 from liepoisson.cli.progress import progress_bar
 from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import as_threads
+from liepoisson.io.files import exclusive, writing
 from liepoisson.studies import STUDIES, check_study
 
 QUICK_MEMBERS, QUICK_END_TIME = 1000, 200.0
@@ -48,10 +50,10 @@ def reproduce(
         members=default.members if members is None else members,
         end_time=default.end_time if end_time is None else end_time,
         seed=seed,
-        threads=threads,
+        threads=None if threads is None else as_threads(threads),
     )
     try:
-        with progress_bar(quiet=quiet) as progress:
+        with exclusive(folder), writing(folder), progress_bar(quiet=quiet) as progress:
             result = run_study(settings, folder, fresh=fresh, progress=progress)
     except KeyboardInterrupt:
         print(

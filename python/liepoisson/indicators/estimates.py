@@ -13,6 +13,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import ReadOnlyArrays, check_shape
+from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.portable import elementary, linear
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -52,9 +53,14 @@ class Estimate(NamedTuple):
         return self.low <= number <= self.high
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Resampling:
     """How the errors of an estimate were made: by resampling whole members, with replacement.
+
+    Example:
+        >>> lp.fits.Resampling(n_bootstrap=200, seed=1)
+        Resampling(n_bootstrap=200, confidence=0.95, seed=1)
 
     Attributes:
         n_bootstrap: Number of replicates.

@@ -32,7 +32,7 @@ from liepoisson.indicators.estimates import (
     as_confidence,
 )
 from liepoisson.inputs.arrays import check_memory, check_shape
-from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import at_times, listed
 from liepoisson.inputs.refusals import shown
@@ -107,12 +107,22 @@ _LOGARITHM_LINE_AND_TWO = _Law(
 _LOG_LAWS = (_LOGARITHM, _LOGARITHM_AND_LINE, _LOGARITHM_LINE_AND_NEXT, _LOGARITHM_LINE_AND_TWO)
 
 
+@explains_its_methods
 class EnsembleReduction:
     """Growth curves of an ensemble, reduced as they come to what the fits need.
 
     Give the windows first, then the curves in pieces of any size, then ask for the fits.  What is kept is the
     running mean and variance at each time and three numbers per member and window: for 20,000 members and 20
     windows 10 MB, whatever the number of sample times.
+
+    Example:
+        >>> top, times = lp.Top.twisted_kovalevskaya(), np.arange(1.0, 201.0)
+        >>> reduction = lp.fits.EnsembleReduction(times, windows=[(20, 200)])
+        >>> for first in (0, 25):  # members in pieces
+        ...     starts = lp.sample_states(top, 25, seed=1, first=first)
+        ...     reduction.add(lp.finite_time_exponents(top, starts, times=times, first=first).exponent)
+        >>> reduction.n_members, round(reduction.finite_time_fits()[0].lambda_, 3)
+        (50, 0.133)
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
@@ -403,6 +413,7 @@ def last_decade(time: ArrayLike) -> Window:
     return max(float(t[0]), float(t[-1]) / 10.0), float(t[-1])
 
 
+@explains_its_arguments
 def window_grid(
     time: ArrayLike,
     *,
@@ -410,6 +421,10 @@ def window_grid(
     ends: Sequence[float] | None = None,
 ) -> tuple[Window, ...]:
     """The windows [start, end] inside the sample times whose end is at least twice their start.
+
+    Example:
+        >>> lp.fits.window_grid(np.arange(1.0, 201.0), starts=[10, 50], ends=[50, 200])
+        ((10.0, 50.0), (10.0, 200.0), (50.0, 200.0))
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
@@ -419,10 +434,10 @@ def window_grid(
     Raises:
         ParameterError: no such window.
     """
-    last = float(_checked_time(time)[-1])
-    starts = [last / n for n in (200, 100, 50, 20, 10, 5, 2)] if starts is None else starts
-    ends = [last / n for n in (10, 5, 2, 1)] if ends is None else ends
     t = _checked_time(time)
+    last = float(t[-1])
+    starts = [last / n for n in (200, 100, 50, 20, 10, 5, 2)] if starts is None else _times(starts, "starts")
+    ends = [last / n for n in (10, 5, 2, 1)] if ends is None else _times(ends, "ends")
     grid = [(float(start), float(end)) for end in ends for start in starts if 2 * start <= end <= t[-1]]
     grid = [window for window in grid if window[0] >= t[0] * (1 - _SLACK)]
     windows = tuple(window for window in grid if np.count_nonzero(_inside(window, t)) >= _MIN_TIMES)
@@ -432,6 +447,12 @@ def window_grid(
             f"{t[0]:g} .. {t[-1]:g}. Give `windows` yourself, or sample longer."
         )
     return windows
+
+
+def _times(values: Sequence[float], name: str) -> list[float]:
+    if (given := listed(values, name)) is None:
+        raise ParameterError(f"{name} must be a sequence of times; got {shown(values)}. Try [10, 20].")
+    return [as_number(value, name, "numbers") for value in given]
 
 
 def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:

@@ -22,8 +22,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import sequence
 from liepoisson.io.files import write_atomically
-from liepoisson.laboratory.description import description_of, record_of_functions
-from liepoisson.laboratory.pictures import picture_of
+from liepoisson.laboratory.description import description_of, picture_of, record_of_functions
 from liepoisson.laboratory.saved import saved_of
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
 
@@ -223,17 +222,17 @@ def _description(system: Any, start: Array, surfaces: Sequence[Any], saved: Any)
         "start": [shortest(value) for value in start],
         "unit": unit_of(system, start),
         "surface": surface,
-        "direction": 1 if saved is None else saved.direction,
+        "direction": 1 if saved is None else saved.record["direction"],
         "axes": [others[0], others[1] if len(others) > 1 else others[0]],
         "picture": picture_of(system),
-        "saved": None if saved is None else saved.record(),
+        "saved": None if saved is None else saved.record,
     }
 
 
 def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tuple[dict[str, Any] | None, str]:
     """Functions with their names, and the name of what the page begins with."""
-    if saved is not None and saved.functions is not None:
-        first = {**saved.functions, "outputs": saved.functions["outputs"][:1]}
+    if saved is not None and (functions := saved.record["functions"]) is not None:
+        first = {**functions, "outputs": functions["outputs"][:1]}
         return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
     names = component_names(system, start.size)
     chosen = {str(one): one for one in given}

@@ -29,56 +29,19 @@ class SavedResult:
     """What the page is told of a result.
 
     Attributes:
-        kind: "orbit" or "section".
-        words: What it is, for people.
-        shown_only: Why the page does not compute it again, or None.
-        tol: The tolerance of its method.
-        starts: Shape (trajectory, component).
-        times, states: Of the orbit or of the crossings.
-        trajectory: Of each crossing.
-        functions: The surface and what is kept, as data; None for an orbit.
-        surface: The surface as it was written, if it is short.
-        direction, n_crossings, t_end: As the section was asked for.
-        has_states: Whether states are states of the system, and not functions of them.
-        coordinates: Names of the components of the states.
+        record: As JSON can write it: `kind`, "orbit" or "section"; `words`, what it is, for people; `shown_only`, why
+            the page does not compute it again, or None; `tol` of its method; `starts`; `times` and `states` of the
+            orbit or of the crossings; the `trajectory` of each crossing; `functions`, the surface and what is kept, as
+            data, None for an orbit; `direction`, `n_crossings` and `t_end`, as the section was asked for;
+            `has_states`, whether states are states of the system, and not functions of them; `coordinates`, the names
+            of their components.
         start: Where the page begins.
+        surface: The surface as it was written, if it is short.
     """
 
-    kind: str
-    words: str
-    shown_only: str | None
-    tol: float
-    starts: Array
-    times: Array
-    states: Array
-    trajectory: tuple[int, ...]
-    functions: dict[str, Any] | None
-    surface: str
-    direction: int
-    n_crossings: int
-    t_end: float
-    has_states: bool
-    coordinates: tuple[str, ...]
+    record: dict[str, Any]
     start: Array
-
-    def record(self) -> dict[str, Any]:
-        """As JSON can write it."""
-        return {
-            "kind": self.kind,
-            "words": self.words,
-            "shown_only": self.shown_only,
-            "tol": self.tol,
-            "starts": self.starts.tolist(),
-            "times": self.times.tolist(),
-            "states": self.states.tolist(),
-            "trajectory": list(self.trajectory),
-            "functions": self.functions,
-            "direction": self.direction,
-            "n_crossings": self.n_crossings,
-            "t_end": self.t_end,
-            "has_states": self.has_states,
-            "coordinates": list(self.coordinates),
-        }
+    surface: str = ""
 
 
 def saved_of(system: Any, result: Any, trajectory: int = 0) -> SavedResult:
@@ -143,11 +106,23 @@ def _orbit(orbit: Orbit, chosen: int) -> SavedResult:
     kept = f", of which {len(times[::every])} are here" if every > 1 else ""
     words = f"Saved: {among}{len(times)} times from t = {times[0]:g} to t = {times[-1]:g}{kept}"
     start = np.asarray(orbit.start[chosen])
-    return SavedResult(
-        "orbit", words, shown_only, _tol(orbit.method), start[None], times[::every], states[::every],
-        (), None, "", 1, 0, float(times[-1]), has_states=True, coordinates=tuple(orbit.components),
-        start=start,
-    )  # fmt: skip
+    record = {
+        "kind": "orbit",
+        "words": words,
+        "shown_only": shown_only,
+        "tol": _tol(orbit.method),
+        "starts": [start.tolist()],
+        "times": times[::every].tolist(),
+        "states": states[::every].tolist(),
+        "trajectory": [],
+        "functions": None,
+        "direction": 1,
+        "n_crossings": 0,
+        "t_end": float(times[-1]),
+        "has_states": True,
+        "coordinates": list(orbit.components),
+    }
+    return SavedResult(record, start)
 
 
 def _section(section: Section, first: int) -> SavedResult:
@@ -164,15 +139,23 @@ def _section(section: Section, first: int) -> SavedResult:
         shown_only = "it goes on from an earlier section"
     if shown_only is None and not np.isfinite(section.t_end):
         shown_only = "it has no end of time"
-    return SavedResult(
-        "section", words, shown_only, _tol(section.method), np.asarray(section.start[:members]),
-        section.time[chosen], section.state[chosen], tuple(int(one) for one in section.crossing_trajectory[chosen]),
-        record_of_functions(section.tape), surface if of else "saved surface", int(section.direction),
-        int(section.n_crossings or 0),
-        float(section.t_end) if np.isfinite(section.t_end) else 0.0,
-        has_states=tuple(section.coordinates) == tuple(section.components), coordinates=tuple(section.coordinates),
-        start=np.asarray(section.start[first]),
-    )  # fmt: skip
+    record = {
+        "kind": "section",
+        "words": words,
+        "shown_only": shown_only,
+        "tol": _tol(section.method),
+        "starts": section.start[:members].tolist(),
+        "times": section.time[chosen].tolist(),
+        "states": section.state[chosen].tolist(),
+        "trajectory": section.crossing_trajectory[chosen].tolist(),
+        "functions": record_of_functions(section.tape),
+        "direction": int(section.direction),
+        "n_crossings": int(section.n_crossings or 0),
+        "t_end": float(section.t_end) if np.isfinite(section.t_end) else 0.0,
+        "has_states": tuple(section.coordinates) == tuple(section.components),
+        "coordinates": list(section.coordinates),
+    }
+    return SavedResult(record, np.asarray(section.start[first]), surface if of else "saved surface")
 
 
 def _tol(method: Any) -> float:

@@ -1,4 +1,9 @@
-"""What the state of a page can have, and what makes a value one that the page can be told."""
+"""The state of a page: what it can have, as plain values of Python, and as its address has it after the #.
+
+The page reads and writes addresses (`state/url.ts` and `systems/url.ts`) and has the last word: what it refuses it
+answers with the address of the state that it keeps. Here names and numbers are checked as far as a mistake can be told
+at once, and nothing is made up: a part that an address leaves to the page is missing in the state.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +11,16 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
+from urllib.parse import parse_qsl, urlencode
 
 import numpy as np
 
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.given import by_name, listed, named
-from liepoisson.laboratory.pages import LARGEST, exact_text
-from liepoisson.laboratory.presets import presets
-from liepoisson.laboratory.tops import PARAMETERS
+from liepoisson.laboratory.pages import LARGEST, exact_text, shortest
+from liepoisson.laboratory.tops import PARAMETERS, presets
 
 State = dict[str, Any]
 """Parts of a state by name; texts, numbers, tuples of them, and the parameters of a top by name."""
@@ -194,3 +199,193 @@ def _within(what: str, least: float, most: float) -> Callable[[Any], float]:
         return number + 0.0
 
     return check
+
+
+_LONGEST = 16_000
+"""Characters of an address, as the page has it (`systems/url.ts`)."""
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?|[+-]?\d+/\d+")
+
+
+@dataclass(frozen=True)
+class Addresses:
+    """Reads and writes the addresses of one page.
+
+    Attributes:
+        parts: What its states can have.
+        system: The short hash of the system that it carries; "" for the page of tops.
+    """
+
+    parts: Parts
+    system: str = ""
+
+    def read(self, address: str) -> State:
+        """The state of an address: what it says, and no more.
+
+        Raises:
+            ParameterError: it is no address of this page.
+        """
+        parts = _parts(address)
+        if parts.pop("v", "") != "1" or parts.pop("system", "") != self.system:
+            raise ParameterError(f"address must be one of the page that is shown; got {address!r:.80}. Copy it again.")
+        codecs = _codecs(self)
+        if unknown := sorted(set(parts) - set(codecs)):
+            raise ParameterError(f"address has an unknown part, {unknown[0]!r:.40}; it has {', '.join(codecs)}.")
+        state: State = {}
+        for name in sorted(parts, key=lambda name: name != "preset"):
+            try:
+                state |= codecs[name][0](parts[name])
+            except (ValueError, ArithmeticError, LookupError) as error:
+                raise ParameterError(f"address: {name} cannot be {parts[name]!r:.80}: {error}") from error
+        if {"top", "start"} & set(parts) and not self.system:
+            state["preset"] = None  # as the page says it
+        return self.parts.checked(state)
+
+    def write(self, state: Mapping[str, Any]) -> str:
+        """The address of a checked state."""
+        query = {"v": "1"} | ({"system": self.system} if self.system else {})
+        # a preset has parameters and a start of its own
+        left_out = ("top", "start") if state.get("preset") else ()
+        written = {name: write(dict(state)) for name, (_, write) in _codecs(self).items() if name not in left_out}
+        return urlencode(query | {name: text for name, text in written.items() if text is not None}, safe=",/")
+
+    def changed(self, state: State, changes: Mapping[str, Any]) -> State:
+        """The state with some of its parts changed; another orbit begins at time 0.
+
+        Raises:
+            UnknownNameError: a part, component, surface, view or theme is not one of this page.
+            ParameterError, ShapeError: a value cannot be.
+        """
+        found = self.parts.checked(changes)
+        if "parameters" in found:
+            found |= _completed(state.get("parameters", {}), found.pop("parameters"))
+        if found.get("preset"):
+            found = {**_begun(found["preset"]), **found}
+        same = all(found[part] == state.get(part) for part in ("start", "parameters") if part in found)
+        if not same:
+            found = {"time": 0.0, **({} if self.system else {"preset": None}), **found}
+        changed = {**state, **found}
+        if "direction" in changed and "surface" not in changed:
+            raise ParameterError(
+                "direction is that in which orbits cross a surface, which must be named with it; got it alone. Write "
+                f"{{'surface': {self.parts.surfaces[0]!r}, 'direction': -1}}."
+            )
+        return changed
+
+
+def _completed(known: Mapping[str, str], changes: Mapping[str, str]) -> State:
+    """All parameters of a top after a change of some; none where nothing is said of them."""
+    texts = {**known, **changes}
+    if texts and len(texts) < len(PARAMETERS):
+        raise ParameterError(
+            f"parameters must be all of {', '.join(PARAMETERS)}, as the page has not yet said its own; "
+            f"got {', '.join(texts)}."
+        )
+    return {"parameters": {name: texts[name] for name in PARAMETERS}} if texts else {}
+
+
+def _parts(address: str) -> dict[str, str]:
+    """The parts of an address by name, as texts."""
+    if len(address) > _LONGEST:
+        raise ParameterError(f"address must have at most {_LONGEST} characters; got {len(address)}.")
+    pairs = parse_qsl(address.removeprefix("#"), keep_blank_values=True)
+    parts = dict(pairs)
+    if len(parts) < len(pairs):
+        twice = next(name for name, _ in pairs if [other for other, _ in pairs].count(name) > 1)
+        raise ParameterError(f"address has {twice!r:.40} twice. Copy it again.")
+    return parts
+
+
+Codec: TypeAlias = "tuple[Callable[[str], State], Callable[[State], str | None]]"
+"""What a part of an address says of a state, and how it is written; None where the state says nothing of it."""
+
+
+def _same(name: str, read: Callable[[str], Any] = str, write: Callable[[Any], str] = str) -> Codec:
+    """A part of an address that stands for one part of the state."""
+    return lambda text: {name: read(text)}, lambda state: None if state.get(name) is None else write(state[name])
+
+
+def _codecs(page: Addresses) -> dict[str, Codec]:
+    """How each part of an address is read and written, in the order in which they are written."""
+    components, surfaces = page.parts.components, page.parts.surfaces
+
+    def placed(names: Sequence[str]) -> tuple[Callable[[str], str], Callable[[str], str]]:
+        """Names as the page of a system has them, by their places from 1; that of tops by themselves."""
+        if not page.system:
+            return str, str
+        return lambda text: names[_place(text)], lambda name: str(names.index(name) + 1)
+
+    def several(name: str, least: int = 0) -> Codec:
+        """Components; 0 stands for none, where there must be several."""
+        read, write = placed(components)
+        return _same(
+            name,
+            lambda text: [read(one) for one in text.split(",") if one and not (least and one == "0")],
+            lambda found: ",".join([*map(write, found), *["0"] * least][: max(least, len(found))]),
+        )
+
+    def section(text: str) -> State:
+        surface, direction = text.rsplit(",", 1)
+        return {"surface": placed(surfaces)[0](surface), "direction": int(direction)}
+
+    def written_section(state: State) -> str | None:
+        return f"{placed(surfaces)[1](state['surface'])},{state.get('direction', 1)}" if "surface" in state else None
+
+    shared: dict[str, Codec] = {
+        "start": _same("start", lambda text: [_number(one) for one in text.split(",")], _joined),
+        "section": (section, written_section),
+        "axes": several("axes"),
+        "theme": _same("theme"),
+        "t": _same("time", _number, shortest),
+        "speed": _same("speed", _number, shortest),
+    }
+    if page.system:
+        own = {"view": _same("view"), "space": several("projection", 3), "series": several("series")}
+        return shared | own | {"tol": _same("tol", _number, shortest)}
+    parameters = _same("parameters", lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)), _joined_texts)
+    return {
+        "preset": (_preset, lambda state: state.get("preset")),
+        "top": parameters,
+        **shared,
+        "method": _same("tol", lambda text: _number(text.removeprefix("taylor,")), lambda v: f"taylor,{shortest(v)}"),
+        "frame": _same("view"),
+        "shadow": _same("shadow", lambda text: text == "1", lambda shown: str(int(shown))),
+    }
+
+
+def _joined(values: Sequence[float]) -> str:
+    return ",".join(map(shortest, values))
+
+
+def _joined_texts(values: Mapping[str, str]) -> str:
+    return ",".join(values.values())
+
+
+def _preset(key: str) -> State:
+    """A preset with what its start and its parameters are."""
+    found = next((preset for preset in presets() if preset["key"] == key), None)
+    if found is None:
+        raise LookupError("there is no such preset")
+    texts = dict(zip(PARAMETERS, found["parameters"], strict=True))
+    return {"preset": key, "parameters": texts, "start": tuple(map(_number, found["start"]))}
+
+
+def _begun(key: str) -> State:
+    """A preset as the page begins it, with surface and axes."""
+    found = next(preset for preset in presets() if preset["key"] == key)
+    return {**_preset(key), "surface": found["surface"], "direction": 1, "axes": tuple(found["axes"]), "time": 0.0}
+
+
+def _number(text: str) -> float:
+    """As the page reads it: a fraction is divided in doubles."""
+    if len(text) > 64 or _NUMBER.fullmatch(text) is None:
+        raise ValueError("it is not a number")
+    above, _, below = text.partition("/")
+    return float(above) / float(below) if below else float(above)
+
+
+def _place(text: str) -> int:
+    """A number that counts from 1, as one that counts from 0."""
+    if not re.fullmatch(r"[1-9]\d{0,5}", text):
+        raise ValueError("it is not a number from 1 on")
+    return int(text) - 1

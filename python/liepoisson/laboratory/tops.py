@@ -15,8 +15,11 @@ is the centre line of the rod that Kirchhoff's analogy makes of the orbit, with 
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.compile.field import record_of
@@ -37,6 +40,13 @@ ATTITUDE = ("q0", "q1", "q2", "q3")
 
 POSITION = ("r1", "r2", "r3")
 """Along the centre line, in space."""
+
+
+@cache
+def presets() -> list[dict[str, Any]]:
+    """The tops with which the page tells its story, as `presets.toml` has them."""
+    text = files("liepoisson.laboratory").joinpath("presets.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)["presets"]
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,8 @@ import anywidget
 import traitlets
 
 from liepoisson.errors import LiePoissonError, ParameterError
-from liepoisson.laboratory.addresses import Addresses
 from liepoisson.laboratory.pages import Page, as_data
-from liepoisson.laboratory.states import LONGEST_MESSAGE, State, parts_of
+from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State, parts_of
 from liepoisson.model.tops import Top
 
 _PLACE = 'const PAGE = "";'

@@ -3,7 +3,7 @@ r"""Figures of finite-time exponents: convergence of an ensemble, distribution, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,17 +19,12 @@ from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_styl
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from xarray import Dataset
+
+    from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
 
 FloatArray: TypeAlias = NDArray[np.float64]
-
-
-class GrowthLike(Protocol):
-    """What `finite_time_exponents` returns, or the Dataset of it: `time` (time,) and `exponent` (trajectory, time)."""
-
-    @property
-    def time(self) -> Any: ...  # noqa: D102
-    @property
-    def exponent(self) -> Any: ...  # noqa: D102
+GrowthLike: TypeAlias = "FiniteTimeExponents | Dataset"
 
 
 @explains_its_arguments

@@ -3,7 +3,7 @@ r"""Figures of chaos indicators: growth of a tangent vector, MEGNO and alignment
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,10 @@ from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from xarray import Dataset
 
+    from liepoisson.indicators.alignment import Alignment
+    from liepoisson.indicators.megno import Megno
     from liepoisson.indicators.verdict import Rule
 
 # The axes of growth and MEGNO are linear up to here, so that ln t and 2 can be read, and logarithmic beyond.
@@ -26,30 +29,10 @@ _LINEAR_TO = 10.0
 _MOST_LABELS = 6
 
 
-class MegnoLike(Protocol):
-    """What `megno` returns: `time` (time,), `log_growth` and `mean`, both (trajectory, time)."""
-
-    @property
-    def time(self) -> Any: ...  # noqa: D102
-    @property
-    def log_growth(self) -> Any: ...  # noqa: D102
-    @property
-    def mean(self) -> Any: ...  # noqa: D102
-
-
-class AlignmentLike(Protocol):
-    """What `alignment` returns: `time` (time,) and `sali` (trajectory, time)."""
-
-    @property
-    def time(self) -> Any: ...  # noqa: D102
-    @property
-    def sali(self) -> Any: ...  # noqa: D102
-
-
 @explains_its_arguments
 def indicators(
-    growth: MegnoLike,
-    angle: AlignmentLike,
+    growth: Megno | Dataset,
+    angle: Alignment | Dataset,
     *,
     members: Sequence[int] | None = None,
     labels: Sequence[str] | None = None,

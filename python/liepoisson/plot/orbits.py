@@ -3,7 +3,7 @@ r"""Figures of one orbit: its vectors in time and on their spheres, and how well
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +21,12 @@ from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTE
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from xarray import Dataset
+
+    from liepoisson.numeric.integrate import Orbit
 
 FloatArray: TypeAlias = NDArray[np.float64]
+OrbitLike: TypeAlias = "Orbit | Dataset"
 
 _COLOURS = {"l": ANGULAR_MOMENTUM, "alpha": FIRST_FIELD, "beta": SECOND_FIELD}
 _TINTS = (-0.45, 0.0, 0.5)
@@ -37,15 +41,6 @@ _CONSTANT_LENGTH = 1e-6
 
 _MOST_CURVES, _MOST_ROWS = 6, 8
 """Curves of a panel, as many as there are colours, and vectors of a figure: the largest ones are drawn."""
-
-
-class OrbitLike(Protocol):
-    """What `integrate` returns, or the Dataset of it: `time` (time,) and `state` (trajectory, time, component)."""
-
-    @property
-    def time(self) -> Any: ...  # noqa: D102
-    @property
-    def state(self) -> Any: ...  # noqa: D102
 
 
 @explains_its_arguments

@@ -13,8 +13,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
-from liepoisson.plot.formulas import formula, number
-from liepoisson.plot.labels import label, plain
+from liepoisson.plot.labels import formula, label, number, plain
 from liepoisson.plot.orbits import orbit
 from liepoisson.plot.rod import rod
 from liepoisson.plot.section import section

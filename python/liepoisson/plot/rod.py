@@ -2,7 +2,7 @@ r"""The figure of an elastic rod: its shape with a stripe that shows the twist, 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ from liepoisson.plot.style import (
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from liepoisson.rigid_body.rod import Rod
+
 _FACETS = 18
 """Facets around the tube."""
 _STRIPE = 4
@@ -36,28 +38,9 @@ _HEIGHT, _PROFILES = 4.4, 3.4
 """Height of a figure, and the width of the profiles in it, in inches."""
 
 
-class RodLike(Protocol):
-    """What `liepoisson.rod` returns: `s` (point,), and per trajectory and point the arrays that are drawn."""
-
-    @property
-    def arclength(self) -> Any: ...  # noqa: D102
-    @property
-    def centre_line(self) -> Any: ...  # noqa: D102
-    @property
-    def directors(self) -> Any: ...  # noqa: D102
-    @property
-    def field(self) -> Any: ...  # noqa: D102
-    @property
-    def curvature(self) -> Any: ...  # noqa: D102
-    @property
-    def twist(self) -> Any: ...  # noqa: D102
-    @property
-    def tension(self) -> Any: ...  # noqa: D102
-
-
 @explains_its_arguments
 def rod(
-    rod: RodLike,
+    rod: Rod,
     *,
     trajectory: int = 0,
     radius: float | None = None,
@@ -216,7 +199,7 @@ def _dress(ax: Any, r: NDArray[np.float64], elevation: float, azimuth: float) ->
         axis.set_label_text(f"${name}$", color=INK)
 
 
-def _draw_profiles(figure: Figure, grid: Any, rod: RodLike, trajectory: int) -> None:
+def _draw_profiles(figure: Figure, grid: Any, rod: Rod, trajectory: int) -> None:
     curves = (
         (rod.curvature, r"curvature $\kappa$", FIRST_FIELD),
         (rod.twist, r"twist $u_3$", ANGULAR_MOMENTUM),

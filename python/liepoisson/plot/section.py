@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,8 +18,7 @@ from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE
 from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.systems import has_functions
-from liepoisson.plot.formulas import formula, number
-from liepoisson.plot.labels import label, name_of_system, plain
+from liepoisson.plot.labels import formula, label, name_of_system, number, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
 from liepoisson.poincare.section_coordinates import component_axes, default_axes, figure_axes, levels_of
 from liepoisson.poincare.section_sheets import DIRECTION
@@ -28,12 +27,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from xarray import Dataset
 
     from liepoisson.leaf.leaf import Leaf
     from liepoisson.model.system import System
     from liepoisson.poincare.section import Section as SectionResult
 
 FloatArray: TypeAlias = NDArray[np.float64]
+SectionLike: TypeAlias = "SectionResult | Dataset"
 
 _GOOD_COVERAGE = 0.14
 """Share of the axes that points may cover in all, were none above another."""
@@ -47,15 +48,6 @@ _PLACES = 20
 """Values at which it is tried for each of them."""
 _LONGEST_LINE = 60
 """Characters of a title that fit above the axes of a new figure; of a formula, characters of its text."""
-
-
-class SectionLike(Protocol):
-    """What `liepoisson.section` returns, or the Dataset of it."""
-
-    @property
-    def state(self) -> Any: ...  # noqa: D102
-    @property
-    def sign(self) -> Any: ...  # noqa: D102
 
 
 @explains_its_arguments

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,22 +11,23 @@ from liepoisson.formula.styles import LATEX, LETTERS, NAMES, UNICODE, Style
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import not_a_system
 from liepoisson.io.display import as_text
-from liepoisson.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
-from liepoisson.report.integral_facts import IntegralFacts
-from liepoisson.report.leaf_facts import RankFacts, StrataFacts, SymmetryFacts
-from liepoisson.report.limits import (
-    NotComputed,
+from liepoisson.report.bracket_facts import algebra_topic, extension_topic, jacobi_topic
+from liepoisson.report.integral_facts import integral_topic
+from liepoisson.report.leaf_facts import Casimirs, rank_topic, strata_topic, symmetry_topic
+from liepoisson.report.lines import Equation, Line, Name, Sign, wrapped, write_line
+from liepoisson.report.motion_facts import Motion, kernel_topic
+from liepoisson.report.printing import Gradient
+from liepoisson.report.topics import (
+    Topic,
+    not_computed,
     too_large_algebra,
     too_large_bracket,
     too_large_extension,
     too_large_for_symmetries,
     too_large_motion,
+    unless,
 )
-from liepoisson.report.lines import Equation, Line, Name, write_line
-from liepoisson.report.motion_facts import EquationFacts, HamiltonianFacts, KernelFacts, named_form
-from liepoisson.report.printing import Gradient
 from liepoisson.report.vector_notation import VectorNotation
-from liepoisson.report.wrapping import wrapped
 from liepoisson.structure.casimirs import shortage
 
 MOST_SHOWN = 12
@@ -134,57 +135,49 @@ def inspect(system: System) -> Report:
 
     if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a_system(system)
-    named, bracket = named_form(system), system.bracket
-    notation = VectorNotation(bracket)
+    bracket, notation = system.bracket, VectorNotation(system.bracket)
     topics: list[Topic] = []
     if bracket.entries() or not bracket.constant:  # else nothing of g and A is left in the bracket
         topics += [
-            _unless(too_large_algebra(bracket), AlgebraFacts, lambda: AlgebraFacts(bracket)),
-            _unless(too_large_extension(bracket), ExtensionFacts, lambda: ExtensionFacts(bracket)),
+            unless(too_large_algebra(bracket), "algebra", lambda: algebra_topic(bracket)),
+            unless(too_large_extension(bracket), "extension", lambda: extension_topic(bracket)),
         ]
     bracket_topics, failures = _bracket_topics(system, notation)
-    too_large = too_large_motion(bracket, system.hamiltonian)
-    integrals = IntegralFacts(system, notation)
+    motion, (integrals, refuted) = Motion(system, notation), integral_topic(system, notation)
     topics += [
         *bracket_topics,
-        HamiltonianFacts(system, notation, named),
-        _unless(too_large, EquationFacts, lambda: EquationFacts(system, notation, named)),
+        motion.hamiltonian_topic(),
+        unless(too_large_motion(bracket, system.hamiltonian), "equations", motion.equation_topic),
         integrals,
-        KernelFacts(system),
+        kernel_topic(system),
     ]
-    return Report(system.name, system.source, tuple(topics), (*failures, *integrals.failed))
+    return Report(system.name, system.source, tuple(topics), (*failures, *refuted))
 
 
 def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topic], list[str]]:
     """Jacobi, and if it holds Casimirs, leaves and symmetries; and where Jacobi fails."""
     bracket, hamiltonian = system.bracket, system.hamiltonian
-    if too_large := too_large_bracket(bracket):
-        kinds = (JacobiFacts, CasimirFacts, RankFacts, StrataFacts, SymmetryFacts)
-        return [NotComputed(kind, too_large) for kind in kinds], []
-    jacobi = JacobiFacts(bracket)
-    if not jacobi.certificate.holds:  # there are no Casimirs and leaves to speak of
-        return [jacobi], [str(failure) for failure in jacobi.certificate.failures]
-    casimirs = CasimirFacts(bracket, notation)
+    too_large = too_large_bracket(bracket)
+    if too_large:
+        return [not_computed(key, too_large) for key in ("bracket", "casimirs", "rank", "strata", "symmetries")], []
+    certificate = bracket.jacobi_certificate()
+    jacobi, failures = jacobi_topic(bracket, certificate), [str(failure) for failure in certificate.failures]
+    if not certificate.holds:  # there are no Casimirs and leaves to speak of
+        return [jacobi], failures
+    casimirs = Casimirs(bracket, notation)
     too_large = too_large_for_symmetries(bracket, hamiltonian)
-    symmetries = _unless(too_large, SymmetryFacts, lambda: SymmetryFacts(bracket, hamiltonian))
-    return [jacobi, casimirs, RankFacts(bracket, casimirs), StrataFacts(bracket, notation, casimirs), symmetries], []
-
-
-def _unless(obstacle: str, kind: type[Topic], make: Callable[[], Topic]) -> Topic:
-    """A part of the report, or the sentence that says why it is left out."""
-    return NotComputed(kind, obstacle) if obstacle else make()
+    symmetries = unless(too_large, "symmetries", lambda: symmetry_topic(bracket, hamiltonian))
+    return [jacobi, casimirs.topic(), rank_topic(casimirs), strata_topic(casimirs), symmetries], failures
 
 
 def describe(system: System) -> str:
     """Name, bracket, Hamiltonian, equations of motion and invariants of a system, one per line."""
-    named = named_form(system)
     top, notation = system.top_parameters, VectorNotation(system.bracket)
+    motion = Motion(system, notation)
     lines = [system.name, f"  bracket      {system.bracket!r}"]
     lines += [f"  parameters   {top.describe()}"] if top is not None else []
-    lines.append(
-        f"  Hamiltonian  {Equation(Name('H'), HamiltonianFacts(system, notation, named).formula).write(NAMES)}"
-    )
-    lines += ["  equations", *_equation_lines(EquationFacts(system, notation, named)), "  invariants"]
+    lines.append(f"  Hamiltonian  {Equation(Name('H'), motion.hamiltonian).write(NAMES)}")
+    lines += ["  equations", *(f"    {line}" for line in _written_equations(motion, NAMES)), "  invariants"]
     for name, expression in system.invariants.items():
         lines.append(f"    {name} = {notation.formula(expression).write(NAMES)}")
     lines += [f"    ({missing})"] if (missing := shortage(system.bracket)) else []
@@ -195,9 +188,9 @@ def describe(system: System) -> str:
 
 def displayed(system: System) -> str:
     r"""Hamiltonian, equations of motion and invariants in LaTeX, in one display with aligned equality signs."""
-    named, notation = named_form(system), VectorNotation(system.bracket)
-    formulas = [Equation(Name("H"), HamiltonianFacts(system, notation, named).formula).write(LATEX)]
-    formulas += _written_equations(EquationFacts(system, notation, named), LATEX)
+    notation = VectorNotation(system.bracket)
+    motion = Motion(system, notation)
+    formulas = [Equation(Name("H"), motion.hamiltonian).write(LATEX), *_written_equations(motion, LATEX)]
     for name, expression in system.invariants.items():
         if name != "H":
             written = Equation(Name(name), notation.formula(expression)).write(LATEX)
@@ -243,18 +236,16 @@ def displayed_algebra(algebra: LieAlgebra) -> str | None:
     return f"$$\\text{{{head}}}:\\quad\\begin{{aligned}}\n{body}\n\\end{{aligned}}$$"
 
 
-def _equation_lines(facts: EquationFacts) -> list[str]:
+def _written_equations(motion: Motion, style: Style) -> list[str]:
     """Vector equations where all vectors have names of their own, else components."""
-    return [f"    {line}" for line in _written_equations(facts, NAMES)]
-
-
-def _written_equations(facts: EquationFacts, style: Style) -> list[str]:
-    vector = facts.vector
+    vector = motion.vector
     if vector is not None and not any(isinstance(name, Gradient) for name, _ in vector.definitions):
-        return [equation.write(style) for equation in (*facts.equations(), *facts.definitions())]
+        return [equation.write(style) for equation in (*motion.equations(), *motion.definitions())]
     if style is LATEX:
-        return [rf"\dot{{{Name(name).write(style)}}} = {formula.write(style)}" for name, formula, _ in facts.components]
-    return [f"{name}' = {formula.write(style)}" for name, formula, _ in facts.components]
+        return [
+            rf"\dot{{{Name(name).write(style)}}} = {formula.write(style)}" for name, formula, _ in motion.components
+        ]
+    return [f"{name}' = {formula.write(style)}" for name, formula, _ in motion.components]
 
 
 def _indented(title: str, lines: Sequence[Line], style: Style) -> list[str]:
@@ -297,16 +288,6 @@ def _aligned(formula: str) -> str:
     return f"& {formula}"
 
 
-@dataclass(frozen=True)
-class _Sign:
-    """A piece of mathematics among words, in LaTeX."""
-
-    latex: str
-
-    def write(self, style: Style) -> str:
-        return self.latex
-
-
 def _with_mathematics(line: Line) -> Line:
     """The line with the mathematics among its words set off from them."""
     pieces: list[Any] = []
@@ -316,7 +297,7 @@ def _with_mathematics(line: Line) -> Line:
             continue
         place = 0
         for match in _MATH.finditer(piece):
-            pieces += [piece[place : match.start()], _Sign(_sign(match))]
+            pieces += [piece[place : match.start()], _sign(match)]
             place = match.end()
         pieces.append(piece[place:])
     kept = [piece for piece in pieces if piece]
@@ -325,7 +306,10 @@ def _with_mathematics(line: Line) -> Line:
     return tuple(kept)
 
 
-def _sign(match: re.Match[str]) -> str:
+def _sign(match: re.Match[str]) -> Sign:
+    """A piece of mathematics among words, in LaTeX."""
     if match["algebra"]:
-        return rf"\mathfrak{{{match['algebra']}}}{match['size']}"
-    return r"J\nabla C = 0" if match["casimir"] else Name(match["name"]).write(LATEX)
+        text = rf"\mathfrak{{{match['algebra']}}}{match['size']}"
+    else:
+        text = r"J\nabla C = 0" if match["casimir"] else Name(match["name"]).write(LATEX)
+    return Sign(lambda _: text)

@@ -1,10 +1,14 @@
-"""Lines of a report: words and formulas in turn, to be written as text or in LaTeX, and as data for JSON."""
+"""Lines of a report: words and formulas in turn, to be written as text or in LaTeX, and as data for JSON.
+
+Text is broken to a width: words at blanks, formulas before a + or - and after a comma.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from liepoisson.formula.styles import LATEX, LETTERS, PLAIN, UNICODE, Style, split_name
@@ -13,6 +17,7 @@ from liepoisson.report.printing import Formula, Vector, write_vector
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.formula.styles import Style
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.strata import Locus
 
@@ -23,13 +28,20 @@ MOST_TERMS = 12
 class Written(Protocol):
     """Anything that is written differently in different styles."""
 
-    def write(self, style: Style) -> str:
+    def write(self, style: Style, /) -> str:
         """In one style, without the signs that set it off from words."""
         ...
 
 
 Piece: TypeAlias = "str | Written"
 Line: TypeAlias = "tuple[Piece, ...]"
+
+
+@dataclass(frozen=True)
+class Sign:
+    """Something that is written differently in different styles, as a function of the style says."""
+
+    write: Callable[[Style], str]
 
 
 @dataclass(frozen=True)
@@ -75,30 +87,22 @@ def _formula(text: str, style: Style, write_name: Callable[[str, Style], str]) -
     )
 
 
-@dataclass(frozen=True)
-class Ring:
+def ring(name: str) -> Sign:
     """The name of a commutative algebra: R[x]/(x^3), C + R, maximal ideal of R[x]/(x^2)."""
 
-    name: str
+    def word(text: str, style: Style) -> str:
+        return style.ring(text) if len(text) < _WORD else style.text(text)
 
-    def write(self, style: Style) -> str:
-        """The name with its powers."""
-        return _formula(self.name, style, lambda word, s: s.ring(word) if len(word) < _WORD else s.text(word))
+    return Sign(lambda style: _formula(name, style, word))
 
 
 _WORD = 4
 """Letters of a word; shorter ones are products of variables, as in R[x,y]/(xy)."""
 
 
-@dataclass(frozen=True)
-class Unequal:
+def unequal(left: Written) -> Sign:
     """Something that does not vanish."""
-
-    left: Written
-
-    def write(self, style: Style) -> str:
-        """The inequality."""
-        return f"{self.left.write(style)} {style.unequal.strip()} 0"
+    return Sign(lambda style: f"{left.write(style)} {style.unequal.strip()} 0")
 
 
 @dataclass(frozen=True)
@@ -174,37 +178,29 @@ class Conditions:
         return written if len(names) == 1 else style.parentheses(written)
 
 
-@dataclass(frozen=True)
-class VectorName:
+def vector_name(vector: Vector) -> Sign:
     """The name of a vector."""
-
-    vector: Vector
-
-    def write(self, style: Style) -> str:
-        """The name, in one style."""
-        return write_vector(self.vector, style)
+    return Sign(lambda style: write_vector(vector, style))
 
 
-@dataclass(frozen=True)
-class Rate:
+def rate(of: Written) -> Sign:
     """The time derivative of something that has a name."""
-
-    of: Written
-
-    def write(self, style: Style) -> str:
-        """The name with a prime."""
-        return self.of.write(style) + style.prime
+    return Sign(lambda style: of.write(style) + style.prime)
 
 
-@dataclass(frozen=True)
-class Column:
+def in_parentheses(of: Written) -> Sign:
+    """A formula in parentheses."""
+    return Sign(lambda style: style.parentheses(of.write(style)))
+
+
+def column(components: Sequence[Written]) -> Sign:
     """A vector by its components."""
+    return Sign(lambda style: style.parentheses(", ".join(_short(component, style) for component in components)))
 
-    components: tuple[Written, ...]
 
-    def write(self, style: Style) -> str:
-        """The components in parentheses."""
-        return style.parentheses(", ".join(_short(component, style) for component in self.components))
+def shortened(formula: Formula) -> Sign:
+    """A formula of which only the first terms are written, and how many there are besides."""
+    return Sign(lambda style: _short(formula, style))
 
 
 @dataclass(frozen=True)
@@ -219,17 +215,6 @@ class Equation:
         left = self.left.write(style)
         right = _short(self.right, style)
         return right if left == right else f"{left} = {right}"
-
-
-@dataclass(frozen=True)
-class Shortened:
-    """A formula of which only the first terms are written."""
-
-    formula: Formula
-
-    def write(self, style: Style) -> str:
-        """The first terms, and how many there are besides."""
-        return _short(self.formula, style)
 
 
 def _short(piece: Written, style: Style) -> str:
@@ -267,3 +252,69 @@ def record_of_formula(formula: Formula, expression: Expr) -> dict[str, str]:
 
     components = {} if traces_in(expression) else {"expression": Formula(expression).write(PLAIN)}
     return {**record_of(formula), **components}
+
+
+_KEPT = "\x00"
+"""Stands for a blank where no line is broken."""
+
+_INSIDE = "".join(map(chr, range(1, 9)))
+"""Stand for blanks inside parentheses, where a line is broken only if it must: first of all after an outer comma."""
+
+_INDENT = "    "
+
+
+def wrapped(line: Line, style: Style, width: int) -> list[str]:
+    """A line as rows of at most `width` characters; rows after the first are indented where there are formulas.
+
+    A single term that is longer than a row is left whole.
+    """
+    if all(isinstance(piece, str) for piece in line):
+        return wrap("".join(style.words(str(piece)) for piece in line), width)
+    text = "".join(
+        style.words(piece) if isinstance(piece, str) else breakable(style.formula(piece.write(style))) for piece in line
+    )
+    rows = [""]
+    for chunk in text.split(" "):
+        _fill(rows, chunk, width)
+    blanks = str.maketrans(dict.fromkeys(_KEPT + _INSIDE, " "))
+    return [row.translate(blanks) for row in rows]
+
+
+def breakable(formula: str) -> str:
+    """The formula with a blank left only where a line may be broken: before + and -, and after commas."""
+    depth, marked = 0, ""
+    for position, character in enumerate(formula):
+        depth += (character in "([{") - (character in ")]}")
+        if character != " ":
+            marked += character
+        elif formula[position + 1 : position + 3] in ("+ ", "- ") or formula[position - 1] == ",":
+            level = 2 * depth - (formula[position - 1] == ",") - 1
+            marked += _INSIDE[min(level, len(_INSIDE) - 1)] if depth else " "
+        else:
+            marked += _KEPT
+    return marked
+
+
+def _fill(rows: list[str], chunk: str, width: int) -> None:
+    """Append a chunk, broken at the outermost of its blanks if there is no better way."""
+    # What is left of a row is used if the next one does not hold the chunk either, or if it is most of the row.
+    broken = len(chunk) > width - len(_INDENT) or len(rows[-1]) < width // 3
+    blank = next((mark for mark in _INSIDE if mark in chunk), None)
+    if blank is None or not broken or _fits(rows, chunk, width):
+        _append(rows, chunk, width)
+        return
+    for part in chunk.split(blank):
+        _fill(rows, part, width)
+
+
+def _fits(rows: list[str], chunk: str, width: int) -> bool:
+    return len(rows[-1]) + bool(rows[-1]) + len(chunk) <= width
+
+
+def _append(rows: list[str], chunk: str, width: int) -> None:
+    if not rows[-1]:
+        rows[-1] = chunk
+    elif _fits(rows, chunk, width):
+        rows[-1] += f" {chunk}"
+    else:
+        rows.append(_INDENT + chunk)

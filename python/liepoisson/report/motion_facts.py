@@ -1,34 +1,32 @@
 """What is reported about a motion: Hamiltonian, equations, and how it is integrated."""
 
-# ruff: noqa: D102 - lines() and record() are described once, in Topic
-
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.formula.parameters import Value, flattened
-from liepoisson.report.bracket_facts import Topic
-from liepoisson.report.decimals import LONG_NUMBER, Decimal
-from liepoisson.report.limits import too_large_formula
 from liepoisson.report.lines import (
-    Column,
     Equation,
     Line,
     Name,
-    Rate,
-    VectorName,
+    Sign,
     Written,
+    column,
     definition_lines,
+    rate,
     record_of,
     record_of_formula,
+    vector_name,
 )
-from liepoisson.report.printing import Form, Formula, Image
+from liepoisson.report.printing import LONG_NUMBER, Decimal, Form, Formula, Image
+from liepoisson.report.topics import Topic, too_large_formula
 from liepoisson.report.vector_equations import VectorEquations, vector_equations
 from liepoisson.report.vector_notation import VectorNotation
 
@@ -104,138 +102,129 @@ def _vanishes(value: object) -> bool:
     return not isinstance(value, tuple) and is_zero(value)  # pyright: ignore[reportArgumentType]
 
 
-@final
-class HamiltonianFacts(Topic):
-    """The Hamiltonian with named parameters, and their values."""
+class Motion:
+    """A system with names for its parameters: its Hamiltonian, and its equations where they are not too large."""
 
-    key, title = "hamiltonian", "Hamiltonian"
+    def __init__(self, system: System, notation: VectorNotation) -> None:
+        self.system = system
+        self.notation = notation
+        self.named = named_form(system)
 
-    def __init__(self, system: System, notation: VectorNotation, named: NamedForm) -> None:
-        self.expression = system.hamiltonian
-        self.values = dict(named.values)
-        if too_large_formula(system.hamiltonian):
-            self.formula, self.values = notation.components(system.hamiltonian), dict(system.values)
-        elif self._names_the_given_one(named):
-            same = named.bracket is system.bracket
-            self.formula = (notation if same else VectorNotation(named.bracket)).formula(named.hamiltonian)
-        else:  # the equations are those of a top, but H contains Casimirs besides
-            self.formula = notation.formula(system.hamiltonian)
-        self.definitions = notation.definitions([self.formula])
-        self.symbols = sorted({*system.bracket.symbols, *_names(self.expression)} - {*map(str, system.variables)})
-        self.matrices = {atom.matrix for atom in self.formula.atoms.values() if isinstance(atom, (Form, Image))}
+    @cached_property
+    def hamiltonian(self) -> Formula:
+        """The Hamiltonian with named parameters."""
+        given, named = self.system.hamiltonian, self.named
+        if too_large_formula(given):
+            return self.notation.components(given)
+        if self._names_the_given_one():
+            notation = self.notation if named.bracket is self.system.bracket else VectorNotation(named.bracket)
+            return notation.formula(named.hamiltonian)
+        return self.notation.formula(given)  # the equations are those of a top, but H contains Casimirs besides
 
-    def _names_the_given_one(self, named: NamedForm) -> bool:
+    def _names_the_given_one(self) -> bool:
         from sympy import Symbol
 
-        values = {Symbol(name): to_sympy(value) for name, value in flattened(self.values).items()}
-        inserted = named.hamiltonian.subs(_by_name(named.hamiltonian, values), simultaneous=True)
-        return is_zero(inserted - self.expression)
+        values = {Symbol(name): to_sympy(value) for name, value in flattened(dict(self.named.values)).items()}
+        inserted = self.named.hamiltonian.subs(_by_name(self.named.hamiltonian, values), simultaneous=True)
+        return is_zero(inserted - self.system.hamiltonian)
 
-    def lines(self) -> list[Line]:
-        found: list[Line] = [(Equation(Name("H"), self.formula),), *definition_lines(self.definitions)]
-        found += [(Equation(Name(name), _value(value, name in self.matrices)),) for name, value in self._told()]
-        if self.symbols:
-            found.append((f"symbolic: {', '.join(self.symbols)}",))
-        return found
+    def hamiltonian_topic(self) -> Topic:
+        """The Hamiltonian, and the values of its parameters."""
+        formula, expression = self.hamiltonian, self.system.hamiltonian
+        values = dict(self.system.values if too_large_formula(expression) else self.named.values)
+        definitions = self.notation.definitions([formula])
+        symbols = _free_names(self.system)
+        matrices = {atom.matrix for atom in formula.atoms.values() if isinstance(atom, (Form, Image))}
+        told = [(name, value) for name, value in values.items() if not _stands_for_itself(name, value)]
+        lines: list[Line] = [(Equation(Name("H"), formula),), *definition_lines(definitions)]
+        lines += [(Equation(Name(name), _value(value, name in matrices)),) for name, value in told]
+        if symbols:
+            lines.append((f"symbolic: {', '.join(symbols)}",))
+        return Topic(
+            "hamiltonian",
+            lines,
+            lambda: {
+                **record_of_formula(formula, expression),
+                "definitions": [record_of(definition) for definition in definitions],
+                "parameters": {name: _plain_value(value) for name, value in values.items()},
+                "symbols": symbols,
+            },
+        )
 
-    def _told(self) -> list[tuple[str, Value]]:
-        """The parameters but for those that stand for themselves."""
-        return [(name, value) for name, value in self.values.items() if not _stands_for_itself(name, value)]
+    @cached_property
+    def vector(self) -> VectorEquations | None:
+        """The equations in vector notation, where the algebra has a cross product."""
+        return vector_equations(self.named.bracket, self.named.hamiltonian)
 
-    def record(self) -> dict[str, Any]:
-        return {
-            **record_of_formula(self.formula, self.expression),
-            "definitions": [record_of(definition) for definition in self.definitions],
-            "parameters": {name: _plain_value(value) for name, value in self.values.items()},
-            "symbols": self.symbols,
-        }
-
-
-@final
-class EquationFacts(Topic):
-    """The equations of motion, in vector notation where the algebra has a cross product."""
-
-    key, title = "equations", "Equations"
-
-    def __init__(self, system: System, notation: VectorNotation, named: NamedForm) -> None:
-        self.vector: VectorEquations | None = vector_equations(named.bracket, named.hamiltonian)
-        self.components = [
-            (str(variable), notation.components(value), value) for variable, value in system.equations.items()
-        ]
+    @cached_property
+    def components(self) -> list[tuple[str, Formula, Expr]]:
+        """The equations in components: coordinate, formula, expression."""
+        return [(str(x), self.notation.components(value), value) for x, value in self.system.equations.items()]
 
     def equations(self) -> list[Equation]:
         """One equation per field, or per coordinate."""
         if self.vector is not None:
-            return [Equation(Rate(VectorName(field)), formula) for field, formula in self.vector.rows]
-        return [Equation(Rate(Formula(_symbol(name), {}, f.coordinates)), f) for name, f, _ in self.components]
+            return [Equation(rate(vector_name(field)), formula) for field, formula in self.vector.rows]
+        return [Equation(rate(Formula(_symbol(name), {}, f.coordinates)), f) for name, f, _ in self.components]
 
     def definitions(self) -> list[Equation]:
         """What the vectors in these equations stand for."""
         if self.vector is None:
             return []
         given = [
-            Equation(VectorName(name), Column(value) if isinstance(value, tuple) else value)
+            Equation(vector_name(name), column(value) if isinstance(value, tuple) else value)
             for name, value in self.vector.definitions
         ]
         if self.vector.product is not None:
-            given.append(Equation(_CrossProduct(), Column(self.vector.product)))
+            given.append(Equation(_CROSS_PRODUCT, column(self.vector.product)))
         return given
 
-    def lines(self) -> list[Line]:
-        equations = self.equations()
-        found: list[Line] = [(equation,) for equation in equations[:MOST_EQUATIONS]]
+    def equation_topic(self) -> Topic:
+        """The equations of motion."""
+        equations, definitions, components = self.equations(), self.definitions(), self.components
+        is_vector = self.vector is not None
+        lines: list[Line] = [(equation,) for equation in equations[:MOST_EQUATIONS]]
         if len(equations) > MOST_EQUATIONS:
-            found.append((f"... and {len(equations) - MOST_EQUATIONS} more; --format json prints all of them",))
-        found += [("with ", definition) for definition in self.definitions()]
-        return found
+            lines.append((f"... and {len(equations) - MOST_EQUATIONS} more; --format json prints all of them",))
+        lines += [("with ", definition) for definition in definitions]
+        return Topic(
+            "equations",
+            lines,
+            lambda: {
+                "vector": [record_of(equation) for equation in equations] if is_vector else None,
+                "definitions": [record_of(definition) for definition in definitions],
+                "components": {name: record_of_formula(formula, value) for name, formula, value in components},
+            },
+        )
 
-    def record(self) -> dict[str, Any]:
-        return {
-            "vector": None if self.vector is None else [record_of(equation) for equation in self.equations()],
-            "definitions": [record_of(definition) for definition in self.definitions()],
-            "components": {name: record_of_formula(formula, value) for name, formula, value in self.components},
-        }
 
-
-@final
-class KernelFacts(Topic):
+def kernel_topic(system: System) -> Topic:
     """Which kernel of the numeric core would integrate the system."""
-
-    key, title = "kernel", "Kernel"
-
-    def __init__(self, system: System) -> None:
-        self.missing = sorted({*system.bracket.symbols, *_names(system.hamiltonian)} - {*map(str, system.variables)})
-        self.kind: str | None = None
-        self.obstacle = f"needs values for {', '.join(self.missing)}" if self.missing else ""
-        if not self.missing:
-            try:
-                self.kind = system.field().kind
-            except (UnsupportedFieldError, ParameterError) as refusal:  # also a number that is no double
-                self.obstacle = str(refusal)
-
-    def lines(self) -> list[Line]:
-        return [(self.kind or self.obstacle,)]
-
-    def record(self) -> dict[str, Any]:
-        return {"kind": self.kind, "missing_values": self.missing, "obstacle": self.obstacle or None}
+    missing, kind = _free_names(system), None
+    obstacle = f"needs values for {', '.join(missing)}" if missing else ""
+    if not missing:
+        try:
+            kind = system.field().kind
+        except (UnsupportedFieldError, ParameterError) as refusal:  # also a number that is no double
+            obstacle = str(refusal)
+    record = {"kind": kind, "missing_values": missing, "obstacle": obstacle or None}
+    return Topic("kernel", [(kind or obstacle,)], lambda: record)
 
 
-class _CrossProduct:
-    """The left side of the definition of u x v."""
+def _free_names(system: System) -> list[str]:
+    """Parameters without a value."""
+    names = {*system.bracket.symbols, *map(str, system.hamiltonian.free_symbols)}
+    return sorted(names - {*map(str, system.variables)})
 
-    def write(self, style: Any) -> str:
-        """The product of two vectors u and v."""
-        return style.vector("u") + style.cross + style.vector("v")
+
+_CROSS_PRODUCT = Sign(lambda style: style.vector("u") + style.cross + style.vector("v"))
+"""The left side of the definition of u x v."""
 
 
 def _symbol(name: str) -> Any:
     from sympy import Symbol
 
     return Symbol(name)
-
-
-def _names(expression: Expr) -> set[str]:
-    return {str(symbol) for symbol in expression.free_symbols}
 
 
 def _by_name(expression: Expr, values: Mapping[Any, Expr]) -> dict[Any, Expr]:
@@ -252,11 +241,11 @@ def _value(value: Value, diagonal: bool = False) -> Written:
     if not isinstance(value, tuple):
         return _decimal(value) or Formula(to_sympy(value))
     if isinstance(value[0], tuple):
-        return _Matrix(tuple(tuple(_value(entry) for entry in row) for row in value if isinstance(row, tuple)))
+        return _matrix([[_value(entry) for entry in row] for row in value if isinstance(row, tuple)])
     rows: list[Any] = [_value(entry) for entry in value]
     if not diagonal and all(map(_vanishes, value)):
         return rows[0]
-    return _Diagonal(tuple(rows)) if diagonal else Column(tuple(rows))
+    return _diagonal(rows) if diagonal else column(rows)
 
 
 def _decimal(value: Exact) -> Decimal | None:
@@ -264,26 +253,14 @@ def _decimal(value: Exact) -> Decimal | None:
     return Decimal.of(value) if isinstance(value, Fraction) and len(str(value)) > LONG_NUMBER else None
 
 
-@dataclass(frozen=True)
-class _Diagonal:
+def _diagonal(entries: Sequence[Written]) -> Sign:
     """A diagonal matrix by its entries."""
-
-    entries: tuple[Written, ...]
-
-    def write(self, style: Any) -> str:
-        """As diag(...)."""
-        return style.function("diag", ", ".join(entry.write(style) for entry in self.entries))
+    return Sign(lambda style: style.function("diag", ", ".join(entry.write(style) for entry in entries)))
 
 
-@dataclass(frozen=True)
-class _Matrix:
+def _matrix(rows: Sequence[Sequence[Written]]) -> Sign:
     """A matrix by its rows."""
-
-    rows: tuple[tuple[Written, ...], ...]
-
-    def write(self, style: Any) -> str:
-        """The rows, one after the other or below each other."""
-        return style.matrix([[entry.write(style) for entry in row] for row in self.rows])
+    return Sign(lambda style: style.matrix([[entry.write(style) for entry in row] for row in rows]))
 
 
 def _plain_value(value: Value) -> Any:

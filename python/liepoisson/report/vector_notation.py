@@ -12,8 +12,11 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.algebra.exact_numbers import is_zero, to_sympy
-from liepoisson.formula.styles import split_name
+from liepoisson.algebra.exact_numbers import as_expression, is_zero, to_sympy
+from liepoisson.errors import UnknownNameError, did_you_mean
+from liepoisson.formula.styles import LATEX, PLAIN, UNICODE, split_name
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.report.lines import Equation
 from liepoisson.report.printing import Atom, Dot, Form, Formula, Shifted, Square, Triple
 
@@ -43,6 +46,47 @@ def invariant_metric(algebra: LieAlgebra) -> tuple[int, ...] | None:
         return None
     signs = [to_sympy(killing[i][i]) / to_sympy(killing[0][0]) for i in range(n)]
     return tuple(int(sign) for sign in signs) if all(sign in (1, -1) for sign in signs) else None
+
+
+_STYLES = {"plain": PLAIN, "unicode": UNICODE, "latex": LATEX}
+
+
+@explains_its_arguments
+def vector_notation(
+    function: Expr,
+    bracket: Bracket,
+    *,
+    style: str = "unicode",
+    in_vectors: bool = True,
+    most_terms: int | None = None,
+) -> str:
+    r"""A function on the phase space of a bracket as text, in vector notation where it is recognised.
+
+    Example:
+        >>> bracket = lp.so(3) @ lp.leibniz(3, "epsilon")
+        >>> [lp.systems.vector_notation(casimir, bracket) for casimir in bracket.casimirs()]
+        ['|α|² + 2ε l·β', 'α·β', '|β|²']
+
+    Args:
+        function: An expression of SymPy in the coordinates of the bracket.
+        bracket: The bracket.
+        style: "plain" in ASCII, "unicode" or "latex".
+        in_vectors: Whether vectors are looked for, which takes long in expressions of hundreds of terms; or the
+            function is written in components.
+        most_terms: Of a longer sum so many terms are written, and the others counted.
+
+    Raises:
+        ParameterError: it is no expression, or no bracket.
+        UnknownNameError: there is no such style.
+    """
+    if not hasattr(bracket, "extension"):
+        raise not_a("a bracket", bracket, "bracket", "try system.bracket")
+    if style not in _STYLES:
+        hint = did_you_mean(str(style), _STYLES)
+        raise UnknownNameError(f"style: wanted one of {', '.join(_STYLES)}; got {shown(style)}. {hint}".strip())
+    notation = VectorNotation(bracket)
+    write = notation.formula if in_vectors else notation.components
+    return write(as_expression(function, "function")).write(_STYLES[style], most_terms)
 
 
 class VectorNotation:

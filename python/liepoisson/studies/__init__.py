@@ -1,8 +1,13 @@
-"""Studies: a paper, computed again from its first equation to its last figure by one command."""
+"""Studies: a paper, computed again from its first equation to its last figure by one command.
+
+They import public names only, as a user would.
+"""
 
 from __future__ import annotations
 
-from liepoisson.errors import UnknownNameError, did_you_mean
+import difflib
+
+import liepoisson as lp
 
 STUDIES = ("twisted-top",)
 
@@ -15,5 +20,6 @@ def check_study(name: str) -> str:
     """
     if name in STUDIES:
         return name
-    hint = did_you_mean(name, STUDIES).strip() or f"Try: liepoisson reproduce {STUDIES[0]}"
-    raise UnknownNameError(f"there is no study {name!r}; known: {', '.join(STUDIES)}. {hint}")
+    near = difflib.get_close_matches(name, STUDIES, n=1)
+    hint = f"Did you mean {near[0]}?" if near else f"Try: liepoisson reproduce {STUDIES[0]}"
+    raise lp.errors.UnknownNameError(f"there is no study {name!r}; known: {', '.join(STUDIES)}. {hint}")

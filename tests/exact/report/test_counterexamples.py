@@ -3,7 +3,7 @@
 import pytest
 import sympy as sp
 
-from liepoisson.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
+from liepoisson.report.integral_facts import is_nonzero_on, is_nonzero_somewhere
 
 x, y, z = variables = sp.symbols("x y z")
 

@@ -4,7 +4,7 @@ import time
 
 from liepoisson.formula.styles import PLAIN
 from liepoisson.model.system import System
-from liepoisson.report import limits
+from liepoisson.report import topics
 from liepoisson.report.describe import inspect
 from liepoisson.structure.extensions import leibniz, trivial
 from liepoisson.structure.lie_algebras import abelian, so
@@ -30,7 +30,7 @@ def test_many_fields():
 
 
 def test_a_long_hamiltonian(monkeypatch):
-    monkeypatch.setattr(limits, "MOST_TERMS", 5)
+    monkeypatch.setattr(topics, "MOST_TERMS", 5)
     bracket = so(3) @ trivial()
     l1, l2, _ = bracket.variables
     energy = sum((l1**i * l2 for i in range(6)), 0 * l1)

@@ -5,16 +5,16 @@ import sympy as sp
 
 from liepoisson.formula.styles import LATEX, PLAIN, UNICODE
 from liepoisson.report.lines import (
-    Column,
     Conditions,
     Equation,
     Name,
-    Rate,
-    Ring,
     Statement,
-    Unequal,
-    VectorName,
+    column,
     joined,
+    rate,
+    ring,
+    unequal,
+    vector_name,
     write_line,
 )
 from liepoisson.report.printing import Formula
@@ -91,9 +91,9 @@ def test_names_of_scalars(name, unicode, latex):
 @pytest.mark.parametrize(
     ("piece", "plain", "unicode", "latex"),
     [
-        (Ring("R[x,y]/(x,y)^2"), "R[x,y]/(x,y)^2", "R[x,y]/(x,y)²", r"\mathbb{R}[x,y]/(x,y)^{2}"),
-        (Ring("C + R"), "C + R", "C + R", r"\mathbb{C} + \mathbb{R}"),
-        (Unequal(Formula(sp.Symbol("epsilon"))), "epsilon != 0", "ε ≠ 0", r"\epsilon \neq 0"),
+        (ring("R[x,y]/(x,y)^2"), "R[x,y]/(x,y)^2", "R[x,y]/(x,y)²", r"\mathbb{R}[x,y]/(x,y)^{2}"),
+        (ring("C + R"), "C + R", "C + R", r"\mathbb{C} + \mathbb{R}"),
+        (unequal(Formula(sp.Symbol("epsilon"))), "epsilon != 0", "ε ≠ 0", r"\epsilon \neq 0"),
     ],
 )
 def test_rings_and_inequalities(piece, plain, unicode, latex):
@@ -102,7 +102,7 @@ def test_rings_and_inequalities(piece, plain, unicode, latex):
 
 def test_equations_and_columns():
     l3 = Formula(sp.Symbol("l3"), {}, {"l3": ("l", "3")})
-    assert Equation(Rate(VectorName("l")), Column((l3, l3))).write(UNICODE) == "l′ = (l₃, l₃)"
+    assert Equation(rate(vector_name("l")), column((l3, l3))).write(UNICODE) == "l′ = (l₃, l₃)"
     assert Equation(Name("l3"), l3).write(UNICODE) == "l₃"  # not l₃ = l₃
     assert write_line(("on ", l3, ": so(3) ⊗ A"), LATEX) == r"on $\ell_3$: so(3) $\otimes$ A"
     assert write_line(tuple(joined([l3, l3])), PLAIN) == "l3, l3"

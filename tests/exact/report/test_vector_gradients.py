@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.formula.styles import UNICODE
-from liepoisson.report import vector_gradients
-from liepoisson.report.vector_gradients import vector_gradient
+from liepoisson.report import vector_equations
+from liepoisson.report.vector_equations import vector_gradient
 from liepoisson.report.vector_notation import VectorNotation
 from liepoisson.structure.extensions import leibniz, semidirect
 from liepoisson.structure.lie_algebras import so
@@ -57,13 +57,13 @@ def test_what_is_no_function_of_scalars_is_left_in_components(hamiltonian):
 
 
 def test_a_wrong_derivative_is_not_printed(monkeypatch):
-    right = vector_gradients._derivative
+    right = vector_equations._derivative
 
     def wrong(atom, field):
         return ((2 * n, v) for n, v in right(atom, field))
 
     assert written(sp.sqrt(1 + l.dot(l)), "l") is not None
-    monkeypatch.setattr(vector_gradients, "_derivative", wrong)
+    monkeypatch.setattr(vector_equations, "_derivative", wrong)
     assert written(sp.sqrt(1 + l.dot(l)), "l") is None
 
 

@@ -6,9 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from liepoisson.formula.styles import PLAIN, UNICODE
-from liepoisson.report.lines import Column, Equation, Name
+from liepoisson.report.lines import Equation, Name, breakable, column, wrapped
 from liepoisson.report.printing import Formula
-from liepoisson.report.wrapping import breakable, wrapped
 
 x = sp.symbols("x1:13")
 
@@ -29,9 +28,9 @@ def test_products_are_not_broken():
 def test_parentheses_are_broken_only_if_they_must_and_between_components_first():
     square = Formula((x[0] + x[1]) ** 2 + (x[2] + x[3]) ** 2)
     assert rows(square, 20) == ["(x1 + x2)^2", "    + (x3 + x4)^2"]
-    column = Column((Formula(x[0] + x[1]), Formula(x[2] + x[3]), Formula(x[4])))
-    assert rows(column, 20) == ["(x1 + x2, x3 + x4,", "    x5)"]
-    assert rows(column, 9) == ["(x1 + x2,", "    x3", "    + x4,", "    x5)"]
+    vector = column((Formula(x[0] + x[1]), Formula(x[2] + x[3]), Formula(x[4])))
+    assert rows(vector, 20) == ["(x1 + x2, x3 + x4,", "    x5)"]
+    assert rows(vector, 9) == ["(x1 + x2,", "    x3", "    + x4,", "    x5)"]
 
 
 def test_words_are_wrapped_without_an_indent():

@@ -8,20 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.indicators.finite_time_fit import FiniteTimeFit
-from liepoisson.plot.exponents import convergence, draw_fit, exponent_distribution, time_axis, window_scan
-from liepoisson.plot.style import (
-    ANGULAR_MOMENTUM,
-    FIRST_FIELD,
-    INK,
-    MUTED,
-    SECOND_FIELD,
-    VIOLET,
-    house_style,
-    new_figure,
-    save_figure,
-)
-from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult
+import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED
+from liepoisson.studies.twisted_top.measurements import RunResult
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, FloatArray
 
 if TYPE_CHECKING:
@@ -30,8 +19,9 @@ if TYPE_CHECKING:
 
 Results = Mapping[str, RunResult]
 
-TWISTED, ORDINARY = ANGULAR_MOMENTUM, FIRST_FIELD
-ENSEMBLE_COLOURS = dict(zip(ENSEMBLES, (ANGULAR_MOMENTUM, FIRST_FIELD, SECOND_FIELD), strict=True))
+TWISTED, ORDINARY, THIRD, VIOLET = "#d1571b", "#1668b8", "#0b8f5f", "#7a4fa3"
+INK, MUTED = "#1d2433", "#6b7280"
+ENSEMBLE_COLOURS = dict(zip(ENSEMBLES, (TWISTED, ORDINARY, THIRD), strict=True))
 ENSEMBLE_LABELS = {"unit-vectors": "unit vectors", "cube": "cube", "gaussian": "Gaussian"}
 PRINTED_FORMULA = r"$0.122 + 0.113/\sqrt{t} + 0.497/t$"
 _DASHES = (0, (5, 2.5))
@@ -43,6 +33,26 @@ def printed_fit(time: FloatArray) -> FloatArray:
     return PRINTED["lambda"] + PRINTED["c1"] / np.sqrt(time) + PRINTED["c0"] / time
 
 
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, in inches, that no window system knows of."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def time_axis(ax: Axes, first: float, last: float) -> None:
+    """Label a logarithmic time axis with plain numbers."""
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    ax.set_xlim(first, last)
+    ax.set_xlabel(r"$t$")
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
 def lyapunov(results: Results) -> Figure:
     r"""The paper's figure, made again: both tops, our fit and the printed one; beside it, what the eye cannot see.
 
@@ -50,7 +60,7 @@ def lyapunov(results: Results) -> Figure:
     Lower right: $t\langle\lambda(t)\rangle$ of the ordinary top, a straight line in $\ln t$ if it is regular.
     """
     twisted, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
-    with house_style():
+    with lp.plot.house_style():
         figure = new_figure(7.6, 3.0)
         grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1))
         _draw_both_tops(figure.add_subplot(grid[:, 0]), twisted, ordinary)
@@ -61,16 +71,20 @@ def lyapunov(results: Results) -> Figure:
 
 def _draw_both_tops(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     time = twisted.curve.time
-    for result, colour, name in ((twisted, TWISTED, "twisted"), (ordinary, ORDINARY, "ordinary")):
+    for result, colour, name, fit in (
+        (twisted, TWISTED, "twisted", twisted.fit),
+        (ordinary, ORDINARY, "ordinary", None),
+    ):
         ax.fill_between(time, *result.spread, color=colour, alpha=0.08, linewidth=0)
-        convergence(result.curve, colour=colour, label=f"{name} Kovalevskaya top", ax=ax)
-        ax.lines[-1].set_linewidth(2.2)
-    draw_fit(ax, twisted.fit, time)
+        drawn = len(ax.lines)
+        lp.plot.convergence(result.curve, fit=fit, colour=colour, label=f"{name} Kovalevskaya top", ax=ax)
+        ax.lines[drawn].set_linewidth(2.2)
     late = time[time >= 3]
     ax.plot(late, printed_fit(late), color=MUTED, linestyle=_DASHES, label=rf"fit as printed {PRINTED_FORMULA}")
     ax.set_ylim(-0.02, 0.52)
     ax.set_xlim(1.0, time[-1])
-    ax.legend(loc="upper right")
+    top, fitted, other, printed = zip(*ax.get_legend_handles_labels(), strict=True)
+    ax.legend(*zip(top, other, fitted, printed, strict=True), loc="upper right")
     ax.set_title("(a)")
 
 
@@ -120,11 +134,11 @@ def _draw_power_of_growth(ax: Axes, ordinary: RunResult) -> None:
 
 def windows(results: Results) -> Figure:
     """The fitted exponent of the twisted top for every window of the scan, one panel per ensemble."""
-    with house_style():
+    with lp.plot.house_style():
         figure = new_figure(7.2, 3.4)
         panels = figure.subplots(1, len(ENSEMBLES), sharey=True)
         for k, (ax, ensemble) in enumerate(zip(panels, ENSEMBLES, strict=True)):
-            window_scan(results[f"twisted-{ensemble}"].scan, reference=PRINTED["lambda"], ax=ax)
+            lp.plot.window_scan(results[f"twisted-{ensemble}"].scan, reference=PRINTED["lambda"], ax=ax)
             ax.set_title(f"({'abc'[k]})  {ENSEMBLE_LABELS[ensemble]}")
             ax.legend().remove()
             if k > 0:
@@ -134,7 +148,7 @@ def windows(results: Results) -> Figure:
     return figure
 
 
-def _limit_to_precise(ax: Axes, fits: Sequence[FiniteTimeFit]) -> None:
+def _limit_to_precise(ax: Axes, fits: Sequence[lp.results.FiniteTimeFit]) -> None:
     # Windows that start late have errors many times the effect; their bars may leave the panel.
     precise = sorted(fits, key=lambda fit: fit.standard_errors["lambda"])[: max(2, 3 * len(fits) // 4)]
     low = min(fit.intervals["lambda"][0] for fit in precise)
@@ -147,11 +161,11 @@ def distribution(results: Results) -> Figure:
     twisted, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
     highest = max(float(results[f"twisted-{name}"].final_exponent.max()) for name in ENSEMBLES)
     bins = np.linspace(0.0, 1.02 * highest, 90)
-    with house_style():
+    with lp.plot.house_style():
         figure = new_figure(7.2, 3.3)
         left, right = figure.subplots(1, 2)
         for name in ENSEMBLES:
-            exponent_distribution(
+            lp.plot.exponent_distribution(
                 results[f"twisted-{name}"].final_exponent,
                 bins=bins.tolist(),
                 label=ENSEMBLE_LABELS[name],
@@ -177,7 +191,7 @@ def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
-    pale_to_dark = LinearSegmentedColormap.from_list("twisted", ["#f8e4da", ANGULAR_MOMENTUM, "#4a1703"])
+    pale_to_dark = LinearSegmentedColormap.from_list("twisted", ["#f8e4da", TWISTED, "#4a1703"])
     energy_range = np.quantile(twisted.energy, [0.0005, 0.9995])
     counts, x_edges, y_edges = np.histogram2d(
         twisted.energy, twisted.final_exponent, bins=(70, 70), range=(energy_range, (0, twisted.final_exponent.max()))
@@ -215,7 +229,7 @@ def scalings(results: Results) -> Figure:
     """What the printed ratios of inertia allow, and what they would have given."""
     twisted = (
         ("twisted-unit-vectors", TWISTED, r"$I = (2, 2, 1)$"),
-        ("twisted-halved-unit-vectors", SECOND_FIELD, r"$I = (1, 1, \frac{1}{2})$"),
+        ("twisted-halved-unit-vectors", THIRD, r"$I = (1, 1, \frac{1}{2})$"),
         ("twisted-as-printed-unit-vectors", VIOLET, r"$I = (1, 1, 2)$, as printed"),
     )
     ordinary = (
@@ -223,12 +237,12 @@ def scalings(results: Results) -> Figure:
         ("ordinary-as-printed-unit-vectors", VIOLET, r"$I = (1, 1, 2)$, as printed"),
     )
     end = results["ordinary-as-printed-unit-vectors"].run.end_time
-    with house_style():
+    with lp.plot.house_style():
         figure = new_figure(7.2, 3.2)
         left, right = figure.subplots(1, 2, sharey=True)
         for ax, readings, title in ((left, twisted, "(a)  twisted"), (right, ordinary, "(b)  ordinary")):
             for name, colour, label in readings:
-                convergence(results[name].curve, colour=colour, label=label, ax=ax)
+                lp.plot.convergence(results[name].curve, colour=colour, label=label, ax=ax)
             time_axis(ax, 1.0, end)
             ax.set_title(title)
         late = np.geomspace(5, end, 200)
@@ -257,6 +271,6 @@ def draw_all(results: Results, out: Path, tell: Callable[[str], None]) -> dict[s
     paths: dict[str, Path] = {}
     for name, draw in FIGURES.items():
         tell(f"drawing {name}")
-        save_figure(draw(results), out / name)
+        lp.plot.save_figure(draw(results), out / name)
         paths[name] = out / f"{name}.svg"
     return paths

@@ -41,24 +41,12 @@ from typing import Any
 
 import numpy as np
 
-from liepoisson import __version__
-from liepoisson.indicators.finite_time_fit import (
-    EnsembleReduction,
-    Estimate,
-    FiniteTimeFit,
-    LogFit,
-    MeanCurve,
-    Resampling,
-    Window,
-    window_grid,
-)
-from liepoisson.studies.twisted_top.integration import Members
+import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED
 from liepoisson.studies.twisted_top.runs import CENTRE_OF_MASS, FloatArray, Run, Settings
 
 SCHEMA_VERSION = 1
-# Caption of the paper's figure: 0.497/t + 0.113/sqrt(t) + 0.122.
-PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
-RESAMPLING = Resampling(n_bootstrap=1000, confidence=0.95, seed=0)
+RESAMPLING = lp.fits.Resampling(n_bootstrap=1000, confidence=0.95, seed=0)
 SPREAD = (0.05, 0.95)
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 ENERGY_GROUPS = 8
@@ -91,12 +79,12 @@ class RunResult:
     """
 
     run: Run
-    curve: MeanCurve
+    curve: lp.results.MeanCurve
     spread: FloatArray
-    fit: FiniteTimeFit
-    scan: tuple[FiniteTimeFit, ...]
-    log_fit: LogFit
-    log_scan: tuple[LogFit, ...]
+    fit: lp.results.FiniteTimeFit
+    scan: tuple[lp.results.FiniteTimeFit, ...]
+    log_fit: lp.results.LogFit
+    log_scan: tuple[lp.results.LogFit, ...]
     final_exponent: FloatArray
     energy: FloatArray
     outcomes: dict[str, int]
@@ -106,47 +94,47 @@ class RunResult:
     kernel: str
 
 
-def reduce_run(run: Run, members: Members) -> RunResult:
+def reduce_run(run: Run, growth: lp.results.FiniteTimeExponents, seconds: float) -> RunResult:
     """Averages, fits and final exponents of a run, after which its curves can be let go.
 
     Raises:
         ParameterError: fewer than two members finished.
     """
-    reduction = EnsembleReduction(
+    reduction = lp.fits.EnsembleReduction(
         run.time, windows=[run.window, *scan_windows(run)], log_windows=[run.log_window, *log_scan_windows(run)]
     )
     # In blocks of rows, because the variance makes temporary copies of what it is given.
-    for start in range(0, len(members.exponent), _ROWS_AT_A_TIME):
-        reduction.add(members.exponent[start : start + _ROWS_AT_A_TIME])
+    for start in range(0, len(growth.exponent), _ROWS_AT_A_TIME):
+        reduction.add(growth.exponent[start : start + _ROWS_AT_A_TIME])
     fits, log_fits = reduction.finite_time_fits(RESAMPLING), reduction.log_fits(RESAMPLING)
-    finished = np.isfinite(members.exponent[:, -1])
-    names, counts = np.unique(members.outcome.astype(str), return_counts=True)
-    energy = np.asarray(run.top().invariant_values(members.start[finished])["H"], dtype=np.float64)
+    finished = np.isfinite(growth.exponent[:, -1])
+    names, counts = np.unique(growth.outcome.astype(str), return_counts=True)
+    energy = np.asarray(run.top().invariant_values(growth.start[finished])["H"], dtype=np.float64)
     return RunResult(
         run=run,
         curve=reduction.mean_curve(confidence=RESAMPLING.confidence),
-        spread=_spread(members.exponent),
+        spread=_spread(growth.exponent),
         fit=fits[0],
         scan=fits[1:],
         log_fit=log_fits[0],
         log_scan=log_fits[1:],
-        final_exponent=members.exponent[finished, -1].copy(),
+        final_exponent=growth.exponent[finished, -1].copy(),
         energy=energy,
         outcomes={str(name): int(count) for name, count in zip(names, counts, strict=True)},
-        steps=int(members.n_steps.sum()),
-        seconds=members.seconds,
-        order=members.order,
-        kernel=members.kernel,
+        steps=int(growth.n_steps.sum()),
+        seconds=seconds,
+        order=growth.order,
+        kernel=growth.kernel,
     )
 
 
-def scan_windows(run: Run) -> tuple[Window, ...]:
+def scan_windows(run: Run) -> tuple[tuple[float, float], ...]:
     """The windows of the scan, those that end after the run cut at its end."""
     ends = sorted({min(end, run.end_time) for end in (100.0, 200.0, 500.0, 1000.0)})
-    return window_grid(run.time, starts=SCAN_STARTS, ends=ends)
+    return lp.fits.window_grid(run.time, starts=SCAN_STARTS, ends=ends)
 
 
-def log_scan_windows(run: Run) -> tuple[Window, ...]:
+def log_scan_windows(run: Run) -> tuple[tuple[float, float], ...]:
     """The window of the logarithmic fit with later starts, as far as twice the start lies inside it."""
     _, end = run.log_window
     return tuple((start, end) for start in (100.0, 200.0, 300.0) if 2 * start <= end)
@@ -173,7 +161,7 @@ def produced_by(settings: Settings) -> dict[str, Any]:
     """What made the numbers, enough to make them again."""
     return {
         "package": "liepoisson",
-        "version": __version__,
+        "version": lp.__version__,
         "command": command(settings),
         "members": settings.members,
         "end_time": settings.end_time,
@@ -246,17 +234,17 @@ def by_energy(result: RunResult) -> list[dict[str, float | int]]:
     ]
 
 
-def _estimates(estimates: dict[str, Estimate]) -> dict[str, dict[str, float]]:
+def _estimates(estimates: dict[str, lp.results.Estimate]) -> dict[str, dict[str, float]]:
     return {name: estimate._asdict() for name, estimate in estimates.items()}
 
 
-def _fit_entry(fit: FiniteTimeFit) -> dict[str, Any]:
+def _fit_entry(fit: lp.results.FiniteTimeFit) -> dict[str, Any]:
     facts = {"window": list(fit.window), "n_times": fit.n_times, "rms_residual": fit.rms_residual}
     distance = fit.chi_squared(list(PRINTED.values()))
     return {**facts, **_estimates(fit.estimates), "chi_squared_of_printed": distance}
 
 
-def _log_fit_entry(fit: LogFit) -> dict[str, Any]:
+def _log_fit_entry(fit: lp.results.LogFit) -> dict[str, Any]:
     return {
         "window": list(fit.window),
         "n_times": fit.n_times,

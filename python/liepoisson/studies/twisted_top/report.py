@@ -14,19 +14,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson import __version__
-from liepoisson.indicators.finite_time_fit import Estimate, FiniteTimeFit, LogFit
-from liepoisson.studies.twisted_top.claims.errata import KINDS, TITLE, count_verdicts, mistakes
+import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED, TEXTS
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS
-from liepoisson.studies.twisted_top.front_page import front_page
-from liepoisson.studies.twisted_top.mathematics import mathematics
-from liepoisson.studies.twisted_top.measurements import PRINTED, RESAMPLING, RunResult, by_energy, command
-from liepoisson.studies.twisted_top.open_questions import STATUS_CLASSES, open_questions
+from liepoisson.studies.twisted_top.findings import (
+    KINDS,
+    STATUS_CLASSES,
+    TITLE,
+    count_verdicts,
+    front_page,
+    mistakes,
+    open_questions,
+)
+from liepoisson.studies.twisted_top.measurements import RESAMPLING, RunResult, by_energy, command
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Moments
-from liepoisson.studies.twisted_top.symbols import SYMBOLS
+from liepoisson.studies.twisted_top.typography import mathematics
 
 if TYPE_CHECKING:
-    from liepoisson.studies.twisted_top.result import StudyResult
+    from liepoisson.studies.twisted_top.study import StudyResult
 
 # Growth like t to a power within this of 1 is called regular: the bound fixed for the ordinary top before it was run.
 REGULAR_POWER = 0.02
@@ -114,7 +119,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "front": front_page(claims, errata),
         "questions": open_questions(claims),
         "statuses": STATUS_CLASSES,
-        "symbols": SYMBOLS,
+        "symbols": TEXTS["symbols"].items(),
         "repeated": len(claims) - sum(counts.values()),
         "errata_title": TITLE,
         "numbers": {claim["id"]: number for number, claim in enumerate(claims, 1)},
@@ -129,7 +134,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "out": study.out.name,
         "seconds": study.seconds,
         "integration_seconds": sum(result.seconds for result in results.values()),
-        "version": __version__,
+        "version": lp.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "date": datetime.now(UTC).date().isoformat(),
@@ -141,7 +146,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
     }
 
 
-def _difference(fit: FiniteTimeFit) -> dict[str, float]:
+def _difference(fit: lp.results.FiniteTimeFit) -> dict[str, float]:
     """Our exponent minus the printed one, and the same in units of our standard error."""
     difference = fit.lambda_ - PRINTED["lambda"]
     return {"value": difference, "in_errors": difference / fit.standard_errors["lambda"]}
@@ -157,7 +162,7 @@ def _scan_ranges(results: list[RunResult]) -> tuple[dict[str, dict[str, float]],
     scans = {r.run.ensemble: [fit for fit in r.scan if fit.window[0] >= FIRST_WINDOW] for r in results}
     limit = max(0.002, *(2 * min(fit.standard_errors["lambda"] for fit in scan) for scan in scans.values()))
 
-    def ends(fits: list[FiniteTimeFit]) -> dict[str, float]:
+    def ends(fits: list[lp.results.FiniteTimeFit]) -> dict[str, float]:
         values = [fit.lambda_ for fit in fits if fit.standard_errors["lambda"] <= limit]
         return {"low": min(values), "high": max(values), "limit": limit, "first": FIRST_WINDOW}
 
@@ -196,7 +201,7 @@ def _is_misprint(results: Mapping[str, RunResult]) -> bool:
     return stays and printed.curve.at(end).low > 2 * kovalevskaya.curve.at(end).high
 
 
-def _floor_sentences(fit: LogFit) -> dict[str, str]:
+def _floor_sentences(fit: lp.results.LogFit) -> dict[str, str]:
     """What the fits with a linear term say about a floor, in words that follow from the numbers."""
     zero, nonzero = "zero within its error", "not zero within its statistical error"
     return {
@@ -205,12 +210,12 @@ def _floor_sentences(fit: LogFit) -> dict[str, str]:
     }
 
 
-def plus_minus(estimate: Estimate) -> str:
+def plus_minus(estimate: lp.results.Estimate) -> str:
     """Value ± standard error with a typographic minus sign."""
     return _unbroken(str(estimate))
 
 
-def scientific(estimate: Estimate) -> str:
+def scientific(estimate: lp.results.Estimate) -> str:
     """A small number with its error, as (1.04 ± 0.13) × 10⁻⁵."""
     largest = max(abs(estimate.value), estimate.standard_error)
     if largest == 0:
@@ -222,7 +227,7 @@ def scientific(estimate: Estimate) -> str:
     )
 
 
-def millionths(estimate: Estimate) -> str:
+def millionths(estimate: lp.results.Estimate) -> str:
     """Value ± standard error in units of 10⁻⁶."""
     return _unbroken(f"{1e6 * estimate.value:.1f} ± {1e6 * estimate.standard_error:.1f}")
 
@@ -243,7 +248,7 @@ def _unbroken(text: str) -> str:
     return true_minus(text).replace(" ", "\u00a0")
 
 
-def interval(estimate: Estimate, places: int = 4) -> str:
+def interval(estimate: lp.results.Estimate, places: int = 4) -> str:
     """The confidence interval, as [0.1229, 0.1257]."""
     return _unbroken(f"[{estimate.low:.{places}f}, {estimate.high:.{places}f}]")
 

@@ -12,16 +12,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import MOST_THREADS
-
-if TYPE_CHECKING:
-    from liepoisson.model.tops import Top
+import liepoisson as lp
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Moments: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -55,7 +51,7 @@ class Settings:
         end_time: Time to which the main runs go, in units of the top's own time; at least 60.
         seed: Draws starts and tangent vectors; all runs share it, so tops are compared on the same starts.
         tolerance: Relative tolerance of the Taylor method.
-        threads: Worker threads, 1 to 4096, or None for all cores; the results do not depend on it.
+        threads: Worker threads, or None for all cores; the results do not depend on it.
 
     Raises:
         ParameterError: a number outside its domain.
@@ -69,24 +65,18 @@ class Settings:
 
     def __post_init__(self) -> None:
         if self.members < 2:
-            raise ParameterError(f"members must be at least 2, for an error bar; got {self.members}.")
+            raise lp.errors.ParameterError(f"members must be at least 2, for an error bar; got {self.members}.")
         if self.members > MOST_MEMBERS:
-            raise ParameterError(
+            raise lp.errors.ParameterError(
                 f"members must be at most {MOST_MEMBERS}; got {self.members}. Try 20000, as in the report."
             )
         if not (math.isfinite(self.end_time) and self.end_time >= SMALLEST_END_TIME):
-            raise ParameterError(
+            raise lp.errors.ParameterError(
                 f"end time must be finite and at least {SMALLEST_END_TIME:g}, so that the fits have a window; "
                 f"got {self.end_time:g}. Try 200, or 1000 as in the report."
             )
         if self.seed < 0:
-            raise ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
-        if self.threads is not None and self.threads < 1:
-            raise ParameterError(f"threads must be at least 1; got {self.threads}. Leave it out to use all cores.")
-        if self.threads is not None and self.threads > MOST_THREADS:
-            raise ParameterError(
-                f"threads must be at most {MOST_THREADS}; got {self.threads}. Leave it out to use all cores."
-            )
+            raise lp.errors.ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
 
 
 @dataclass(frozen=True)
@@ -128,11 +118,9 @@ class Run:
         """The sample times."""
         return sample_times(self.end_time)
 
-    def top(self) -> Top:
+    def top(self) -> lp.Top:
         """The top that is run."""
-        from liepoisson.model.tops import Top
-
-        return Top(inertia=self.inertia, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=self.epsilon)
+        return lp.Top(inertia=self.inertia, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=self.epsilon)
 
     def pieces(self) -> Iterator[tuple[int, int]]:
         """(first member, number of members) of each piece that is computed and stored by itself."""
@@ -157,16 +145,8 @@ def plan(settings: Settings) -> tuple[Run, ...]:
     short = min(200.0, settings.end_time)
 
     def run(name: str, inertia: Moments, epsilon: int, ensemble: str, end_time: float) -> Run:
-        return Run(
-            f"{name}-{ensemble}",
-            inertia,
-            epsilon,
-            ensemble,
-            settings.members,
-            end_time,
-            settings.seed,
-            settings.tolerance,
-        )
+        drawn = (settings.members, end_time, settings.seed, settings.tolerance)
+        return Run(f"{name}-{ensemble}", inertia, epsilon, ensemble, *drawn)
 
     main = [
         run(name, KOVALEVSKAYA, epsilon, ensemble, settings.end_time)

@@ -4,23 +4,52 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from liepoisson.indicators.finite_time_fit import Estimate
-from liepoisson.io.files import exclusive, write_atomically, write_json, writing
+import liepoisson as lp
+from liepoisson.studies.twisted_top import PRINTED
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
-from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
-from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run
-from liepoisson.studies.twisted_top.result import StudyResult
+from liepoisson.studies.twisted_top.integration import (
+    Progress,
+    RunStore,
+    Tracker,
+    complete,
+    discard,
+    write_json,
+    write_text,
+)
+from liepoisson.studies.twisted_top.measurements import RunResult, measurements, produced_by, reduce_run
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
-from liepoisson.studies.twisted_top.store import RunStore, discard, remove_unfinished
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """What the study found.
+
+    Attributes:
+        settings: The options it ran with.
+        out: The output folder.
+        results: Every run, reduced, by name.
+        measurements: The numbers, in the schema of `measurements`.
+        claims: The table of claims, in the schema of `findings`.
+        seconds: Wall time of this invocation.
+    """
+
+    settings: Settings
+    out: Path
+    results: dict[str, RunResult]
+    measurements: dict[str, Any]
+    claims: dict[str, Any]
+    seconds: float
 
 
 def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None) -> StudyResult:
     """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
 
-    Finished pieces are stored as they come: after an interruption the same call goes on from there.
+    Finished pieces are stored as they come: after an interruption the same call goes on from there.  No other process
+    may work in the folder; the command line sees to that.
 
     Args:
         settings: Members, end time, seed, threads.
@@ -29,19 +58,13 @@ def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: P
         progress: Hears how far the study is.
 
     Raises:
-        OutputError: a file could not be written, or another run is using `out`; what is finished is kept.
+        OutputError, OSError: a file could not be written; what is finished is kept.
         DamagedFileError: a stored file is truncated or altered.
         ParameterError: `out` holds the work of a study with other options.
         KeyboardInterrupt: Ctrl-C; what is finished is kept.
     """
-    with exclusive(out):
-        if fresh:
-            discard(out)
-        remove_unfinished(out)
-        return _reproduce(settings, out, progress)
-
-
-def _reproduce(settings: Settings, out: Path, progress: Progress | None) -> StudyResult:
+    if fresh:
+        discard(out)
     started = time.perf_counter()
     stores = [RunStore(out, run) for run in plan(settings)]
     tracker = Tracker(stores, progress)
@@ -49,13 +72,15 @@ def _reproduce(settings: Settings, out: Path, progress: Progress | None) -> Stud
     numbers = measurements(list(results.values()), settings)
     write_json(out / "measurements.json", numbers)
     tracker.tell("judging the claims")
-    claims = _judge(numbers, settings)
+    claims = judge(numbers, settings)
     write_json(out / "claims.json", claims)
-    with writing(out):
-        figures = draw_all(results, out, tracker.tell)
+    figures = draw_all(results, out, tracker.tell)
     tracker.tell("writing the report")
     study = StudyResult(settings, out, results, numbers, claims, time.perf_counter() - started)
-    _write_report(study, figures)
+
+    from liepoisson.studies.twisted_top.report import render
+
+    write_text(out / "report.html", render(study, figures))
     return study
 
 
@@ -66,26 +91,22 @@ def run_all(stores: Sequence[RunStore], threads: int | None, tracker: Tracker) -
 
 def _reduced(store: RunStore, threads: int | None, tracker: Tracker) -> RunResult:
     """One run; its curves, which fill the memory of the study, are let go before those of the next one are made."""
-    members = complete(store, threads, tracker)
+    growth, seconds = complete(store, threads, tracker)
     tracker.tell(f"{store.run.name}: fits")
-    return reduce_run(store.run, members)
+    return reduce_run(store.run, growth, seconds)
 
 
-def _judge(numbers: dict[str, Any], settings: Settings) -> dict[str, Any]:
-    from liepoisson.studies.twisted_top.claims import Context, claims_to_json, evaluate_claims
+def judge(numbers: dict[str, Any], settings: Settings) -> dict[str, Any]:
+    """The table of claims, judged by the exact algebra and by these numbers."""
+    from liepoisson.studies.twisted_top import claims
+    from liepoisson.studies.twisted_top.findings import claims_to_json
 
-    return claims_to_json(evaluate_claims(Context(measurements=numbers)), produced_by(settings))
-
-
-def _write_report(study: StudyResult, figures: dict[str, Path]) -> None:
-    from liepoisson.studies.twisted_top.report import render
-
-    write_atomically(study.out / "report.html", render(study, figures).encode())
+    return claims_to_json(claims.evaluate_claims(claims.Context(measurements=numbers)), produced_by(settings))
 
 
 def summary(study: StudyResult) -> str:
     """The main results as plain text: the fits, and what is wrong with the paper."""
-    from liepoisson.studies.twisted_top.claims.errata import errata_lines
+    from liepoisson.studies.twisted_top.findings import errata_lines
 
     settings = study.settings
     window = study.results["twisted-unit-vectors"].fit.window
@@ -119,13 +140,13 @@ def _log_line(result: RunResult) -> str:
     return f"  {name:<14}{power!s:<22}{_small(fit.with_linear_term['D']):<24}{_small(fit.floor)}"
 
 
-def _small(estimate: Estimate) -> str:
+def _small(estimate: lp.results.Estimate) -> str:
     return f"{estimate.value:.1e} ± {estimate.standard_error:.1e}"
 
 
 def verdict_counts(claims: dict[str, Any]) -> str:
     """How many claims got which verdict, as text; a mistake that several claims share is counted once."""
-    from liepoisson.studies.twisted_top.claims.errata import count_verdicts
+    from liepoisson.studies.twisted_top.findings import count_verdicts
 
     counts = count_verdicts(claims["claims"], claims["errata"])
     repeated = len(claims["claims"]) - sum(counts.values())

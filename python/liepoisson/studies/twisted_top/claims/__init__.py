@@ -1,68 +1,92 @@
 """The claims of the paper, each with a computed verdict.
 
 J.-L. Thiffeault and P. J. Morrison, "The twisted top", Physics Letters A 283 (2001) 335, arXiv:nlin/0101042.
-`evaluate_claims` checks all of them anew: exact ones by SymPy on the bracket of the context (identities with symbolic
-parameters, exact counterexamples, ranks at rational points), numerical ones by the measurements of the study.
-
-The numerical claims read these keys of `Context.measurements`, in the schema of
-`liepoisson.studies.twisted_top.measurements` (an estimate has `value` and `standard_error`):
-
-    runs.twisted-<ensemble>    fit.lambda, fit.c1, fit.c0, fit.window, windows[], n_averaged      (three ensembles)
-    runs.ordinary-<ensemble>   log_fit.A, log_fit.B, log_fit.with_next_term.D, log_fit.window, n_averaged
-    runs.ordinary-unit-vectors, runs.ordinary-as-printed-unit-vectors    mean_at.200, fit.lambda
-    runs.twisted-halved-unit-vectors, runs.twisted-halved-cube           fit.lambda
-    runs.twisted-unit-vectors  by_energy[]: low, high, mean, standard_error
-
-Where one is missing the verdict is "not run".
+What the paper says is in `paper.toml`; the modules here have a check for each claim.  `evaluate_claims` checks all of
+them anew: exact ones by SymPy on the bracket of the context (identities with symbolic parameters, exact
+counterexamples, ranks at rational points), numerical ones by the measurements of the study.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
+from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import (
     canonical,
-    chaos,
     charged,
-    charts,
     discussion,
-    inferences,
     leaves,
     nonintegrable,
     numerics,
-    singularities,
     twisted,
-    twisted_lagrange,
 )
-from liepoisson.studies.twisted_top.claims.model import Claim, ClaimResult, Context, Verdict, twisted_bracket
-from liepoisson.studies.twisted_top.claims.record import SCHEMA_VERSION, claims_to_json
+from liepoisson.studies.twisted_top.claims.evidence import (
+    CHECKS,
+    Check,
+    Context,
+    Evidence,
+    Ruling,
+    Verdict,
+    twisted_bracket,
+)
 
 __all__ = [
     "CLAIMS",
-    "SCHEMA_VERSION",
     "Claim",
     "ClaimResult",
     "Context",
     "Verdict",
-    "claims_to_json",
     "evaluate_claims",
     "twisted_bracket",
 ]
 
-CLAIMS: tuple[Claim, ...] = (
-    *charged.CLAIMS,
-    *twisted.CLAIMS,
-    *twisted_lagrange.CLAIMS,
-    *canonical.CLAIMS,
-    *charts.CLAIMS,
-    *leaves.CLAIMS,
-    *discussion.CLAIMS,
-    *chaos.CLAIMS,
-    *nonintegrable.CLAIMS,
-    *singularities.CLAIMS,
-    *numerics.CLAIMS,
-    *inferences.CLAIMS,
-)
+MODULES = (canonical, charged, discussion, leaves, nonintegrable, numerics, twisted)
+"""Where the checks are."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the paper and how it is checked.
+
+    Attributes:
+        id: Stable name, in lower case with hyphens.
+        place: Where the paper says it: section, and equation where there is one.
+        statement: What it says, in the notation of the study; what it only implies begins with "Implied: ".
+        words: The words of the paper; empty where the claim is an equation.
+        follows_from: The claim whose mistake this one repeats or is deduced from; empty if it stands for itself.
+        verdict: What follows if all steps of its check are borne out; measurements decide by themselves.
+        correct: What is true instead, or the condition.
+    """
+
+    id: str
+    place: str
+    statement: str
+    words: str = ""
+    follows_from: str = ""
+    verdict: Ruling = "holds"
+    correct: str = ""
+
+    @property
+    def checked_by(self) -> Check:
+        """The function that computes the verdict."""
+        return CHECKS[self.id]
+
+    def check(self, context: Context) -> Verdict:
+        """The verdict, computed anew."""
+        evidence = Evidence(self.verdict, self.correct)
+        return self.checked_by(evidence, context) or evidence.conclude()
+
+
+@dataclass(frozen=True)
+class ClaimResult:
+    """A claim with its verdict."""
+
+    claim: Claim
+    verdict: Verdict
+
+
+CLAIMS: tuple[Claim, ...] = tuple(Claim(**texts) for texts in TEXTS["claims"])
 """All claims, in the order of the paper."""
 
 

@@ -1,38 +1,34 @@
-"""Claims of the section on the canonical description."""
+"""Claims of the canonical section: the matrices, the chart of a leaf, the potentials, and what the coordinates do."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.model.charts.euler_angles import EulerAngles
-from liepoisson.studies.twisted_top.claims.canonical_coordinates import CanonicalChart
-from liepoisson.studies.twisted_top.claims.evidence import Evidence
-from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
-from liepoisson.studies.twisted_top.claims.phase_space import column, substitution, symbolic_top
+from liepoisson.studies.twisted_top.claims.euler_angles import CanonicalChart, EulerAngles
+from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks
+from liepoisson.studies.twisted_top.claims.phase_space import (
+    column,
+    substitution,
+    symbolic_top,
+)
 
 E1, E3 = (1, 0, 0), (0, 0, 1)
 
 
-def _epsilon() -> Any:
-    from sympy import Symbol
-
-    return Symbol("epsilon")
-
-
-def rotation_matrix(context: Context) -> Verdict:
+@checks("rotation-matrix")
+def rotation_matrix(evidence: Evidence, _: Context) -> None:
     """A is a rotation."""
-    del context
     from sympy import eye
 
-    evidence, q = Evidence(), EulerAngles()
+    q = EulerAngles()
     evidence.zero("A Aᵀ = 1", (q.A * q.A.T - eye(3)).applyfunc(q.reduce))
     evidence.zero("det A = 1", q.reduce(q.A.det() - 1))
-    return evidence.conclude("holds")
 
 
-def momentum_matrix(context: Context) -> Verdict:
+@checks("momentum-matrix")
+def momentum_matrix(evidence: Evidence, context: Context) -> None:
     """The determinant of L^-1 is sin theta, and l = L p has the brackets of angular momentum."""
-    evidence, q = Evidence(), EulerAngles()
+    q = EulerAngles()
     evidence.zero("det L⁻¹ = sin θ", q.reduce(q.L_inverse.det() - q.theta[1]))
     l = q.L * q.momenta
     bracket = context.bracket("epsilon")
@@ -41,45 +37,42 @@ def momentum_matrix(context: Context) -> Verdict:
     pairs = ((0, 1), (1, 2), (2, 0))
     residuals = [q.reduce(q.bracket(l[i], l[j]) - bracket(fields[i], fields[j]).subs(here)) for i, j in pairs]
     evidence.zero("the canonical brackets of l = Lp are those of the Lie–Poisson bracket", residuals)
-    return evidence.conclude("holds")
 
 
-def printed_product(context: Context) -> Verdict:
+@checks("matrix-lta")
+def printed_product(evidence: Evidence, _: Context) -> None:
     """The product of L transposed and A."""
-    del context
     from sympy import Matrix
 
-    evidence, q = Evidence(), EulerAngles()
+    q = EulerAngles()
     (cf, sf), (ct, st) = q.phi, q.theta
     printed = Matrix([[-ct / st * sf, ct / st * cf, 1], [sf / st, -cf / st, 0], [cf, sf, 0]])
     product = (q.L.T * q.A).applyfunc(q.reduce)
     evidence.zero("LᵀA is the printed matrix", (product - printed).applyfunc(q.reduce))
     evidence.zero("the third row of A, e₃·A, does not contain ψ", [q.derivative(entry, 1) for entry in q.A.row(2)])
     evidence.zero("the entries of LᵀA do not contain ψ", [q.derivative(entry, 1) for entry in product])
-    return evidence.conclude("holds")
 
 
-def l_dot_beta(context: Context) -> Verdict:
+@checks("l-dot-beta-momenta")
+def l_dot_beta(evidence: Evidence, _: Context) -> None:
     """l.beta as a function of the momenta, for a general w."""
-    del context
     from sympy import symbols
 
-    evidence, q = Evidence(), EulerAngles()
+    q = EulerAngles()
     w = column(*symbols("w1:4"))
     l, beta = q.L * q.momenta, q.A * w
     evidence.zero("(Lp)·(Aw) = p·LᵀA w for every w", q.reduce(l.dot(beta) - q.momenta.dot(q.L.T * q.A * w)))
-    return evidence.conclude("holds")
 
 
-def leaf_coordinates(context: Context) -> Verdict:
+@checks("leaf-coordinates")
+def leaf_coordinates(evidence: Evidence, context: Context) -> None:
     """The map lands on the leaf: the three Casimirs come out constant."""
-    evidence = Evidence()
     top = symbolic_top(context)
     for gauge, chart in _printed_charts():
         v, w, eta, _ = chart.constants
         image = substitution(top.bracket.variables, (*chart.angular_momentum, *chart.alpha, *chart.beta))
         values = (eta + v**2, v * w, w**2)
-        for name, casimir, value in zip(("C₁", "C₂", "C₃"), _bracket_casimirs(context), values, strict=True):
+        for name, casimir, value in zip(("C₁", "C₂", "C₃"), top.casimirs, values, strict=True):
             residual = chart.reduce(casimir.subs(image, simultaneous=True) - value)
             evidence.zero(f"{gauge}: {name} = {('η + v²', 'vw', 'w²')[('C₁', 'C₂', 'C₃').index(name)]}", residual)
     l, alpha, beta = top.vectors
@@ -88,34 +81,31 @@ def leaf_coordinates(context: Context) -> Verdict:
     evidence.zero(
         "v⊥² = C₁ − v² − 2ε l·β = |α|² − (α·β)²/β²", v_perp - alpha.dot(alpha) + alpha.dot(beta) ** 2 / beta.dot(beta)
     )
-    return evidence.conclude("holds")
 
 
-def collinear_iff(context: Context) -> Verdict:
+@checks("v-perp-zero-iff-collinear")
+def collinear_iff(evidence: Evidence, context: Context) -> None:
     """v_perp vanishes exactly for collinear fields, if beta is not zero."""
-    evidence = Evidence()
     _, alpha, beta = symbolic_top(context).vectors
     v_perp = alpha.dot(alpha) - alpha.dot(beta) ** 2 / beta.dot(beta)
     normal = alpha.cross(beta)
     evidence.zero("v⊥² = |α × β|²/|β|²", v_perp - normal.dot(normal) / beta.dot(beta))
     evidence.note("So v⊥² ≥ 0, and it is zero exactly when α × β = 0 (α = 0 included); for β = 0 it is not defined.")
-    return evidence.conclude("holds with a condition", "True for β ≠ 0; for β = 0 the expression is 0/0.")
 
 
-def rate_of_l_dot_beta(context: Context) -> Verdict:
+@checks("l-dot-beta-rate")
+def rate_of_l_dot_beta(evidence: Evidence, context: Context) -> None:
     """The rate of l.beta, for any b."""
-    evidence = Evidence()
     top = symbolic_top(context)
     l, alpha, beta = top.vectors
     rate = 2 * top.epsilon * top.rate(l.dot(beta))
     evidence.zero("2ε d(l·β)/dt = −d|α|²/dt", rate + top.rate(alpha.dot(alpha)))
     evidence.zero("= −2ε a·(α × β), for every b", rate + 2 * top.epsilon * top.a.dot(alpha.cross(beta)))
-    return evidence.conclude("holds")
 
 
-def canonical_form(context: Context) -> Verdict:
+@checks("canonical-bracket")
+def canonical_form(evidence: Evidence, context: Context) -> None:
     """The canonical brackets of the images, for any orthonormal pair of space-fixed vectors."""
-    evidence = Evidence()
     bracket = context.bracket("epsilon")
     l, _, beta = bracket.fields.values()
     J: Any = bracket.poisson_tensor()
@@ -138,10 +128,6 @@ def canonical_form(context: Context) -> Verdict:
     )
     evidence.note("(compared at n = e₃, u = e₁ with any l, to which l·axis rotates every point by Poisson maps)")
     evidence.note("The division by r needs r ≠ 0, and L needs sin θ ≠ 0; for w = 0 there is no leaf of dimension 6.")
-    return evidence.conclude(
-        "holds with a condition",
-        "True where η − 2ε l·β > 0 (α and β not collinear), β ≠ 0 and sin θ ≠ 0.",
-    )
 
 
 def _leaf_residual(bracket: Any) -> Any:
@@ -165,21 +151,22 @@ def _leaf_residual(bracket: Any) -> Any:
     return residual.subs(substitution((*u, *n), (1, 0, 0, 0, 0, 1)))
 
 
-def potential_first_gauge(context: Context) -> Verdict:
+@checks("potential-e3-e1")
+def potential_first_gauge(evidence: Evidence, context: Context) -> None:
     """The potential for e_par = e3, e_perp = e1, w = 1."""
-    return _potential(context, E3, E1)
+    _potential(evidence, context, E3, E1)
 
 
-def potential_second_gauge(context: Context) -> Verdict:
+@checks("potential-e1-e3")
+def potential_second_gauge(evidence: Evidence, context: Context) -> None:
     """The potential for e_par = e1, e_perp = e3, w = 1."""
-    return _potential(context, E1, E3)
+    _potential(evidence, context, E1, E3)
 
 
-def _potential(context: Context, parallel: tuple[int, ...], perpendicular: tuple[int, ...]) -> Verdict:
+def _potential(evidence: Evidence, context: Context, parallel: tuple[int, ...], perpendicular: tuple[int, ...]) -> None:
     from sympy import Symbol
 
-    evidence = Evidence()
-    chart = CanonicalChart(parallel, perpendicular, _epsilon())
+    chart = CanonicalChart(parallel, perpendicular)
     q = chart.angles
     v, w, _, r = chart.constants
     (cf, sf), (ct, st) = q.phi, q.theta
@@ -195,14 +182,14 @@ def _potential(context: Context, parallel: tuple[int, ...], perpendicular: tuple
         printed = -p_phi * ct / st * sf + p_psi * sf / st + p_theta * cf
         evidence.zero("l·β = −p_φ cot θ sin φ + p_ψ csc θ sin φ + p_θ cos φ", q.reduce(l_beta - printed))
         evidence.zero("V = a₃(v sin θ sin φ + r cos θ), r = √(η − 2ε l·β)", potential - a3 * (v * st * sf + r * ct))
-    return evidence.conclude("holds")
 
 
-def general_potential(context: Context) -> Verdict:
+@checks("canonical-potential")
+def general_potential(evidence: Evidence, context: Context) -> None:
     """The potential for general a, b and general space-fixed vectors."""
     from sympy import symbols
 
-    evidence, q = Evidence(), EulerAngles()
+    q = EulerAngles()
     top = symbolic_top(context)
     l, alpha, beta = top.vectors
     e_par, e_perp = column(*symbols("e1:4")), column(*symbols("f1:4"))
@@ -211,13 +198,11 @@ def general_potential(context: Context) -> Verdict:
     potential = (top.hamiltonian - l.dot(top.omega) / 2).subs(image)
     printed = (v * top.a + w * top.b).dot(q.A * e_par) + r * top.a.dot(q.A * e_perp)
     evidence.zero("a·α + b·β = (va + wb)·A e∥ + r a·A e⊥, r = √(η − 2ε l·β)", potential - printed)
-    return evidence.conclude("holds")
 
 
-def gauge_limits(context: Context) -> Verdict:
+@checks("gauge-limits")
+def gauge_limits(evidence: Evidence, _: Context) -> None:
     """Which gauge has the form of the Lagrange top without twist."""
-    del context
-    evidence = Evidence()
     for name, chart in _printed_charts():
         q, (v, _, _, r) = chart.angles, chart.constants
         V = chart.alpha[2].subs(v, 0)
@@ -226,12 +211,11 @@ def gauge_limits(context: Context) -> Verdict:
             evidence.zero(f"{name}, ε = v = 0: V/a₃ = r cos θ with r = √η, the Lagrange top", V - r * q.theta[0])
         else:
             evidence.nonzero(f"{name}, ε = 0: V/a₃ = v cos θ + √η sin θ sin φ still contains φ", slope)
-    return evidence.conclude("holds")
 
 
-def cyclic_psi(context: Context) -> Verdict:
+@checks("lagrange-cyclic-psi")
+def cyclic_psi(evidence: Evidence, context: Context) -> None:
     """The angle psi does not occur in the Hamiltonian of the twisted Lagrange top, and p_psi = l3."""
-    evidence = Evidence()
     for name, chart in _printed_charts():
         q = chart.angles
         top = symbolic_top(context, inertia=("I1", "I1", "I3"), a=(0, 0, "a3"), b=(0, 0, 0))
@@ -248,7 +232,6 @@ def cyclic_psi(context: Context) -> Verdict:
             [q.reduce(q.derivative(H, 1)), q.derivative(chart.r_squared, 1)],
         )
         evidence.zero(f"{name}: p_ψ = l₃", q.reduce(chart.angular_momentum[2] - q.momenta[1]))
-    return evidence.conclude("holds")
 
 
 def _kinetic_energy(q: EulerAngles, inertia: Any) -> Any:
@@ -259,13 +242,12 @@ def _kinetic_energy(q: EulerAngles, inertia: Any) -> Any:
     return horizontal / (2 * inertia[0]) + p_psi**2 / (2 * inertia[2])
 
 
-def angles_from_fields(context: Context) -> Verdict:
+@checks("angles-from-fields")
+def angles_from_fields(evidence: Evidence, _: Context) -> None:
     """The orientation is a function of alpha and beta alone."""
     from sympy import simplify
 
-    del context
-    evidence = Evidence()
-    chart = CanonicalChart(E3, E1, _epsilon())
+    chart = CanonicalChart(E3, E1)
     q = chart.angles
     v, w, _, r = chart.constants
     third = chart.beta / w
@@ -278,112 +260,97 @@ def angles_from_fields(context: Context) -> Verdict:
         "β/w has components (sin ψ sin θ, cos ψ sin θ, cos θ)",
         third - column(q.psi[1] * q.theta[1], q.psi[0] * q.theta[1], q.theta[0]),
     )
-    return evidence.conclude("holds with a condition", "True where α × β ≠ 0 and sin θ ≠ 0.")
 
 
 def _printed_charts() -> tuple[tuple[str, CanonicalChart], ...]:
     return (
-        ("e∥ = e₃, e⊥ = e₁", CanonicalChart(E3, E1, _epsilon())),
-        ("e∥ = e₁, e⊥ = e₃", CanonicalChart(E1, E3, _epsilon())),
+        ("e∥ = e₃, e⊥ = e₁", CanonicalChart(E3, E1)),
+        ("e∥ = e₁, e⊥ = e₃", CanonicalChart(E1, E3)),
     )
 
 
-def _bracket_casimirs(context: Context) -> tuple[Any, ...]:
-    return symbolic_top(context).casimirs
+@checks("euler-singularity-inflated")
+def inflated(evidence: Evidence, context: Context) -> None:
+    """Quaternions remove the poles of the Euler angles; the square root needs one plane more."""
+    _poles_and_root(evidence, context)
+    _with_a_plane(evidence, context)
 
 
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "rotation-matrix",
-        "Section 4, Canonical Description, matrix A after equation (9)",
-        "The printed matrix A is orthogonal.",
-        rotation_matrix,
-    ),
-    Claim(
-        "momentum-matrix",
-        "Section 4, Canonical Description, equation (10) and the matrix L⁻¹ after it",
-        "l = Lp maps canonical momenta to angular momentum, and det L⁻¹ = sin θ.",
-        momentum_matrix,
-    ),
-    Claim(
-        "leaf-coordinates",
-        "Section 4, Canonical Description, equations (9) and (11) to (13)",
-        "With β = Aw and α = A(v e∥ + √(η − 2ε l·β) e⊥) the Casimirs are constants: C₂ = vw, C₁ = η + v², C₃ = w².",
-        leaf_coordinates,
-    ),
-    Claim(
-        "v-perp-zero-iff-collinear",
-        "Section 4, Canonical Description, after equation (12)",
-        "v⊥² = 0 if and only if α and β are collinear.",
-        collinear_iff,
-        words="with v⊥² = 0 if and only if α and β are collinear",
-    ),
-    Claim(
-        "l-dot-beta-rate",
-        "Section 4, Canonical Description, equation (14)",
-        "2ε d(l·β)/dt = −d|α|²/dt = −2ε a·(α × β).",
-        rate_of_l_dot_beta,
-    ),
-    Claim(
-        "angles-from-fields",
-        "Section 4, Canonical Description, next paragraph after equation (14)",
-        "The Euler angles are functions of α and β only, not of l.",
-        angles_from_fields,
-        words="the Euler angles are only a function of α and β, not of l",
-        follows_from="collinear-stays-collinear",
-    ),
-    Claim(
-        "canonical-bracket",
-        "Section 4, Canonical Description, before equation (15)",
-        "In the coordinates (q, p) the Leibniz bracket has the canonical form.",
-        canonical_form,
-        words="in the coordinates (q, p) the bracket (3) does indeed have the canonical form",
-        follows_from="collinear-stays-collinear",
-    ),
-    Claim(
-        "canonical-potential",
-        "Section 4, Canonical Description, equation (15)",
-        "The potential is (va + wb)·A e∥ + √(η − 2ε l·β) a·A e⊥.",
-        general_potential,
-    ),
-    Claim(
-        "l-dot-beta-momenta",
-        "Section 4, Canonical Description, displayed equation after (15)",
-        "l·β = p·LᵀA w.",
-        l_dot_beta,
-    ),
-    Claim(
-        "matrix-lta",
-        "Section 4, Canonical Description, matrix LᵀA after equation (15)",
-        "LᵀA is the printed matrix, independent of ψ.",
-        printed_product,
-    ),
-    Claim(
-        "lagrange-cyclic-psi",
-        "Section 4, Canonical Description, next paragraph after equation (15)",
-        "The kinetic energy is independent of φ and ψ, and ψ is cyclic, with p_ψ conserved.",
-        cyclic_psi,
-        words="in the twisted Lagrange top case ψ is cyclic (p_ψ conserved)",
-    ),
-    Claim(
-        "potential-e3-e1",
-        "Section 4, Canonical Description, last paragraph",
-        "For e∥ = e₃, e⊥ = e₁, w = 1: V = a₃(v cos θ + √(η − 2ε p_φ) sin θ sin φ).",
-        potential_first_gauge,
-        words="A particularly simple choice is e∥ = e₃, e⊥ = e₁, w = 1",
-    ),
-    Claim(
-        "potential-e1-e3",
-        "Section 4, Canonical Description, last paragraph",
-        "For e∥ = e₁, e⊥ = e₃, w = 1: V = a₃(v sin θ sin φ + √(η − 2ε l·β) cos θ), with the printed l·β.",
-        potential_second_gauge,
-        words="The choice e⊥ = e₃, e∥ = e₁, w = 1",
-    ),
-    Claim(
-        "gauge-limits",
-        "Section 4, Canonical Description, last paragraph",
-        "For ε → 0 the second choice has the form of the Lagrange top when v = 0, the first does not.",
-        gauge_limits,
-        words="has the Lagrange top form when v = ε = 0",
-    ),
-)
+def _poles_and_root(evidence: Evidence, context: Context) -> None:
+    """The two singularities of the paper's coordinates lie at different states."""
+    from sympy import Symbol
+
+    q = EulerAngles()
+    evidence.zero("det L⁻¹ = sin θ", q.reduce(q.L_inverse.det() - q.theta[1]))
+    top = symbolic_top(context)
+    _, alpha, beta = top.vectors
+    state = substitution((*alpha, *beta), (0, 0, 0, 1, 0, 0))
+    sine = (beta[0] ** 2 + beta[1] ** 2) / beta.dot(beta)
+    root = alpha.dot(alpha) - alpha.dot(beta) ** 2 / beta.dot(beta)
+    evidence.counterexample(
+        "collinear fields far from the poles: β = w A e₃ has the third component w cos θ",
+        {"sin²θ": (sine.subs(state), 1), "r²": (root.subs(state), 0)},
+        "l = α = (0, 0, 0), β = (1, 0, 0)",
+    )
+    r, epsilon, eta, product = Symbol("r", positive=True), Symbol("epsilon"), Symbol("eta"), Symbol("k")
+    slope = (eta - 2 * epsilon * product).diff(product) / (2 * r)
+    evidence.zero("with k = l·β: ∂r/∂k = −ε/r, without bound where r → 0", slope + epsilon / r)
+
+
+def _with_a_plane(evidence: Evidence, context: Context) -> None:
+    """With quaternions and a plane the map is Poisson: no root, and no division but by the length of q."""
+    from sympy import Matrix, Rational, Symbol, eye, symbols
+
+    q, p = symbols("q0:4"), symbols("p0:4")
+    X, Y, v, w, epsilon = *symbols("X Y v w"), Symbol("epsilon")
+    N = sum(x**2 for x in q)
+    u = column(*q[1:])
+    turn: Any = Matrix([[0, -q[3], q[2]], [q[3], 0, -q[1]], [-q[2], q[1], 0]])  # times v it is u x v
+    # A |q|^2 takes space to body components, and the body angular momentum is G p/2.
+    rotation: Any = (q[0] ** 2 - u.dot(u)) * eye(3) + 2 * u * u.T - 2 * q[0] * turn
+    G: Any = Matrix.hstack(-u, q[0] * eye(3) - turn)
+
+    def bracket(f: Any, g: Any) -> Any:
+        turning = sum(f.diff(x) * g.diff(y) - f.diff(y) * g.diff(x) for x, y in zip(q, p, strict=True))
+        return turning - epsilon * w * (f.diff(X) * g.diff(Y) - f.diff(Y) * g.diff(X))
+
+    l: Any = Rational(1, 2) * G * Matrix(p)
+    fields = (*(rotation * column(X, Y, v)), *(w * rotation[:, 2]))
+    evidence.zero(
+        "l = Gp/2, the angular momentum in quaternions q with momenta p: {|q|², l} = 0", [bracket(N, x) for x in l]
+    )
+    J: Any = context.bracket("epsilon").poisson_tensor()
+    images = (*l, *fields)
+    here = substitution(context.bracket("epsilon").variables, images)
+    # The fields times |q|^2, which commutes with everything: polynomials, so that nothing is divided.
+    residuals = [
+        (bracket(images[i], images[j]) - (N if j >= 3 else 1) * J[i, j].subs(here, simultaneous=True)).expand()
+        for i in range(9)
+        for j in range(i)
+    ]
+    evidence.zero(
+        "all 36 brackets of l = Gp/2, α = A(X e₁ + Y e₂ + v e₃), β = wAe₃ are those of the Leibniz bracket, also where "
+        "X = Y = 0 (α and β collinear)",
+        residuals,
+        decisive=True,
+    )
+
+
+@checks("twist-in-hamiltonian")
+def twist_in_hamiltonian(evidence: Evidence, context: Context) -> None:
+    """In the paper's coordinates only the potential contains the twist, and the momenta; not at collinear states."""
+    from sympy import Symbol, symbols
+
+    q = EulerAngles()
+    w, r, epsilon = *symbols("w r"), Symbol("epsilon")
+    e_par, e_perp, a = column(*symbols("e1:4")), column(*symbols("f1:4")), column(*symbols("a1:4"))
+    strength = a.dot(q.A * e_perp)
+    product = q.momenta.dot(q.L.T * q.A * (w * e_par))
+    # V = (v a + w b).A e_par + r a.A e_perp with r^2 = eta - 2 epsilon l.beta, so dr = -(epsilon/r) d(l.beta).
+    slopes = [-epsilon / r * product.diff(momentum) * strength for momentum in q.momenta]
+    printed = -epsilon / r * strength * (q.L.T * q.A * (w * e_par))
+    evidence.zero("∂V/∂p = −(ε/r)(a·A e⊥) LᵀA w, from equation (15) and l·β = p·LᵀA w", column(*slopes) - printed)
+    evidence.nonzero("it is not zero for ε ≠ 0 and a ≠ 0: the potential depends on the momenta", slopes[0])
+    evidence.zero("ε = 0: ∂V/∂p = 0, the charged top", [slope.subs(epsilon, 0) for slope in slopes])
+    evidence.note("The canonical brackets of (q, p) contain no ε: see the claim on the canonical form of the bracket.")
+    _with_a_plane(evidence, context)

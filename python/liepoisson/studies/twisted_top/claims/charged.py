@@ -4,30 +4,27 @@ from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.model.known_integrals import known_integrals
-from liepoisson.model.top_parameters import TopParameters
-from liepoisson.structure.strata import Locus
-from liepoisson.studies.twisted_top.claims.common import (
-    casimir_identities,
-    complete_integrability,
-    poisson_identities,
-    strata_steps,
-)
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
-from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
+import liepoisson as lp
+from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks
 from liepoisson.studies.twisted_top.claims.phase_space import (
+    COLLINEAR,
     GENERIC_POINT,
     SymbolicTop,
+    casimir_identities,
     column,
+    complete_integrability,
     lagrange_top,
+    poisson_identities,
+    strata_steps,
     substitution,
     symbolic_top,
 )
+from liepoisson.studies.twisted_top.typography import show
 
 
-def centre_of_rotation(context: Context) -> Verdict:
+@checks("lagrange-centre-of-rotation")
+def centre_of_rotation(evidence: Evidence, context: Context) -> None:
     """It is the centre of mass that must lie on the axis."""
-    evidence = Evidence()
     top = symbolic_top(context, inertia=("I1", "I1", "I3"), b=(0, 0, 0))
     l, alpha, _ = top.vectors
     torque = alpha.cross(top.a)[2]
@@ -38,12 +35,11 @@ def centre_of_rotation(context: Context) -> Verdict:
         {"dl₃/dt": (top.rate(l[2]).subs(substitution((*top.a, *alpha), (0, 1, 0, 1, 0, 0))), 1)},
         "a = (0, 1, 0), α = (1, 0, 0)",
     )
-    return evidence.conclude("misprint", "The centre of mass, the vector a, must lie on the symmetry axis.")
 
 
-def zero_field(context: Context) -> Verdict:
+@checks("zero-field-equals-uncharged")
+def zero_field(evidence: Evidence, context: Context) -> None:
     """Zero charge leaves the twist, zero field removes it."""
-    evidence = Evidence()
     top = symbolic_top(context, b=(0, 0, 0))
     _, alpha, beta = top.vectors
     rate = top.rate(alpha)
@@ -59,21 +55,17 @@ def zero_field(context: Context) -> Verdict:
         {"dα/dt": (tuple(rate.subs(at_rest)), (0, -top.epsilon, 0)), "α × ω": (tuple(rigid.subs(at_rest)), (0, 0, 0))},
         "b = 0, a = (0, 0, 1), l = (0, 0, 0), β = (1, 0, 0), any α",
     )
-    return evidence.conclude(
-        "wrong",
-        "Uncharged is b = 0. A vanishing field is β = 0, which removes the twist as well: on it every twisted top is "
-        "an ordinary heavy top. The two are equivalent only for ε = 0.",
-    )
 
 
-def charged_jacobi(context: Context) -> Verdict:
+@checks("charged-jacobi")
+def charged_jacobi(evidence: Evidence, context: Context) -> None:
     """Antisymmetry and the 84 Jacobi identities at epsilon = 0."""
-    return poisson_identities(context, 0).conclude("holds")
+    poisson_identities(evidence, context, 0)
 
 
-def charged_rotation(context: Context) -> Verdict:
+@checks("charged-rigid-fields")
+def charged_rotation(evidence: Evidence, context: Context) -> None:
     """The equations of the charged top: both fields rotate rigidly in the body frame."""
-    evidence = Evidence()
     top = symbolic_top(context, epsilon=0)
     l, alpha, beta = top.vectors
     torque = l.cross(top.omega) + alpha.cross(top.a) + beta.cross(top.b)
@@ -81,19 +73,19 @@ def charged_rotation(context: Context) -> Verdict:
     evidence.zero("dα/dt = α × ω", top.rate(alpha) - alpha.cross(top.omega))
     evidence.zero("dβ/dt = β × ω", top.rate(beta) - beta.cross(top.omega))
     evidence.note("All with symbolic I, a, b: α and β are fixed in space and turn rigidly in the body frame.")
-    return evidence.conclude("holds")
 
 
-def charged_casimirs(context: Context) -> Verdict:
+@checks("charged-casimirs")
+def charged_casimirs(evidence: Evidence, context: Context) -> None:
     """The three Casimirs of the semidirect bracket, and no more."""
-    return casimir_identities(context, 0).conclude("holds")
+    casimir_identities(evidence, context, 0)
 
 
-def charged_phase_space(context: Context) -> Verdict:
+@checks("charged-phase-space")
+def charged_phase_space(evidence: Evidence, context: Context) -> None:
     """The fields fix an orientation where they are independent, and only there."""
     from sympy import Matrix, Symbol
 
-    evidence = Evidence()
     bracket = context.bracket(0)
     l, alpha, beta = bracket.fields.values()
     units = [column(*(int(i == k) for i in range(3))) for k in range(3)]
@@ -115,40 +107,33 @@ def charged_phase_space(context: Context) -> Verdict:
         *(column(0, 0, 0, *unit, *(-c * unit)) for unit in units),
     )
     evidence.zero("α = cβ: five null vectors of J, so the rank is at most 4", J * null)
-    parallel = (1, 2, -1, 4, -2, 2, 2, -1, 1)
-    rank = evidence.rank("rank of J at a point with α = 2β", bracket, parallel, 4)
+    rank = evidence.rank("rank of J at a point with α = 2β", bracket, COLLINEAR, 4)
     evidence.note("Everywhere, by the Pfaffians of J:")
     pair = ("alpha", "beta")
     wanted = {
-        Locus(not_parallel=(pair,)): 6,
-        Locus(parallel=(pair,), nonzero=(pair,)): 4,
-        Locus(zero=("beta", "alpha"), nonzero=(("l",),)): 2,
-        Locus(zero=("beta", "alpha", "l")): 0,
+        lp.brackets.Locus(not_parallel=(pair,)): 6,
+        lp.brackets.Locus(parallel=(pair,), nonzero=(pair,)): 4,
+        lp.brackets.Locus(zero=("beta", "alpha"), nonzero=(("l",),)): 2,
+        lp.brackets.Locus(zero=("beta", "alpha", "l")): 0,
     }
     strata_steps(evidence, bracket, wanted)
     evidence.data = {"rank_independent": independent, "rank_parallel": rank}
-    return evidence.conclude(
-        "holds with a condition",
-        "True where α × β ≠ 0. If α and β are parallel and not both zero, they fix a direction only and the symplectic "
-        "leaf has dimension 4; Euler angles are moreover singular where sin θ = 0.",
-    )
 
 
-def charged_lagrange(context: Context) -> Verdict:
+@checks("charged-lagrange")
+def charged_lagrange(evidence: Evidence, context: Context) -> None:
     """H, l3 and l.alpha of the Lagrange top in the charged phase space."""
-    evidence = Evidence()
     top = lagrange_top(context, epsilon=0)
     l, alpha, _ = top.vectors
     integrals = {"H": top.hamiltonian, "l₃": l[2], "l·α": l.dot(alpha)}
     complete_integrability(evidence, top, integrals)
-    return evidence.conclude("holds")
 
 
-def coplanar_remark(context: Context) -> Verdict:
+@checks("charged-lagrange-coplanar")
+def coplanar_remark(evidence: Evidence, context: Context) -> None:
     """The charged Lagrange top is integrable without the coplanarity, which is not even preserved."""
     from sympy import Symbol
 
-    evidence = Evidence()
     top = lagrange_top(context, charged=True, epsilon=0)
     l, alpha, beta = top.vectors
     gamma = top.a[2] * alpha + top.b[2] * beta
@@ -175,12 +160,6 @@ def coplanar_remark(context: Context) -> Verdict:
         twisted.bracket,
     )
     evidence.data = {"rate": show(rate)}
-    return evidence.conclude(
-        "wrong",
-        "With I₁ = I₂, a and b on the axis the charged top is a Lagrange top in the field a₃α + b₃β: l₃ and "
-        "l·(a₃α + b₃β) are constant for all initial conditions. Coplanarity is not needed, and "
-        "the flow does not keep it.",
-    )
 
 
 def _coplanarity_rate(top: SymbolicTop) -> Any:
@@ -191,11 +170,11 @@ def _coplanarity_rate(top: SymbolicTop) -> Any:
     return b3 / moment * (turning + top.epsilon * a3 * moment * (beta[0] ** 2 + beta[1] ** 2))
 
 
-def integrable_list(context: Context) -> Verdict:
+@checks("charged-integrable-cases")
+def integrable_list(evidence: Evidence, context: Context) -> None:
     """Two further integrable families of charged tops, with complete sets of integrals."""
     from sympy import Symbol
 
-    evidence = Evidence()
     evidence.note("The paper names the tops with I₁ = I₂ and both centres on the axis. Two more families, ε = 0:")
     data: dict[str, Any] = {}
     kappa = Symbol("kappa", positive=True)
@@ -210,82 +189,9 @@ def integrable_list(context: Context) -> Verdict:
     )
     for title, inertia, a in families:
         top = symbolic_top(context, inertia=inertia, a=a, b=("b1", "b2", 0), epsilon=0)
-        exact = TopParameters(tuple(top.inertia), tuple(top.a), tuple(top.b), top.epsilon)
-        found = known_integrals(exact, *top.vectors)
+        known = lp.Top(inertia=tuple(top.inertia), a=tuple(top.a), b=tuple(top.b), epsilon=0).invariants
+        found = {name: integral for name, integral in known.items() if name not in ("H", "C1", "C2", "C3")}
         evidence.note(title)
         complete_integrability(evidence, top, {"H": top.hamiltonian, **found})
         data[title] = {name: str(value) for name, value in found.items()}
     evidence.data = data
-    return evidence.conclude(
-        "incomplete",
-        "The charged top is also integrable when I₁ = I₂ = I₃ with any a and b (a Neumann system on the three-sphere), "
-        "and when I₁ = I₂ = 2I₃ with a and b equatorial.",
-    )
-
-
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "lagrange-centre-of-rotation",
-        "Section 1, Introduction, third paragraph",
-        "The Lagrange-type case needs the centre of rotation to lie on the symmetry axis.",
-        centre_of_rotation,
-        words="its centre of rotation lies on the symmetry axis",
-    ),
-    Claim(
-        "zero-field-equals-uncharged",
-        "Section 1, Introduction, third paragraph",
-        "A vanishing electric field is equivalent to an uncharged top.",
-        zero_field,
-        words="the electric field vanishes (or, equivalently, the top is uncharged)",
-    ),
-    Claim(
-        "charged-jacobi",
-        "Section 2, The Charged Heavy Top, equation (2)",
-        "The semidirect bracket is a Poisson bracket.",
-        charged_jacobi,
-        words="can be generated by a Lie–Poisson bracket with a semidirect product structure",
-    ),
-    Claim(
-        "charged-rigid-fields",
-        "Section 2, The Charged Heavy Top, second paragraph",
-        "The bracket gives a charged rigid body in two constant fields, which turn rigidly in the body frame.",
-        charged_rotation,
-        words="The vectors α and β, being fixed in space, rotate in the body frame.",
-    ),
-    Claim(
-        "charged-casimirs",
-        "Section 2, The Charged Heavy Top, displayed equation after (2)",
-        "The Casimirs of the semidirect bracket are |α|², α·β and |β|².",
-        charged_casimirs,
-        words="The Casimir invariants of Eq. (2)",
-    ),
-    Claim(
-        "charged-phase-space",
-        "Section 2, The Charged Heavy Top, after the Casimirs",
-        "α and β correspond one-to-one to Euler angles, so the phase space is T*SO(3).",
-        charged_phase_space,
-        words="there is a one-to-one mapping between α and β and Euler angles. The phase space of the motion is "
-        "thus SO(3) × ℝ³ ≅ T*SO(3).",
-    ),
-    Claim(
-        "charged-lagrange",
-        "Section 2, The Charged Heavy Top, last paragraph",
-        "With I₁ = I₂, a on the axis and b = 0 the charged top is the Lagrange top, with invariants H, l₃ and l·α.",
-        charged_lagrange,
-        words="the charged heavy top reduces to the Lagrange top",
-    ),
-    Claim(
-        "charged-lagrange-coplanar",
-        "Section 2, The Charged Heavy Top, last paragraph, in parentheses",
-        "With b on the axis too, the top is integrable when forces and centre of charge are coplanar, (α × β)·b = 0.",
-        coplanar_remark,
-        words="There is also an integrable case with b = (0, 0, b₃)ᵀ and (α × β)·b = 0",
-    ),
-    Claim(
-        "charged-integrable-cases",
-        "Section 1, Introduction, last paragraph, and Section 2, last paragraph",
-        "Some integrable charged tops are those with a symmetry axis that carries both centres.",
-        integrable_list,
-        words="some of its integrable cases",
-    ),
-)

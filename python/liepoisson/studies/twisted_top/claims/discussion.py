@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from liepoisson.integrability.families import integrable_families
-from liepoisson.integrability.galois.obstruction import galois_obstruction
-from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
-from liepoisson.model.system import System
-from liepoisson.structure.extensions import semidirect
-from liepoisson.studies.twisted_top.claims.common import complete_integrability
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
-from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
-from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, symbolic_top
-from liepoisson.studies.twisted_top.claims.typography import typeset
+import liepoisson as lp
+from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks, written
+from liepoisson.studies.twisted_top.claims.phase_space import (
+    CENTRE_OF_MASS,
+    KOVALEVSKAYA,
+    SymbolicTop,
+    complete_integrability,
+    kovalevskaya_quartic,
+    kovalevskaya_top,
+    symbolic_top,
+)
+from liepoisson.studies.twisted_top.typography import show, typeset
 
-CENTRE_OF_MASS = (-1, 0, 0)
 AS_PRINTED = (1, 1, 2)
-KOVALEVSKAYA = (2, 2, 1)
 # Every polynomial of degree d in (l, alpha) has weight at most 2d, in (l, alpha, beta) at most 3d.
 HEAVY_WEIGHT, TWISTED_WEIGHT = 10, 12
 _WEIGHT = "in a monomial a component of l counts one, of α two"
@@ -32,20 +32,11 @@ _COUNT_HEADING = ("weight", "monomials", "rank", "integrals", "known")
 _FAMILY_DEGREE = 2
 
 
-def kovalevskaya_quartic(top: SymbolicTop) -> Any:
-    """Kovalevskaya's integral for I = (2k, 2k, k), a = (a1, a2, 0), b = 0."""
-    _, alpha, _ = top.vectors
-    omega, kappa, (a1, a2, _) = top.omega, top.inertia[2], top.a
-    real = omega[0] ** 2 - omega[1] ** 2 - (a1 * alpha[0] - a2 * alpha[1]) / kappa
-    imaginary = 2 * omega[0] * omega[1] - (a1 * alpha[1] + a2 * alpha[0]) / kappa
-    return real**2 + imaginary**2
-
-
-def kovalevskaya_inertia(context: Context) -> Verdict:
+@checks("kovalevskaya-inertia")
+def kovalevskaya_inertia(evidence: Evidence, context: Context) -> None:
     """The quartic needs I1 = I2 = 2 I3; with the inertia as printed there is none."""
     from sympy import Symbol
 
-    evidence = Evidence()
     evidence.note(
         "The weight of a monomial counts a component of l once and one of α twice: for b = 0 the equations raise it by "
         "one, so that every polynomial integral is a sum of integrals of one weight each."
@@ -58,7 +49,7 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
         [f"K = {written(kovalevskaya_quartic(general), general.bracket)}"],
         decisive=True,
     )
-    right = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
+    right = kovalevskaya_top(context, 0)
     counts = _heavy_counts(context, right, 4)
     what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 ({_WEIGHT}) beyond the polynomials in H, l·α, |α|², namely K"
     evidence.search(what, _table(counts), _excess(counts), 1)
@@ -70,25 +61,23 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
     evidence.data = {
         "found_and_known_by_weight": [[count.n_integrals, count.n_integrals - len(count.found)] for count in counts]
     }
-    return evidence.conclude("misprint", "Kovalevskaya's condition is I₁ = I₂ = 2I₃ (with a₃ = 0), not I₃ = 2I₁.")
 
 
-def kovalevskaya_integrable(context: Context) -> Verdict:
+@checks("kovalevskaya-integrable")
+def kovalevskaya_integrable(evidence: Evidence, context: Context) -> None:
     """H, K and l.alpha for the ordinary top."""
-    evidence = Evidence()
     top = symbolic_top(context, inertia=KOVALEVSKAYA, a=("a1", "a2", 0), b=(0, 0, 0), epsilon=0)
     l, alpha, _ = top.vectors
     integrals = {"H": top.hamiltonian, "l·α": l.dot(alpha), "K": kovalevskaya_quartic(top)}
     complete_integrability(evidence, top, integrals)
-    return evidence.conclude("holds with a condition", "True for I₁ = I₂ = 2I₃; see the claim on the printed inertia.")
 
 
 def _no_polynomial_integral(evidence: Evidence, context: Context) -> None:
     """State how the quartic is lost, and that no polynomial integral of low weight replaces it."""
-    top = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=1)
+    top = kovalevskaya_top(context, 1)
     evidence.nonzero("ε = 1: dK/dt is not zero", top.rate(kovalevskaya_quartic(top)))
     known: dict[str, Any] = dict(zip(("C₁", "C₂", "C₃"), top.casimirs, strict=True))
-    counts = _counts(System(top.bracket, top.hamiltonian), known, TWISTED_WEIGHT)
+    counts = _counts(top.system, known, TWISTED_WEIGHT)
     evidence.search(
         f"integrals of weight ≤ {TWISTED_WEIGHT} beyond the polynomials in H, C₁, C₂, C₃ (exact; weights l 1, α 2, "
         f"β 3, in particular of degree ≤ {TWISTED_WEIGHT // 3})",
@@ -102,8 +91,8 @@ def _families(evidence: Evidence, context: Context) -> None:
     """State for which inertia and centre of mass there is a polynomial integral of low degree."""
     moments, centre = ("J1", "J2", "J3"), ("a1", "a2", "a3")
     energy = "(J1*l1^2 + J2*l2^2 + J3*l3^2)/2 + a1*alpha1 + a2*alpha2 + a3*alpha3"
-    family = System(context.bracket(1), energy, symbols=(*moments, *centre), name="uncharged top")
-    found = integrable_families(family, degree=_FAMILY_DEGREE, positive=moments)
+    family = lp.System(context.bracket(1), energy, symbols=(*moments, *centre), name="uncharged top")
+    found = lp.integrability.integrable_families(family, degree=_FAMILY_DEGREE, positive=moments)
     cases = {frozenset(map(str, case.conditions)) for case in found.cases}
     axes = ((1, 2, 3), (2, 3, 1), (3, 1, 2))
     symmetric = {frozenset((f"J{min(j, k)} - J{max(j, k)}", f"a{j}", f"a{k}")) for _, j, k in axes}
@@ -131,7 +120,7 @@ def _obstructions(evidence: Evidence, context: Context) -> None:
         ("I = (2, 3, 4), a = (1, 0, 0), b = 0", (2, 3, 4), (1, 0, 0), (0, 0, 0)),
     ):
         top = symbolic_top(context, inertia=inertia, a=a, b=b, epsilon=1)
-        found = galois_obstruction(System(top.bracket, top.hamiltonian))
+        found = lp.integrability.galois_obstruction(top.system)
         how = "exactly" if found.is_proved_exactly else "with monodromy matrices in rigorous balls"
         evidence.proof(
             "value" if found.is_proved_exactly else "enclosure",
@@ -141,9 +130,9 @@ def _obstructions(evidence: Evidence, context: Context) -> None:
         )
 
 
-def nearby_integrable_case(context: Context) -> Verdict:
+@checks("nearby-integrable-case")
+def nearby_integrable_case(evidence: Evidence, context: Context) -> None:
     """What is known here about integrable neighbours."""
-    evidence = Evidence()
     evidence.note("I = (2, 2, 1), a = (−1, 0, 0), b = 0, ε = 1:")
     _no_polynomial_integral(evidence, context)
     _families(evidence, context)
@@ -151,18 +140,13 @@ def nearby_integrable_case(context: Context) -> Verdict:
     evidence.note(
         "For other parameters integrals of higher degree, and any that are not polynomial, are not examined here."
     )
-    return evidence.conclude(
-        "not settled",
-        "At the Kovalevskaya values themselves there is no further polynomial integral of degree ≤ 4; whether changed "
-        "parameters give an integrable case is decided here for a few of them only.",
-    )
 
 
-def homoclinic_orbits(context: Context) -> Verdict:
+@checks("homoclinic-orbits")
+def homoclinic_orbits(evidence: Evidence, context: Context) -> None:
     """An elementary family of homoclinic orbits, for any inertia."""
     from sympy import Symbol, symbols
 
-    evidence = Evidence()
     top = symbolic_top(context, a=("a1", 0, 0), b=(0, 0, "b3"))
     l, alpha, beta = top.vectors
     a1, epsilon, moment = top.a[0], top.epsilon, top.inertia[2]
@@ -199,13 +183,6 @@ def homoclinic_orbits(context: Context) -> Verdict:
     evidence.note(
         "For t → ±∞ it tends to the saddle z = z₀, x = d, y = 0. (Either sign of m; for B = 0, z = 2I₃k sech kt.)"
     )
-    return evidence.conclude(
-        "holds with a condition",
-        "Not of all of them: for a = (a₁, 0, 0), b = (0, 0, b₃) and any inertia the states l = (0, 0, z), "
-        "α = (x, y, 0), β = (0, 0, B) form an invariant set, with saddles z = z₀, x = d = εBI₃a₁/z₀, y = 0 and "
-        "elementary homoclinic orbits z(t) = z₀ + 2k²I₃²/(z₀ ± m cosh kt), where m² = a₁dI₃ and "
-        "k² = (m² − z₀²)/I₃², provided that k² > 0. Others are not examined here.",
-    )
 
 
 def _rate(f: Any, c: Any, s: Any, k: Any) -> Any:
@@ -222,7 +199,7 @@ def _hyperbolic(expression: Any, c: Any, s: Any, k: Any, k_squared: Any) -> Any:
     return sum(f * (c**2 - 1) ** (i // 2) * s ** (i % 2) * k_squared ** (j // 2) * k ** (j % 2) for (i, j), f in terms)
 
 
-def _table(counts: Sequence[FirstIntegrals]) -> list[tuple[object, ...]]:
+def _table(counts: Sequence[lp.results.FirstIntegrals]) -> list[tuple[object, ...]]:
     """The sizes of the searches; products of known integrals span all integrals but those that were found."""
     rows = [
         (c.weight, c.n_monomials, c.n_monomials - c.n_integrals, c.n_integrals, c.n_integrals - len(c.found))
@@ -231,58 +208,24 @@ def _table(counts: Sequence[FirstIntegrals]) -> list[tuple[object, ...]]:
     return [_COUNT_HEADING, *rows]
 
 
-def _excess(counts: Sequence[FirstIntegrals]) -> int:
+def _excess(counts: Sequence[lp.results.FirstIntegrals]) -> int:
     """How many integrals there are beyond the known ones."""
     return sum(len(count.found) for count in counts)
 
 
-def _heavy_counts(context: Context, top: SymbolicTop, largest: int) -> list[FirstIntegrals]:
+def _heavy_counts(context: Context, top: SymbolicTop, largest: int) -> list[lp.results.FirstIntegrals]:
     """Integrals of the heavy top (l, alpha) of the weights from one; the known ones are H, l.alpha, |alpha|^2."""
-    system = System(context.extended(semidirect(2)).rename("l", "alpha"), top.hamiltonian)
+    system = lp.System(context.extended(lp.semidirect(2)).rename("l", "alpha"), top.hamiltonian)
     l, alpha = system.bracket.fields.values()
     return _counts(system, {"l·α": l.dot(alpha), "|α|²": alpha.dot(alpha)}, largest)
 
 
-def _counts(system: System, known: Mapping[str, Any], largest: int) -> list[FirstIntegrals]:
+def _counts(system: lp.System, known: Mapping[str, Any], largest: int) -> list[lp.results.FirstIntegrals]:
     """The searches of the weights from one; what is claimed to be known is left out where it is no integral."""
     constant = {name: f for name, f in known.items() if system.is_constant(f)}
     counts = [
-        first_integrals(system, weight=weight, known={"H": system.hamiltonian, **constant})
+        lp.integrability.first_integrals(system, weight=weight, known={"H": system.hamiltonian, **constant})
         for weight in range(1, largest + 1)
     ]
     assert all(c.complete and c.weights == _WEIGHTS[: len(system.variables)] for c in counts)
     return counts
-
-
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "kovalevskaya-inertia",
-        "Section 5, Discussion, second paragraph",
-        "The Kovalevskaya case has I₁ = I₂, I₃ = 2I₁ and a₃ = 0.",
-        kovalevskaya_inertia,
-        words="the Kovalevskaya case involves setting I₁ = I₂, I₃ = 2I₁, and a₃ = 0",
-    ),
-    Claim(
-        "kovalevskaya-integrable",
-        "Section 5, Discussion, second paragraph",
-        "The Kovalevskaya case of the uncharged heavy top is integrable.",
-        kovalevskaya_integrable,
-        words="This top is integrable",
-        follows_from="kovalevskaya-inertia",
-    ),
-    Claim(
-        "nearby-integrable-case",
-        "Section 5, Discussion, third paragraph",
-        "An integrable twisted top with parameters close to the Kovalevskaya values is not ruled out; none was found.",
-        nearby_integrable_case,
-        words="The presence of chaos does not rule out the existence of an integrable case with parameters “close” "
-        "to the Kovalevskaya values … We have not found such a case.",
-    ),
-    Claim(
-        "homoclinic-orbits",
-        "Section 5, Discussion, fourth paragraph",
-        "A Melnikov analysis is hindered by the complicated form of the homoclinic orbits.",
-        homoclinic_orbits,
-        words="The present case is less straightforward because of the complicated form of the homoclinic orbits.",
-    ),
-)

@@ -1,60 +1,168 @@
-"""Collecting the steps of an exact check, and printing expressions as plain text with Unicode mathematics."""
+"""What a check works with and what it comes to: the steps that it states, one by one, and the verdict.
+
+A check of a claim gets an `Evidence` and records in it what was stated, what was computed, and whether the one bears
+out the other; the verdict of the claim holds if all its steps are borne out.
+"""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeAlias
 
-from liepoisson.studies.twisted_top.claims.model import Ruling, Verdict
-from liepoisson.studies.twisted_top.claims.steps import Step, StepKind
+import liepoisson as lp
+from liepoisson.studies.twisted_top.typography import show
 
-if TYPE_CHECKING:
-    from liepoisson.structure.bracket import Bracket
+Ruling: TypeAlias = Literal[
+    "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled", "not run"
+]
+Method: TypeAlias = Literal["exact", "enclosed", "numerical"]
+StepKind: TypeAlias = Literal[
+    "note", "identity", "value", "counterexample", "rank", "search", "enclosure", "measurement"
+]
 
-_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_GREEK = {
-    "alpha": "α",
-    "beta": "β",
-    "epsilon": "ε",
-    "eta": "η",
-    "theta": "θ",
-    "phi": "φ",
-    "psi": "ψ",
-    "omega": "ω",
-    "kappa": "κ",
-    "gamma": "γ",
-    "sqrt": "√",
+# How the kinds are named where a verdict says what it rests on, singular and plural, the most telling first.
+_NAMES: dict[StepKind, tuple[str, str]] = {
+    "counterexample": ("counter-example", "counter-examples"),
+    "rank": ("rank certificate", "rank certificates"),
+    "search": ("exhaustive search", "exhaustive searches"),
+    "enclosure": ("check in rigorous arithmetic", "checks in rigorous arithmetic"),
+    "identity": ("identity", "identities"),
+    "value": ("exact value", "exact values"),
+    "measurement": ("measurement", "measurements"),
 }
-_LONGEST = 160
 # Vector notation is not looked for in expressions with more operations than this.
 _MOST_OPERATIONS = 300
 # Of longer sums, so many terms are printed and the others counted.
 _MOST_TERMS = 8
 
 
-def show(expression: object) -> str:
-    """An expression in one line of Unicode text, for example "2ε·l₁·β₁ + α₁²", cut when it is very long."""
-    text = re.sub(r"\bc_(phi|psi|theta)\b", r"cos \1", str(expression))
-    text = re.sub(r"\bs_(phi|psi|theta)\b", r"sin \1", text)
-    for name, letter in _GREEK.items():
-        text = re.sub(rf"(?<![A-Za-z]){name}(?![a-z])", letter, text)
-    text = re.sub(r"\*\*(?:(\d+)|\((-?\d+)\))", lambda m: (m[1] or m[2]).translate(_SUPERSCRIPTS), text)
-    text = re.sub(r"(?<=[A-Za-zα-ω])(\d+)", lambda match: match[1].translate(_SUBSCRIPTS), text)
-    text = re.sub(r"√\((\d+)\)", r"√\1", text)
-    text = text.replace("**", "^").replace("*", "·").replace("-", "−")
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 2] + " …"
+@dataclass(frozen=True)
+class Step:
+    """One step of a proof.
+
+    Attributes:
+        kind: What sort of fact it is; a note states none.
+        text: The fact, with its reason.
+        succeeded: Whether the computation bears it out; None for a note.
+        remark: What came out instead, where it does not.
+        computed: What the computation gave, line by line: formulas, points, ranks, sizes.
+        table: Rows of a table, the first one the heading; empty if there is none.
+        components: How many expressions were compared.
+        decisive: Whether the verdict turns on it.
+    """
+
+    kind: StepKind
+    text: str
+    succeeded: bool | None = None
+    remark: str = ""
+    computed: tuple[str, ...] = ()
+    table: tuple[tuple[str, ...], ...] = ()
+    components: int = 1
+    decisive: bool = False
+
+    @property
+    def lines(self) -> list[str]:
+        """The whole step as plain text: the fact with its mark, and below it what was computed."""
+        mark = {None: " ", True: "✓", False: "✗"}[self.succeeded]
+        remark = f" — {self.remark}" if self.remark and self.succeeded is not None else ""
+        widths = [max(len(cell) for cell in column) for column in zip(*self.table, strict=True)]
+        rows = ["  ".join(cell.rjust(n) for cell, n in zip(row, widths, strict=True)) for row in self.table]
+        return [f"{mark} {self.text}{remark}", *(f"    {text}" for text in (*self.computed, *rows))]
+
+    def to_json(self) -> dict[str, Any]:
+        """The step as plain data."""
+        return {**vars(self), "computed": list(self.computed), "table": [list(row) for row in self.table]}
 
 
-def written(expression: Any, bracket: Bracket) -> str:
+def certificate(steps: tuple[Step, ...]) -> str:
+    """The steps as text, one fact per line with ✓ or ✗, and indented below it what was computed."""
+    return "\n".join(line for step in steps for line in step.lines)
+
+
+def summary_of(steps: tuple[Step, ...]) -> str:
+    """What a proof consists of, for example "1 counter-example, 3 identities"."""
+    counts = [sum(step.kind == kind for step in steps) for kind in _NAMES]
+    return ", ".join(f"{n} {words[n > 1]}" for words, n in zip(_NAMES.values(), counts, strict=True) if n)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a check found.
+
+    Attributes:
+        verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here;
+            "underspecified" when the paper only implies it, or leaves open what decides it; "not run" when the
+            measurements that it needs are absent.
+        method: "exact" for identities and counterexamples in exact arithmetic, "enclosed" for strict inequalities
+            between rigorous enclosures, "numerical" for measured numbers.
+        steps: The computation, step by step.
+        correct_statement: What is true instead, or the condition; empty when the claim holds as it stands.
+        data: Numbers and expressions (as text) behind the verdict, ready for JSON.
+    """
+
+    verdict: Ruling
+    method: Method
+    steps: tuple[Step, ...]
+    correct_statement: str = ""
+    data: dict[str, Any] = field(default_factory=dict[str, Any])
+
+    @property
+    def certificate(self) -> str:
+        """The computation as text, one step per line, each marked ✓ or ✗, with what was computed below."""
+        return certificate(self.steps)
+
+
+def extended_rotations(extension: lp.Extension) -> lp.Bracket:
+    """The bracket of so(3) extended by a commutative algebra."""
+    return lp.so(3) @ extension
+
+
+def twisted_bracket(epsilon: Any) -> lp.Bracket:
+    """The paper's bracket: so(3) with the Leibniz extension of order three, semidirect when epsilon = 0."""
+    return lp.so(3) @ lp.leibniz(3, epsilon)
+
+
+@dataclass(frozen=True)
+class Context:
+    """What the checks work with.
+
+    Attributes:
+        bracket: Makes the paper's bracket of three fields for a given epsilon.  A test can inject a wrong one.
+        extended: Makes the bracket of so(3) with any extension, for claims about other extensions.
+        measurements: Results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or
+            None; which keys the claims use is said in `liepoisson.studies.twisted_top.claims.numerics`.
+        arithmetics: Those that check the certificate of chaos.
+    """
+
+    bracket: Callable[[Any], lp.Bracket] = twisted_bracket
+    extended: Callable[[lp.Extension], lp.Bracket] = extended_rotations
+    measurements: Mapping[str, Any] | None = None
+    arithmetics: tuple[str, ...] = ("intervals", "balls")
+
+
+Check: TypeAlias = "Callable[[Evidence, Context], Verdict | None]"
+
+CHECKS: dict[str, Check] = {}
+"""The check of each claim by the id of the claim; one that returns no verdict leaves it to its evidence."""
+
+
+def checks(claim: str) -> Callable[[Check], Check]:
+    """Register the check of a claim."""
+
+    def register(check: Check) -> Check:
+        CHECKS[claim] = check
+        return check
+
+    return register
+
+
+def written(expression: Any, bracket: lp.Bracket) -> str:
     """A function on the phase space of a bracket in vector notation, for example "2ε a·(α × β)"."""
-    from liepoisson.formula.styles import UNICODE
-    from liepoisson.report.vector_notation import VectorNotation
-
-    expanded, notation = expression.expand(), VectorNotation(bracket)
-    write = notation.formula if expanded.count_ops() < _MOST_OPERATIONS else notation.components
-    return write(expanded).write(UNICODE, _MOST_TERMS).replace("-", "−")
+    expanded = expression.expand()
+    in_vectors = expanded.count_ops() < _MOST_OPERATIONS
+    text = lp.systems.vector_notation(expanded, bracket, in_vectors=in_vectors, most_terms=_MOST_TERMS)
+    return text.replace("-", "−")
 
 
 def names(variables: Iterable[Any]) -> str:
@@ -62,20 +170,26 @@ def names(variables: Iterable[Any]) -> str:
     return ", ".join(show(v) for v in variables)
 
 
-def state(bracket: Bracket, point: Sequence[Any]) -> str:
+def state(bracket: lp.Bracket, point: Sequence[Any]) -> str:
     """A point of the phase space, field by field: "l = (1, 2, −1), α = (3, 1, 2), …"."""
     n = bracket.algebra.dimension
     blocks = (tuple(point[k : k + n]) for k in range(0, len(point), n))
     return ", ".join(
-        f"{show(name)} = ({', '.join(show(v) for v in block)})"
-        for name, block in zip(bracket.field_names, blocks, strict=True)
+        f"{show(name)} = ({names(block)})" for name, block in zip(bracket.field_names, blocks, strict=True)
     )
 
 
 class Evidence:
-    """The steps of a check.  Each step states a fact and records whether the computation bears it out."""
+    """The steps of a check.  Each step states a fact and records whether the computation bears it out.
 
-    def __init__(self) -> None:
+    Args:
+        verdict: What follows if all steps are borne out.
+        correct_statement: What is true instead, or the condition.
+    """
+
+    def __init__(self, verdict: Ruling = "holds", correct_statement: str = "") -> None:
+        self.verdict: Ruling = verdict
+        self.correct_statement = correct_statement
         self.steps: list[Step] = []
         self.data: dict[str, Any] = {}
 
@@ -98,17 +212,15 @@ class Evidence:
         step = Step("identity", what, not left, remark, tuple(computed), (), len(entries), decisive)
         return self._record(step)
 
-    def identity(self, what: str, left: Any, right: Any, bracket: Bracket, *, decisive: bool = False) -> bool:
+    def identity(self, what: str, left: Any, right: Any, bracket: lp.Bracket, *, decisive: bool = False) -> bool:
         """State that two functions on the phase space are the same, and show the first as it was computed."""
         return self.zero(what, left - right, [f"computed: {written(left, bracket)}"], decisive=decisive)
 
     def nonzero(self, what: str, value: Any, *, decisive: bool = False) -> bool:
         """State that `what` holds because `value` (or one entry of it) does not vanish identically."""
         left = [entry for entry in _entries(value) if not _vanishes(entry)]
-        computed = (f"computed: {show(_readable(left[0]))}",) if left else ()
-        return self._record(
-            Step("value", what, bool(left), "" if left else "the value is 0", computed, decisive=decisive)
-        )
+        computed = [f"computed: {show(_readable(left[0]))}"] if left else []
+        return self.proof("value", what, bool(left), computed, decisive=decisive, otherwise="the value is 0")
 
     def equal(
         self,
@@ -121,9 +233,8 @@ class Evidence:
         decisive: bool = False,
     ) -> bool:
         """State that the computed `got` is `wanted`."""
-        remark = "" if got == wanted else f"computed {show(got)}"
-        text = f"{what}: {show(wanted)}"
-        return self._record(Step(kind, text, got == wanted, remark, tuple(computed), decisive=decisive))
+        text, otherwise = f"{what}: {show(wanted)}", f"computed {show(got)}"
+        return self.proof(kind, text, got == wanted, computed, decisive=decisive, otherwise=otherwise)
 
     def counterexample(
         self, what: str, values: Mapping[str, tuple[object, object]], at: str, *, decisive: bool = True
@@ -140,7 +251,7 @@ class Evidence:
         computed = (f"at {at}", *(f"{name} = {show(got)}" for name, (got, _) in values.items()))
         return self._record(Step("counterexample", what, not wrong, "; ".join(wrong), computed, decisive=decisive))
 
-    def rank(self, what: str, bracket: Bracket, point: Sequence[Any], wanted: int, *, decisive: bool = False) -> int:
+    def rank(self, what: str, bracket: lp.Bracket, point: Sequence[Any], wanted: int, *, decisive: bool = False) -> int:
         """State the rank of the Poisson tensor at a point, with a minor that does not vanish.
 
         An antisymmetric matrix of rank r has a principal minor of size r that is not zero: that of r independent rows.
@@ -161,7 +272,7 @@ class Evidence:
         self,
         what: str,
         functions: Sequence[Any],
-        bracket: Bracket,
+        bracket: lp.Bracket,
         point: Sequence[Any],
         computed: Sequence[str] = (),
     ) -> bool:
@@ -200,28 +311,31 @@ class Evidence:
         return self._record(Step("enclosure", what, True, "", tuple(computed), rows))
 
     def proof(
-        self, kind: StepKind, what: str, succeeded: bool, computed: Sequence[str], *, decisive: bool = False
+        self,
+        kind: StepKind,
+        what: str,
+        succeeded: bool,
+        computed: Sequence[str],
+        *,
+        decisive: bool = False,
+        otherwise: str = "not proved",
     ) -> bool:
-        """State what another part of the library has proved just now; `computed` is its certificate."""
-        remark = "" if succeeded else "not proved"
+        """State what was proved just now; `computed` is its certificate, `otherwise` the remark where it was not."""
+        remark = "" if succeeded else otherwise
         return self._record(Step(kind, what, succeeded, remark, tuple(computed), decisive=decisive))
 
-    def conclude(self, verdict: Ruling, correct_statement: str = "", otherwise: Ruling | None = None) -> Verdict:
-        """The verdict if all steps are borne out, else `otherwise` with the failing steps as the reason.
+    def conclude(self) -> Verdict:
+        """The verdict if all steps are borne out, else another one with the failing steps as the reason.
 
-        Args:
-            verdict: What follows from the steps.
-            correct_statement: What is true instead, or the condition.
-            otherwise: Verdict when a step fails: by default "wrong" for a claim that should hold, and "not settled" for
-                one whose refutation fails.
+        That is "wrong" for a claim that should hold, and "not settled" for one whose refutation fails.
         """
         steps = tuple(self.steps)
         failed = [f"{step.text} ({step.remark})" for step in steps if step.succeeded is False]
         if not failed:
-            return Verdict(verdict, "exact", steps, correct_statement, self.data)
-        fallback: Ruling = "wrong" if verdict.startswith("holds") else "not settled"
+            return Verdict(self.verdict, "exact", steps, self.correct_statement, self.data)
+        fallback: Ruling = "wrong" if self.verdict.startswith("holds") else "not settled"
         reason = "The computation does not bear it out: " + "; ".join(failed) + "."
-        return Verdict(otherwise or fallback, "exact", steps, reason, self.data)
+        return Verdict(fallback, "exact", steps, reason, self.data)
 
     def _record(self, step: Step) -> bool:
         self.steps.append(step)
@@ -229,13 +343,11 @@ class Evidence:
 
 
 def _entries(value: Any) -> Iterable[Any]:
+    from sympy import S
     from sympy.matrices import MatrixBase
 
-    from liepoisson.algebra.exact_numbers import as_expression
-
-    if isinstance(value, MatrixBase):
-        return list(value.flat())
-    return [as_expression(v, "a value") for v in (value if isinstance(value, (list, tuple)) else [value])]
+    entries = value.flat() if isinstance(value, MatrixBase) else value if isinstance(value, (list, tuple)) else [value]
+    return [S.Zero + entry for entry in entries]
 
 
 def _readable(value: Any) -> Any:

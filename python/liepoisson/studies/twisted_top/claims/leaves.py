@@ -4,35 +4,34 @@ from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.structure.strata import Locus
-from liepoisson.studies.twisted_top.claims.common import strata_steps
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
-from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
-from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, column, substitution, symbolic_top
+import liepoisson as lp
+from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks, written
+from liepoisson.studies.twisted_top.claims.phase_space import (
+    COLLINEAR,
+    SymbolicTop,
+    column,
+    strata_steps,
+    substitution,
+    symbolic_top,
+)
+from liepoisson.studies.twisted_top.typography import show
 
-COLLINEAR = (1, 2, -1, 4, -2, 2, 2, -1, 1)
 
-
-def collinear_stays(context: Context) -> Verdict:
+@checks("collinear-stays-collinear")
+def collinear_stays(evidence: Evidence, context: Context) -> None:
     """Collinear fields do not stay collinear."""
-    evidence = Evidence()
     _leaves_collinearity(evidence, symbolic_top(context))
     evidence.note(
         "The paper argues that the right-hand side of the equation for l·β vanishes there; but u = v⊥² obeys "
         "d√u/dt = εw a·n with a unit vector n, so du/dt is not Lipschitz in u and u = 0 need not persist."
     )
-    return evidence.conclude(
-        "wrong",
-        "On α = cβ, d/dt(α × β) = ε (β × a) × β, which vanishes only when a is parallel to β (or ε = 0): collinear "
-        "fields separate at once. The collinear set is not invariant.",
-    )
 
 
-def never_collinear(context: Context) -> Verdict:
+@checks("never-collinear")
+def never_collinear(evidence: Evidence, context: Context) -> None:
     """An orbit that starts with independent fields and becomes collinear."""
     from sympy import Rational
 
-    evidence = Evidence()
     top = symbolic_top(context, a=(0, 0, 1), b=(0, 0, 0), epsilon=1)
     _, alpha, beta = top.vectors
     start = substitution(top.bracket.variables, (0, 0, 0, 0, 0, 0, 1, 0, 0))
@@ -51,13 +50,6 @@ def never_collinear(context: Context) -> Verdict:
     )
     evidence.data = {"derivatives": [show(value) for value in series]}
     _stays_away(evidence, context)
-    return evidence.conclude(
-        "wrong",
-        "Orbits with α × β ≠ 0 do reach collinear states. These form a set of codimension two in the leaf, so almost "
-        "every orbit avoids it. How near an orbit comes depends on the leaf and the energy: where the energy "
-        "surface of the leaf contains collinear states, orbits pass arbitrarily near, and φ then changes by nearly π "
-        "at once; where it contains none, they stay away.",
-    )
 
 
 def _stays_away(evidence: Evidence, context: Context) -> None:
@@ -87,9 +79,9 @@ def _stays_away(evidence: Evidence, context: Context) -> None:
     )
 
 
-def always_invertible(context: Context) -> Verdict:
+@checks("always-invertible")
+def always_invertible(evidence: Evidence, context: Context) -> None:
     """The inversion fails at collinear states, which orbits reach."""
-    evidence = Evidence()
     top = symbolic_top(context)
     _, alpha, beta = top.vectors
     _leaves_collinearity(evidence, top)
@@ -99,10 +91,6 @@ def always_invertible(context: Context) -> Verdict:
     evidence.note(
         "It vanishes at collinear states, so e⊥ and with it φ is undefined there; before and after the passage it has "
         "opposite signs (its rate is not zero), so φ jumps by π."
-    )
-    return evidence.conclude(
-        "wrong",
-        "The inversion holds where α × β ≠ 0 only, which the flow does not preserve.",
     )
 
 
@@ -126,11 +114,11 @@ def _leaves_collinearity(evidence: Evidence, top: SymbolicTop) -> None:
     evidence.nonzero("which is positive unless ε = 0 or a is parallel to β", expected)
 
 
-def leaf_dimension(context: Context) -> Verdict:
+@checks("leaf-dimension")
+def leaf_dimension(evidence: Evidence, context: Context) -> None:
     """Ranks of the Poisson tensor on all strata, for epsilon not zero."""
     from sympy import Matrix, Symbol
 
-    evidence = Evidence()
     bracket = context.bracket("epsilon")
     l, alpha, beta = bracket.fields.values()
     J: Any = bracket.poisson_tensor()
@@ -162,24 +150,19 @@ def leaf_dimension(context: Context) -> Verdict:
     evidence.rank("rank at α = β = 0, l ≠ 0", context.bracket(1), (1, 2, -1, 0, 0, 0, 0, 0, 0), 2)
     evidence.note("The same by the Pfaffians of J, for symbolic ε:")
     wanted = {
-        Locus(nonzero=(("beta",),)): 6,
-        Locus(zero=("beta",), nonzero=(("alpha",),)): 4,
-        Locus(zero=("beta", "alpha"), nonzero=(("l",),)): 2,
-        Locus(zero=("beta", "alpha", "l")): 0,
+        lp.brackets.Locus(nonzero=(("beta",),)): 6,
+        lp.brackets.Locus(zero=("beta",), nonzero=(("alpha",),)): 4,
+        lp.brackets.Locus(zero=("beta", "alpha"), nonzero=(("l",),)): 2,
+        lp.brackets.Locus(zero=("beta", "alpha", "l")): 0,
     }
     strata_steps(evidence, bracket, wanted)
-    return evidence.conclude(
-        "holds with a condition",
-        "For ε ≠ 0 a leaf has dimension 6 exactly when β ≠ 0. On β = 0 ≠ α it has dimension 4, with the Casimirs l·α "
-        "and |α|² of the heavy top; on α = β = 0 ≠ l dimension 2.",
-    )
 
 
-def leaves_are_cotangent(context: Context) -> Verdict:
+@checks("leaves-cotangent-so3")
+def leaves_are_cotangent(evidence: Evidence, context: Context) -> None:
     """The leaves with beta not zero, as graphs over pairs of tangent planes of a sphere."""
     from sympy import symbols
 
-    evidence = Evidence()
     top = symbolic_top(context)
     l, alpha, beta = top.vectors
     _rotation_symmetric(evidence, top.bracket)
@@ -206,12 +189,6 @@ def leaves_are_cotangent(context: Context) -> Verdict:
         "is 0; hence it is trivial (bundles over S² are classified by π₁(SO(4)) = ℤ₂): the leaf is S² × ℝ⁴, simply "
         "connected, while T*SO(3) has fundamental group ℤ₂."
     )
-    return evidence.conclude(
-        "underspecified",
-        "The paper does not say so. If it is meant: for ε ≠ 0 every leaf with β ≠ 0 is diffeomorphic to S² × ℝ⁴ "
-        "(S² the sphere of directions of β), not to T*SO(3); the collinear states are regular points of it. The "
-        "Euler-angle chart covers the leaf without them (the part 2ε l·β < η) and without sin θ = 0.",
-    )
 
 
 def _rotation_symmetric(evidence: Evidence, bracket: Any) -> None:
@@ -227,46 +204,3 @@ def _rotation_symmetric(evidence: Evidence, bracket: Any) -> None:
     evidence.zero(
         "n·l generates the rotation of l, α, β about n, a Poisson map: β may be put on the third axis", residuals
     )
-
-
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "leaf-dimension",
-        "Section 4, Canonical Description, first paragraph",
-        "The symplectic leaves have six dimensions, nine coordinates less three Casimirs.",
-        leaf_dimension,
-        words="(9 coordinates, 3 Casimirs)",
-    ),
-    Claim(
-        "collinear-stays-collinear",
-        "Section 4, Canonical Description, after equation (14)",
-        "If η = 2ε l·β initially (α and β collinear), then it remains so for all times.",
-        collinear_stays,
-        words="If η = 2ε l·β initially, then it remains so for all times",
-    ),
-    Claim(
-        "never-collinear",
-        "Section 4, Canonical Description, after equation (14)",
-        "If α and β are not collinear initially, they never become collinear.",
-        never_collinear,
-        words="if η ≠ 2ε l·β initially, then the two vectors α and β are never collinear",
-        follows_from="collinear-stays-collinear",
-    ),
-    Claim(
-        "always-invertible",
-        "Section 4, Canonical Description, next paragraph after equation (14)",
-        "The map to Euler angles can always be inverted, if α and β are not initially collinear.",
-        always_invertible,
-        words="we can always invert Eqs. (9) and (13) for (φ, ψ, θ), as long as α and β are not initially collinear",
-        follows_from="collinear-stays-collinear",
-    ),
-    Claim(
-        "leaves-cotangent-so3",
-        "Section 4, Canonical Description, first paragraph",
-        "Implied: the leaves of the twisted top are covered by Euler angles and their momenta, as T*SO(3) is.",
-        leaves_are_cotangent,
-        words="the transformation is invertible on the symplectic leaves, so that it can be used to canonize the "
-        "system",
-        follows_from="collinear-stays-collinear",
-    ),
-)

@@ -1,25 +1,23 @@
-"""Claims of the section on the twisted top: the bracket, the equations, the Casimirs, boundedness."""
+"""Claims of the section on the twisted top: the bracket, the equations, the Casimirs, the integrable case."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from liepoisson.structure.extension import Extension
-from liepoisson.studies.twisted_top.claims.common import casimir_identities, poisson_identities
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
-from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
+import liepoisson as lp
+from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks
 from liepoisson.studies.twisted_top.claims.phase_space import (
-    SymbolicTop,
+    casimir_identities,
     column,
+    complete_integrability,
+    lagrange_top,
+    poisson_identities,
     poisson_map_residual,
     substitution,
     symbolic_top,
 )
-
-if TYPE_CHECKING:
-    from liepoisson.structure.bracket import Bracket
 
 
 @dataclass(frozen=True)
@@ -51,12 +49,12 @@ _TWO_FIELDS = (
 )
 
 
-def two_field_extensions(context: Context) -> Verdict:
+@checks("two-field-extensions")
+def two_field_extensions(evidence: Evidence, context: Context) -> None:
     """All two-dimensional commutative algebras with unit, and some without, beside the semidirect one."""
-    evidence = Evidence()
     _square_completed(evidence)
     for case in _TWO_FIELDS:
-        extension = Extension.from_products(2, case.products, case.name)
+        extension = lp.Extension.from_products(2, case.products, case.name)
         bracket = context.extended(extension)
         proof = bracket.jacobi_certificate()
         form, killing, derived = extension.classify().name, _killing_signature(bracket), _derived_dimension(bracket)
@@ -70,11 +68,6 @@ def two_field_extensions(context: Context) -> Verdict:
         evidence.data[case.name] = {"normal_form": form, "killing_signature": list(killing), "derived": derived}
     evidence.note("The Killing form and the dimension of the derived algebra tell all five Lie algebras apart.")
     evidence.note("If A has a unit and e₁ is nilpotent, e₁e₁ = c e₁ gives e₁ⁿ = cⁿ⁻¹e₁ = 0, so c = 0: semidirect.")
-    return evidence.conclude(
-        "holds with a condition",
-        "True when the algebra of the two fields has a unit (l acts on both fields) and the second field is nilpotent. "
-        "Otherwise there are also so(4) = so(3) ⊗ (ℝ × ℝ), so(3,1) = so(3) ⊗ ℂ, and algebras without unit.",
-    )
 
 
 def _blackboard(form: str) -> str:
@@ -88,7 +81,7 @@ def _square_completed(evidence: Evidence) -> None:
     from sympy import Symbol
 
     p, q = Symbol("p"), Symbol("q")
-    general = Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: q, 1: p}}, "A")
+    general = lp.Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: q, 1: p}}, "A")
     W = general.tensor
     t = (-p / 2, 1)
     square = [sum(W[k][m][n] * t[m] * t[n] for m in range(2) for n in range(2)) for k in range(2)]
@@ -99,18 +92,14 @@ def _square_completed(evidence: Evidence) -> None:
     )
 
 
-def _structure(bracket: Bracket) -> list[list[list[Any]]]:
+def _structure(bracket: lp.Bracket) -> list[list[list[Any]]]:
     """The structure constants of the Lie algebra, from the linear Poisson tensor, J_ij = -c_ij^k x_k."""
-    from liepoisson.algebra.exact_numbers import to_sympy
-
-    n = bracket.dimension
-    c: list[list[list[Any]]] = [[[0] * n for _ in range(n)] for _ in range(n)]
-    for i, j, k, value in bracket.entries():
-        c[i][j][k], c[j][i][k] = -to_sympy(value), to_sympy(value)
-    return c
+    J: Any = bracket.poisson_tensor()
+    n = range(bracket.dimension)
+    return [[[-J[i, j].diff(x) for x in bracket.variables] for j in n] for i in n]
 
 
-def _killing_signature(bracket: Bracket) -> tuple[int, int]:
+def _killing_signature(bracket: lp.Bracket) -> tuple[int, int]:
     """The numbers of positive and negative eigenvalues of the Killing form, K(x, y) = tr(ad x ad y)."""
     from sympy import Matrix
 
@@ -121,18 +110,18 @@ def _killing_signature(bracket: Bracket) -> tuple[int, int]:
     return positive, negative
 
 
-def _derived_dimension(bracket: Bracket) -> int:
+def _derived_dimension(bracket: lp.Bracket) -> int:
     """The dimension of the span of all brackets of the Lie algebra."""
     from sympy import Matrix
 
     return int(Matrix([row for plane in _structure(bracket) for row in plane]).rank())
 
 
-def not_semidirect(context: Context) -> Verdict:
+@checks("leibniz-not-semidirect")
+def not_semidirect(evidence: Evidence, context: Context) -> None:
     """The cocycle cannot be removed: the fields alpha, beta do not span an abelian ideal."""
     from sympy import Symbol
 
-    evidence = Evidence()
     twisted, charged = context.bracket("epsilon"), context.bracket(0)
     _, alpha, beta = twisted.fields.values()
     inner = [twisted(alpha[i], alpha[(i + 1) % 3]) + Symbol("epsilon") * beta[(i + 2) % 3] for i in range(3)]
@@ -144,14 +133,13 @@ def not_semidirect(context: Context) -> Verdict:
         "abelian, so no linear change of coordinates turns the bracket into the semidirect one."
     )
     evidence.nonzero("{α₁, α₂} ≠ 0 for ε ≠ 0", twisted(alpha[0], alpha[1]))
-    return evidence.conclude("holds")
 
 
-def epsilon_is_a_scale(context: Context) -> Verdict:
+@checks("epsilon-measures-deviation")
+def epsilon_is_a_scale(evidence: Evidence, context: Context) -> None:
     """All brackets with epsilon not zero are isomorphic."""
     from sympy import Symbol
 
-    evidence = Evidence()
     twisted = context.bracket("epsilon")
     l, alpha, beta = twisted.fields.values()
     evidence.zero(
@@ -162,26 +150,23 @@ def epsilon_is_a_scale(context: Context) -> Verdict:
         "(l, α, β) → (l, α + dβ, β) preserves the bracket for every d",
         poisson_map_residual(twisted, column(*l, *(alpha + Symbol("d") * beta), *beta), twisted),
     )
-    return evidence.conclude(
-        "holds with a condition",
-        "ε = 0 and ε ≠ 0 differ, but the size of ε ≠ 0 is only a scale of β: ε = 1 without loss of generality, with "
-        "b/ε in place of b. A centre of charge b parallel to a ≠ 0 can be removed by α → α + dβ.",
-    )
 
 
-def leibniz_jacobi(context: Context) -> Verdict:
+@checks("leibniz-jacobi")
+def leibniz_jacobi(evidence: Evidence, context: Context) -> None:
     """Antisymmetry and the 84 Jacobi identities for symbolic epsilon."""
-    return poisson_identities(context, "epsilon").conclude("holds")
+    poisson_identities(evidence, context, "epsilon")
 
 
-def leibniz_casimirs(context: Context) -> Verdict:
+@checks("leibniz-casimirs")
+def leibniz_casimirs(evidence: Evidence, context: Context) -> None:
     """The three Casimirs of the Leibniz bracket, and no more."""
-    return casimir_identities(context, "epsilon").conclude("holds")
+    casimir_identities(evidence, context, "epsilon")
 
 
-def equations(context: Context) -> Verdict:
+@checks("leibniz-equations")
+def equations(evidence: Evidence, context: Context) -> None:
     """The three vector equations, derived from the bracket."""
-    evidence = Evidence()
     top = symbolic_top(context)
     l, alpha, beta = top.vectors
     torque = l.cross(top.omega) + alpha.cross(top.a) + beta.cross(top.b)
@@ -190,24 +175,16 @@ def equations(context: Context) -> Verdict:
         "{α, H} = α × ω + ε β × a", top.rate(alpha) - alpha.cross(top.omega) - top.epsilon * beta.cross(top.a)
     )
     evidence.zero("{β, H} = β × ω", top.rate(beta) - beta.cross(top.omega))
-    _in_vector_notation(evidence, top)
-    evidence.note("All components, with symbolic I, a, b, ε.")
-    return evidence.conclude("holds")
-
-
-def _in_vector_notation(evidence: Evidence, top: SymbolicTop) -> None:
-    """The equations as the library derives and prints them."""
-    from liepoisson.report.vector_equations import vector_equations
-
-    found = vector_equations(top.bracket, top.hamiltonian)
-    rows = found.rows if found is not None else ()
-    computed = [f"d{show(field)}/dt = {row.unicode.replace('-', '−')}" for field, row in rows]
+    found = lp.inspect(top.system).record()["equations"].get("vector") or ()
+    rows = [row["unicode"].partition(" = ")[2].replace("-", "−") for row in found]
+    computed = [f"d{name}/dt = {row}" for name, row in zip("lαβ", rows, strict=False)]
     evidence.proof("identity", "derived from the bracket and H, in vector notation", bool(computed), computed)
+    evidence.note("All components, with symbolic I, a, b, ε.")
 
 
-def alpha_not_rigid(context: Context) -> Verdict:
+@checks("alpha-not-rigid")
+def alpha_not_rigid(evidence: Evidence, context: Context) -> None:
     """The length of alpha changes, its projection on beta does not."""
-    evidence = Evidence()
     top = symbolic_top(context)
     _, alpha, beta = top.vectors
     growth = top.rate(alpha.dot(alpha))
@@ -215,14 +192,13 @@ def alpha_not_rigid(context: Context) -> Verdict:
     evidence.zero("d(α·β)/dt = 0, so the projection α·β/|β| is constant where β ≠ 0", top.rate(alpha.dot(beta)))
     evidence.identity("d|α|²/dt = 2ε a·(α × β)", growth, 2 * top.epsilon * top.a.dot(alpha.cross(beta)), top.bracket)
     evidence.nonzero("which is not zero in general: α does not turn rigidly when ε ≠ 0 and a ≠ 0", growth)
-    return evidence.conclude("holds")
 
 
-def bounded(context: Context) -> Verdict:
+@checks("bounded-energy-surfaces")
+def bounded(evidence: Evidence, context: Context) -> None:
     """Joint level sets of H and the Casimirs are bounded, those of H alone are not."""
     from sympy import Matrix, Symbol, symbols
 
-    evidence = Evidence()
     top = symbolic_top(context)
     l, alpha, beta = top.vectors
     C1, _, _ = top.casimirs
@@ -252,66 +228,51 @@ def bounded(context: Context) -> Verdict:
         top.hamiltonian.subs(far),
         decisive=True,
     )
-    return evidence.conclude(
-        "holds with a condition",
-        "The joint level sets of H and the three Casimirs are bounded (all moments of inertia positive): "
-        "|l|²/(2 I_max) ≤ H + |b|w + |a| √(|C₁| + 2|ε| w |l|), where w² = C₃ and I_max is the largest moment. The "
-        "level sets of H alone are not.",
+
+
+@checks("twisted-lagrange-p")
+def p_constant(evidence: Evidence, context: Context) -> None:
+    """P is constant, and each displayed line of its derivation equals the one before."""
+    top = lagrange_top(context)
+    l, alpha, beta = top.vectors
+    inertia, a3, epsilon, omega = top.inertia[0], top.a[2], top.epsilon, top.omega
+    P = l.dot(alpha) + epsilon * inertia * a3 * beta[2]
+    first = top.rate(l).dot(alpha) + l.dot(top.rate(alpha)) + epsilon * inertia * a3 * top.rate(beta)[2]
+    second = (
+        l.cross(omega).dot(alpha)
+        + l.dot(alpha.cross(omega) + epsilon * beta.cross(top.a))
+        + epsilon * inertia * a3 * beta.cross(omega)[2]
     )
+    third = epsilon * top.a.dot(l.cross(beta)) + epsilon * top.a.dot(beta.cross(inertia * omega))
+    evidence.zero("dP/dt = (dl/dt)·α + l·(dα/dt) + ε I₁a₃ dβ₃/dt", top.rate(P) - first)
+    evidence.zero("= (l × ω)·α + l·(α × ω + ε β × a) + ε I₁a₃ (β × ω)₃", first - second)
+    evidence.zero("= ε a·(l × β) + ε a·(β × I₁ω)", second - third)
+    evidence.zero("= 0", third)
+    evidence.zero("P = l·α for ε = 0, the integral of the Lagrange top", P.subs(epsilon, 0) - l.dot(alpha))
 
 
-CLAIMS: tuple[Claim, ...] = (
-    Claim(
-        "two-field-extensions",
-        "Section 3, The Twisted Top, first paragraph",
-        "The only extension of the bracket to two field variables is the semidirect product.",
-        two_field_extensions,
-        words="the only bracket extension of two field variables (such as l and α) is of the semidirect product type",
-    ),
-    Claim(
-        "leibniz-not-semidirect",
-        "Section 3, The Twisted Top, first paragraph",
-        "With three fields there is an extension that is not semidirect, the Leibniz bracket.",
-        not_semidirect,
-        words="To obtain an extension that is not semidirect, one requires at least three variables",
-    ),
-    Claim(
-        "leibniz-jacobi",
-        "Section 3, The Twisted Top, equation (3)",
-        "The Leibniz bracket is a Poisson bracket.",
-        leibniz_jacobi,
-    ),
-    Claim(
-        "epsilon-measures-deviation",
-        "Section 3, The Twisted Top, after equation (3)",
-        "ε measures the deviation from the semidirect bracket and need not be small.",
-        epsilon_is_a_scale,
-        words="ε is a parameter measuring the deviation from a semidirect bracket and is not necessarily small",
-    ),
-    Claim(
-        "leibniz-equations",
-        "Section 3, The Twisted Top, equations (4) to (6)",
-        "The equations are dl/dt = l × ω + α × a + β × b, dα/dt = α × ω + ε β × a, dβ/dt = β × ω.",
-        equations,
-    ),
-    Claim(
-        "leibniz-casimirs",
-        "Section 3, The Twisted Top, equation (7)",
-        "The Casimirs of the Leibniz bracket are |α|² + 2ε l·β, α·β and |β|².",
-        leibniz_casimirs,
-    ),
-    Claim(
-        "alpha-not-rigid",
-        "Section 3, The Twisted Top, before and after equation (7)",
-        "α does not turn rigidly, its length is not constant, but its projection on β is; β does turn rigidly.",
-        alpha_not_rigid,
-        words="α does not simply rotate rigidly (though β still does)",
-    ),
-    Claim(
-        "bounded-energy-surfaces",
-        "Section 3, The Twisted Top, second paragraph",
-        "For a positive definite inertia tensor the energy surfaces of the twisted top are bounded.",
-        bounded,
-        words="the energy surfaces of the twisted top are bounded",
-    ),
-)
+@checks("twisted-lagrange-involution")
+def involution(evidence: Evidence, context: Context) -> None:
+    """H, l3 and P commute and are independent: complete integrability on generic leaves."""
+    top = lagrange_top(context)
+    l, alpha, beta = top.vectors
+    P = l.dot(alpha) + top.epsilon * top.inertia[0] * top.a[2] * beta[2]
+    complete_integrability(evidence, top, {"H": top.hamiltonian, "l₃": l[2], "P": P})
+    evidence.note("Three independent integrals in involution on six-dimensional leaves: completely integrable there.")
+
+
+@checks("twisted-lagrange-uncharged")
+def charged_case(evidence: Evidence, context: Context) -> None:
+    """The charged twisted Lagrange top is integrable too, being the image of the uncharged one."""
+    top = lagrange_top(context, charged=True)
+    l, alpha, beta = top.vectors
+    a3, b3, epsilon, inertia = top.a[2], top.b[2], top.epsilon, top.inertia[0]
+    P = l.dot(a3 * alpha + b3 * beta) + epsilon * a3**2 * inertia * beta[2]
+    evidence.identity("dP′/dt = 0 for P′ = l·(a₃α + b₃β) + εa₃²I₁β₃", top.rate(P), 0 * P, top.bracket, decisive=True)
+    complete_integrability(evidence, top, {"H": top.hamiltonian, "l₃": l[2], "P′": P})
+    uncharged = lagrange_top(context)
+    image = substitution(alpha, alpha + b3 / a3 * beta)
+    evidence.zero(
+        "H is the uncharged H after α → α + (b₃/a₃)β, which preserves the bracket",
+        uncharged.hamiltonian.subs(image, simultaneous=True) - top.hamiltonian,
+    )

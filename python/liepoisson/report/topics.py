@@ -1,4 +1,4 @@
-"""Which parts of a report are left out, by the size of the system: they would take minutes.
+"""Parts of a report, and which of them are left out, by the size of the system: they would take minutes.
 
 The limits are sizes and not times, so that a report says the same on every machine.  At each of them its part takes
 some seconds.
@@ -6,15 +6,30 @@ some seconds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
-
-from liepoisson.report.bracket_facts import Topic
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.report.lines import Line
     from liepoisson.structure.bracket import Bracket
+
+TITLES = {
+    "algebra": "Lie algebra",
+    "extension": "Extension",
+    "bracket": "Bracket",
+    "casimirs": "Casimirs",
+    "rank": "Rank",
+    "strata": "Leaves",
+    "symmetries": "Symmetries",
+    "hamiltonian": "Hamiltonian",
+    "equations": "Equations",
+    "integrals": "Known integrals",
+    "kernel": "Kernel",
+}
+"""The parts by their names in JSON, in the order of printing, with their headings."""
 
 MOST_DIMENSIONS = 300
 """Of the Lie algebra: its series and its Killing form are dense."""
@@ -32,21 +47,42 @@ MOST_TERMS = 400
 """Of the Hamiltonian when it is expanded, for its equations and for the symmetries that keep it."""
 
 
-@final
-class NotComputed(Topic):
-    """A part that was left out, and why."""
+@dataclass(frozen=True)
+class Topic:
+    """One part of a report.
 
-    def __init__(self, kind: type[Topic], obstacle: str) -> None:
-        self.key, self.title = kind.key, kind.title
-        self.obstacle = obstacle
+    Attributes:
+        key: Its name in JSON.
+        told: The facts in words and formulas.
+        data: Makes the facts as data that JSON can write.
+    """
+
+    key: str
+    told: Sequence[Line]
+    data: Callable[[], Any]
+
+    @property
+    def title(self) -> str:
+        """Its heading."""
+        return TITLES[self.key]
 
     def lines(self) -> list[Line]:
-        """One sentence."""
-        return [(f"not computed: {self.obstacle}",)]
+        """The facts in words and formulas."""
+        return list(self.told)
 
-    def record(self) -> dict[str, str]:
-        """The same sentence, under `not_computed`."""
-        return {"not_computed": self.obstacle}
+    def record(self) -> Any:
+        """The facts as data that JSON can write."""
+        return self.data()
+
+
+def not_computed(key: str, obstacle: str) -> Topic:
+    """A part that was left out, and why."""
+    return Topic(key, [(f"not computed: {obstacle}",)], lambda: {"not_computed": obstacle})
+
+
+def unless(obstacle: str, key: str, make: Callable[[], Topic]) -> Topic:
+    """A part, or where there is an obstacle, the sentence that says why it is left out."""
+    return not_computed(key, obstacle) if obstacle else make()
 
 
 def too_large_algebra(bracket: Bracket) -> str:
