@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -100,3 +103,34 @@ def test_a_fingerprint_has_all_that_determines_the_numbers_of_a_run():
     fields = {field.name for field in dataclasses.fields(one_run(SMALL, "twisted-cube"))}
     names = {"run" if name == "name" else name for name in fields - {"members"}}
     assert fingerprint(one_run(SMALL, "twisted-cube")).keys() == names | {"times", "version"}
+
+
+@pytest.mark.thorough
+def test_study_killed_without_warning_resumes(tmp_path, monkeypatch):
+    code = (
+        "from pathlib import Path; import sys\n"
+        "from liepoisson.studies.twisted_top import runs, study\n"
+        "runs.PIECE_SIZE = 10\n"
+        "study.reproduce(runs.Settings(members=3000, end_time=60.0), Path(sys.argv[1]))"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path / "killed")])
+    folder = tmp_path / "killed" / "pieces" / "twisted-unit-vectors"
+    until = time.monotonic() + 60
+    try:
+        while not (folder.exists() and len(list(folder.glob("*.nc"))) >= 3):
+            assert process.poll() is None
+            assert time.monotonic() < until
+            time.sleep(0.01)
+    finally:
+        process.kill()
+        process.wait()
+    kept = len(list(folder.glob("*.nc")))
+    assert kept < 300, "killed too late for this test"
+    settings = dataclasses.replace(SMALL, members=3000, end_time=60.0)
+    run = one_run(settings, "twisted-unit-vectors")
+    monkeypatch.setattr(runs, "PIECE_SIZE", 10)
+    store = RunStore(tmp_path / "killed", run)
+    # The last piece may be written and not yet recorded: then it is computed once more.
+    assert len(store.missing_pieces()) in {300 - kept, 301 - kept}
+    resumed, _ = complete(store, None, Tracker([store], None))
+    np.testing.assert_array_equal(resumed.exponent, integrate(tmp_path / "whole", settings, run.name).exponent)
