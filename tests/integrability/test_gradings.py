@@ -4,9 +4,17 @@ import pytest
 from searched_systems import TOP
 
 import liepoisson as lp
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.gradings import gradings, homogeneous_parts, positive_grading
-from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
+from liepoisson.integrability.derivation import (
+    derivation_of,
+    gradings,
+    homogeneous_parts,
+    in_blocks,
+    n_monomials,
+    n_of_weight,
+    of_degree,
+    of_weight,
+    positive_grading,
+)
 
 
 def derivation(name):

@@ -7,9 +7,8 @@ from searched_systems import TOP
 import liepoisson as lp
 from liepoisson.algebra.linear_algebra import nullspace_mod
 from liepoisson.integrability import matrix
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.monomials import of_degree, of_weight
+from liepoisson.integrability.derivation import derivation_of, of_degree, of_weight
+from liepoisson.integrability.modular import ModularDerivation
 
 CASES = {
     "top": (TOP, [m for d in (1, 2, 3) for m in of_degree(9, d)]),

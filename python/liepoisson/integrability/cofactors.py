@@ -27,10 +27,8 @@ from liepoisson.algebra.residues import primes
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.monomials import of_degree
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
 from liepoisson.integrability.square_roots import element, field_of, roots
 

@@ -21,11 +21,19 @@ from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
-from liepoisson.integrability.darboux_search import DarbouxSearch, over
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading, positive_grading
+from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, over, rational_integrals
+from liepoisson.integrability.derivation import (
+    Derivation,
+    Exponents,
+    Grading,
+    in_blocks,
+    n_monomials,
+    n_of_weight,
+    of_degree,
+    of_weight,
+    positive_grading,
+)
 from liepoisson.integrability.level import level_of, order
-from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.polynomial_integrals import (
     Equations,
     gradings_of_known,
@@ -33,7 +41,6 @@ from liepoisson.integrability.polynomial_integrals import (
     read_search,
     tidied,
 )
-from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
 from liepoisson.integrability.square_roots import element, field_of
 from liepoisson.io.display import as_text
 from liepoisson.report.printing import Formula

@@ -18,12 +18,10 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.given import texts
-from liepoisson.integrability.case_points import CasePoints
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
+from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of, in_blocks, n_monomials, of_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
-from liepoisson.integrability.further_integrals import Block, IntegralsAtPoints
+from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
 from liepoisson.integrability.level import level_of, order
-from liepoisson.integrability.monomials import in_blocks, n_monomials, of_degree
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import (

@@ -24,10 +24,9 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_thr
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import Derivation, derivation_of
+from liepoisson.integrability.derivation import Derivation, derivation_of, n_monomials
 from liepoisson.integrability.families import check_parameters
 from liepoisson.integrability.level import level_of
-from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import (
     MOST_MONOMIALS,
@@ -37,8 +36,7 @@ from liepoisson.integrability.polynomial_integrals import (
     known_functions,
     zeros_on_level,
 )
-from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family
-from liepoisson.integrability.scan_processes import results
+from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family, results
 from liepoisson.integrability.scan_store import ScanStore
 from liepoisson.io.files import exclusive
 from liepoisson.io.result import Result, labelled, names_along, recorded

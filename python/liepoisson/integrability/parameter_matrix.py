@@ -15,8 +15,7 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.sparse_polynomials import Polynomial, expression, of_exponents
 from liepoisson.errors import ParameterError
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import gradings
+from liepoisson.integrability.derivation import Derivation, Exponents, gradings
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.parameter_cases import Poly, SparseRow
 

@@ -17,10 +17,19 @@ from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
-from liepoisson.integrability.gradings import Grading, gradings, positive_grading
+from liepoisson.integrability.derivation import (
+    Derivation,
+    Exponents,
+    Grading,
+    derivation_of,
+    gradings,
+    n_monomials,
+    n_of_weight,
+    of_degree,
+    of_weight,
+    positive_grading,
+)
 from liepoisson.integrability.level import level_of, real_points, squarefree
-from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
 from liepoisson.report.printing import Formula
 

@@ -16,14 +16,14 @@ from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.certificates import certificate, unknown_casimirs
-from liepoisson.integrability.commuting_combinations import commuting_combinations
 from liepoisson.integrability.completeness import (
     ClosedIntegrals,
     closed_integrals,
+    commuting_combinations,
     commuting_integrals,
     fields_rank,
 )
-from liepoisson.integrability.monomials import n_monomials
+from liepoisson.integrability.derivation import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named, search_record
 from liepoisson.io.files import write_atomically

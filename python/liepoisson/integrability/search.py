@@ -25,12 +25,9 @@ from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading, homogeneous_parts
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, homogeneous_parts, in_blocks
 from liepoisson.integrability.level import Level, order
-from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.modular import modular, random_point, residues_of
-from liepoisson.integrability.monomials import in_blocks
+from liepoisson.integrability.modular import ModularDerivation, modular, random_point, residues_of
 
 Label = tuple[int, ...]
 _MOST_TERMS = 400

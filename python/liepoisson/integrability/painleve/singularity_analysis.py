@@ -32,9 +32,14 @@ from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, Di
 from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
 from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
-from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
+from liepoisson.integrability.painleve.quasi_homogeneous import (
+    LocalField,
+    QuasiHomogeneous,
+    excess,
+    inequalities,
+    maximal_weights,
+)
 from liepoisson.integrability.painleve.resolvent import Resolvent
-from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
 from liepoisson.io.display import as_text
 from liepoisson.report.printing import Formula
 
