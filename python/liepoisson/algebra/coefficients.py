@@ -127,10 +127,6 @@ class Coefficients(NumberField):
 
         return self.domain.convert_from(QQ(int(value.numerator), int(value.denominator)), QQ)
 
-    def inverse(self, element: Element) -> Element:
-        """One over an element that is not zero."""
-        return self.one / element
-
     def write(self, element: Element, degree: int = 0) -> Exact:
         r"""The exact value of an element that is homogeneous of a degree in the given values; a Fraction over Q."""
         if self.is_rational:

@@ -81,10 +81,6 @@ class RealField(NumberField, ABC):
         """The element for a rational number."""
         return self.read(Fraction(int(value.numerator), int(value.denominator)))
 
-    def inverse(self, element: Scalar) -> Scalar:
-        """One over an element that is not zero."""
-        return self.one / element
-
 
 @final
 class RealRationals(RealField):

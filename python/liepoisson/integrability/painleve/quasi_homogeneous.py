@@ -21,17 +21,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import prod
 from typing import Any
 
+from liepoisson.algebra.function_fields import FunctionField, over_common_denominator, polynomial_at
 from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
+from liepoisson.algebra.linear_systems import Matrix
 from liepoisson.algebra.number_fields import Element, as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.painleve.coefficient_fields import Field, polynomial_at, total
-from liepoisson.integrability.painleve.linear import Matrix
 
 
 @dataclass(frozen=True)
@@ -110,13 +111,10 @@ class QuasiHomogeneous:
         gens = self.context.gens()
         for i, of_one in enumerate(self.terms):
             dominant = [t for t in of_one if not t.defect]
-            common = self.context.constant(1)
-            for t in dominant:
-                common = common * (t.coefficient[1] / common.gcd(t.coefficient[1]))
+            tops, common = over_common_denominator([t.coefficient for t in dominant], self.context.constant(1))
             equation = gens[i] * as_fmpq(self.weights[i]) * common
-            for t in dominant:
-                monomial = self.context.from_dict({(*t.exponents, *(0,) * len(self.parameter_names)): 1})
-                equation = equation + t.coefficient[0] * (common / t.coefficient[1]) * monomial
+            for t, top in zip(dominant, tops, strict=True):
+                equation += top * self.context.from_dict({(*t.exponents, *(0,) * len(self.parameter_names)): 1})
             found.append(equation)
         return found
 
@@ -131,12 +129,12 @@ class LocalField:
         terms: For each right-hand side the exponents, the coefficient and the defect of each term.
     """
 
-    field: Field
+    field: FunctionField
     weights: tuple[Fraction, ...]
     terms: tuple[tuple[tuple[Exponents, Element, Fraction], ...], ...]
 
     @classmethod
-    def of(cls, system: QuasiHomogeneous, field: Field, parameters: Mapping[str, Element]) -> LocalField:
+    def of(cls, system: QuasiHomogeneous, field: FunctionField, parameters: Mapping[str, Element]) -> LocalField:
         """A vector field over a field that contains its parameters."""
 
         def element(t: Term) -> Element:
@@ -166,26 +164,19 @@ class LocalField:
         return found
 
     def _derivative(self, exponents: Exponents, c: Element, j: int, point: Sequence[Element]) -> Element:
-        value = c * self.field.number(exponents[j])
-        for i, k in enumerate(exponents):
-            for _ in range(k - int(i == j)):
-                value = value * point[i]
-        return value
+        factors = (point[i] for i, k in enumerate(exponents) for _ in range(k - int(i == j)))
+        return prod(factors, start=c * self.field.number(exponents[j]))
 
     def indicial_residuals(self, point: Sequence[Element]) -> list[Element]:
         r"""$g_i c_i + \hat f_i(c)$, zero for the leading coefficients of a balance."""
         found: list[Element] = []
         for i, of_one in enumerate(self.terms):
-            values: list[Element] = [self.field.number(self.weights[i]) * point[i]]
-            for exponents, c, defect in of_one:
-                if defect:
-                    continue
-                value = c
-                for j, k in enumerate(exponents):
-                    for _ in range(k):
-                        value = value * point[j]
-                values.append(value)
-            found.append(total(values, self.field))
+            values = (
+                prod((point[j] for j, k in enumerate(exponents) for _ in range(k)), start=c)
+                for exponents, c, defect in of_one
+                if not defect
+            )
+            found.append(sum(values, self.field.number(self.weights[i]) * point[i]))
         return found
 
 
