@@ -245,16 +245,9 @@ class CofactorCases(CaseSplitting):
             values = [field.zero] * self.n
             for v, root in zip(choices, chosen, strict=True):
                 values[v] = element(root, field)
-            solved = {
-                v: (value_at(a.terms(), values, field.number), value_at(b.terms(), values, field.number))
-                for v, a, b in case.solved
-            }
-            if not all(b for _, b in solved.values()):
-                continue
-            for v, (a, b) in solved.items():
-                values[v] = a / b
-            if not any(value_at(q.terms(), values, field.number) for q in case.unsolved):
-                found.append(tuple(field.to_sympy(value) for value in values))
+            point = case.completed(values, field.number)
+            if point is not None and not any(value_at(q.terms(), point, field.number) for q in case.unsolved):
+                found.append(tuple(map(field.to_sympy, point)))
         return found
 
     def _has_none(self, case: Case, block: Sequence[Exponents]) -> bool:
@@ -290,17 +283,11 @@ class CofactorCases(CaseSplitting):
     def _nullity(self, given: Mapping[int, Element], case: Case, block: Sequence[Exponents], p: int) -> int:
         """The dimension modulo a prime of the Darboux polynomials with the cofactor that some coefficients give."""
         number = PrimeField(p).number
-        values = [given.get(v, number(0)) for v in range(self.n)]
-        solved = {
-            v: (value_at(a.terms(), values, number), value_at(b.terms(), values, number)) for v, a, b in case.solved
-        }
-        if not all(b for _, b in solved.values()):
-            # a denominator that does not vanish may do so modulo the prime
+        point = case.completed([given.get(v, number(0)) for v in range(self.n)], number)
+        if point is None:  # a denominator that does not vanish may do so modulo the prime
             return len(block)
-        for v, (a, b) in solved.items():
-            values[v] = a / b
         rows = [
-            {c: x for c, q in row.items() if (x := value_at(q.terms(), values, number))} for row in self._rows(block)
+            {c: x for c, q in row.items() if (x := value_at(q.terms(), point, number))} for row in self._rows(block)
         ]
         return len(nullspace_mod(rows, len(block), p))
 

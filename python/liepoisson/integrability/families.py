@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
-from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
@@ -450,29 +450,7 @@ def _example(
 ) -> dict[Any, Any] | None:
     """Values of the parameters in a case; None if none is found."""
     from flint import fmpq
-    from sympy import Rational
 
-    if case.unsolved:
-        return None
-    bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
-    n, random = len(matrix.symbols), Random(1)
-    for _ in range(_MOST_EXAMPLES):
-        values = [fmpq(1)] * n
-        for v in set(range(n)) - bound:
-            values[v] = fmpq(
-                random.randint(1, 9) * (1 if v in positive else random.choice((-1, 1))), random.randint(1, 4)
-            )
-        at = dict(zip(matrix.names, values, strict=True))
-        for v, a, b in case.solved:
-            if not (below := _value(b, at)):
-                break
-            values[v] = _value(a, at) / below
-        else:
-            at = dict(zip(matrix.names, values, strict=True))
-            if all(values[v] > 0 for v in positive) and all(_value(q, at) for q in (*case.nonzero.values(), *excepted)):
-                return {s: Rational(int(x.p), int(x.q)) for s, x in zip(matrix.symbols, values, strict=True)}
-    return None
-
-
-def _value(polynomial: Poly, at: Mapping[str, Any]) -> Any:
-    return polynomial.subs(dict(at)).leading_coefficient() if polynomial else 0
+    points = CasePoints(case, matrix.context, positive).rational(_MOST_EXAMPLES)
+    found = next((p for p in points if all(value_at(q.terms(), p, fmpq) for q in excepted)), None)
+    return None if found is None else dict(zip(matrix.symbols, map(rational_to_sympy, found), strict=True))

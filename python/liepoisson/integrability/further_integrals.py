@@ -20,10 +20,11 @@ All of it at random points modulo a prime of 61 bits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from math import prod
+from operator import not_
 from random import Random
 from typing import Any
 
@@ -278,17 +279,21 @@ class CasePoints:
                 return p, point
         return None
 
-    def _completed(self, values: dict[int, Element], number: Callable[[Any], Element]) -> list[Element] | None:
-        """All parameters, with those that are solved for; None where something vanishes that must not."""
+    def _completed(
+        self, values: Mapping[int, Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
+    ) -> list[Any] | None:
+        """All parameters, from the free ones; None where something vanishes that must not."""
         point = [values.get(v, number(1)) for v in range(len(self.names))]
-        if any(not value_at(q.terms(), point, number) for q in self.case.nonzero.values()):
-            return None
-        solved: dict[int, Element] = {}
-        for v, a, b in self.case.solved:
-            if not (below := value_at(b.terms(), point, number)):
-                return None
-            solved[v] = value_at(a.terms(), point, number) / below
-        return [solved.get(v, x) for v, x in enumerate(point)]
+        return self.case.completed(point, number, vanishes) if self.case.admits(point, number, vanishes) else None
+
+    def rational(self, most: int) -> Iterator[list[fmpq]]:
+        """So many random points with rational coordinates, or fewer; none of a case that is not solved for all."""
+        for _ in range(0 if self.case.unsolved else most):
+            drawn = {
+                v: fmpq(self._random.randint(1, 9) * self._sign(v), self._random.randint(1, 4)) for v in self._free
+            }
+            if (point := self._completed(drawn, fmpq)) is not None and self._is_positive(point):
+                yield point
 
     def is_real(self) -> bool:
         """Whether a real point was found, with positive values where this is demanded (proved if True)."""
@@ -298,35 +303,25 @@ class CasePoints:
             return False
 
     def _has_real_point(self) -> bool:
-        drawn = {
-            v: fmpq(
-                self._random.randint(1, 12) * (1 if v in self.positive else self._sign()), self._random.randint(1, 6)
-            )
-            for v in self._free
-        }
-        known = {v: arb(x) for v, x in drawn.items()}
+        drawn = {v: fmpq(self._random.randint(1, 12) * self._sign(v), self._random.randint(1, 6)) for v in self._free}
         if not self.case.unsolved:
-            return self._is_admissible(known)
+            return self._is_admissible({v: arb(x) for v, x in drawn.items()})
         rational, rest, found = self._finitely_many(drawn)
-        known |= {v: arb(x) for v, x in rational.items()}
+        known = {v: arb(x) for v, x in (drawn | rational).items()}
         return any(
             self._is_admissible(known | dict(zip(rest, solution.values, strict=True))) for solution in found.real(60)
         )
 
-    def _is_admissible(self, known: dict[int, arb]) -> bool:
+    def _is_admissible(self, known: Mapping[int, arb]) -> bool:
         """Whether nothing vanishes that must not, and positive parameters are positive, at balls (proved if True)."""
-        at = [known.get(v, arb(1)) for v in range(len(self.names))]
-        if any(value_at(q.terms(), at, arb).contains(0) for q in self.case.nonzero.values()):
-            return False
-        for v, a, b in self.case.solved:
-            below = value_at(b.terms(), at, arb)
-            if below.contains(0):
-                return False
-            known = known | {v: value_at(a.terms(), at, arb) / below}
-        return all(v not in known or bool(known[v] > 0) for v in self.positive)
+        point = self._completed(known, arb, lambda x: x.contains(0))
+        return point is not None and self._is_positive(point)
 
-    def _sign(self) -> int:
-        return self._random.choice((-1, 1))
+    def _is_positive(self, point: Sequence[Any]) -> bool:
+        return all(bool(point[v] > 0) for v in self.positive)
+
+    def _sign(self, v: int) -> int:
+        return 1 if v in self.positive else self._random.choice((-1, 1))
 
     def _finitely_many(self, drawn: dict[int, fmpq] | None = None) -> tuple[dict[int, fmpq], list[int], Solutions]:
         """Values for some of the parameters of the equations, the others, and their finitely many solutions."""

@@ -17,8 +17,9 @@ written down.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import not_
 from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
@@ -30,6 +31,7 @@ from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.ideals.signs import vanishing_parts
+from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint, has_passed
 
@@ -62,6 +64,30 @@ class Case:
     unsolved: tuple[Poly, ...] = ()
     scaled: tuple[tuple[int, tuple[int, ...]], ...] = ()
     nonzero: Mapping[str, Poly] = field(default_factory=dict[str, Poly])
+
+    def admits(
+        self, point: Sequence[Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
+    ) -> bool:
+        """Whether nothing vanishes at a point that must not."""
+        return not any(vanishes(value_at(q.terms(), point, number)) for q in self.nonzero.values())
+
+    def completed(
+        self, point: Sequence[Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
+    ) -> list[Any] | None:
+        """A point with the parameters that are solved for; None where a denominator vanishes.
+
+        Args:
+            point: Numbers for all parameters, those of parameters that are solved for without a meaning.
+            number: Maps rational numbers to such numbers.
+            vanishes: Whether a number is zero, or may be.
+        """
+        found = list(point)
+        for v, a, b in self.solved:
+            below = value_at(b.terms(), point, number)
+            if vanishes(below):
+                return None
+            found[v] = value_at(a.terms(), point, number) / below
+        return found
 
 
 @dataclass

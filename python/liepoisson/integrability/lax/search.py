@@ -233,36 +233,18 @@ def _monomial(powers: tuple[int, ...], context: Any) -> Any:
 
 def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[Fraction, ...] | None:
     """One point of a case with rational coordinates, some of them positive; None if none is found."""
-    solved = {v for v, _, _ in case.solved}
+    solved, number = {v for v, _, _ in case.solved}, Coefficients().number
     free = [v for v in range(n) if v not in solved]
-    if any(_uses(p, solved) for _, numerator, denominator in case.solved for p in (numerator, denominator)):
-        return None
     samples = [_SAMPLES[k % len(_SAMPLES) :] + _SAMPLES[: k % len(_SAMPLES)] for k in range(len(free))]
     for chosen in islice(product(*samples), _MOST_SAMPLES):
-        values = [Fraction(0)] * n
-        for v, x in zip(free, chosen, strict=True):
-            values[v] = x
-        if any(_value(q, values) for q in case.unsolved):
+        at = dict(zip(free, chosen, strict=True))
+        values = [at.get(v, Fraction(0)) for v in range(n)]
+        if any(value_at(q.terms(), values, number) for q in case.unsolved) or not case.admits(values, number):
             continue
-        if any(not _value(q, values) for q in case.nonzero.values() if not _uses(q, solved)):
-            continue
-        below = [_value(denominator, values) for _, _, denominator in case.solved]
-        if all(below):
-            found = [_value(numerator, values) / d for (_, numerator, _), d in zip(case.solved, below, strict=True)]
-            for (v, _, _), x in zip(case.solved, found, strict=True):
-                values[v] = x
-            if any(values[v] <= 0 for v in positive):
-                continue
-            return tuple(values)
+        point = case.completed(values, number)
+        if point is not None and all(point[v] > 0 for v in positive):
+            return tuple(point)
     return None
-
-
-def _uses(p: Any, variables: set[int]) -> bool:
-    return any(p.degrees()[v] > 0 for v in variables)  # of the polynomial 0 they are -1
-
-
-def _value(p: Any, values: Sequence[Fraction]) -> Fraction:
-    return value_at(p.terms(), values, Coefficients().number)
 
 
 def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]) -> list[Vector]:
