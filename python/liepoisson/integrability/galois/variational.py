@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import not_a
@@ -321,11 +322,7 @@ def _cleared(columns: Any) -> Any:
     field = columns.domain
     found: list[Any] = []
     for column in columns.transpose().to_dense().rep.to_list():
-        parts = [fraction(entry) for entry in column]
-        common = fmpq_poly([1])
-        for _, bottom in parts:
-            common *= bottom / common.gcd(bottom)
-        tops = [top * (common / bottom) for top, bottom in parts]
+        tops, _ = over_common_denominator(list(map(fraction, column)), fmpq_poly([1]))
         divisor = fmpq_poly([0])
         for top in tops:
             divisor = divisor.gcd(top)

@@ -143,11 +143,7 @@ def search_lax_pairs(
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)
         for b in dict.fromkeys(one.components for one in found if one is not None):
-            for vector in new_vectors(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial])):
-                L, M = ansatz.pair(vector, b)
-                pair = lax_pair(system, L, M, spectral=ansatz.spectral)
-                if pair.integrals().n_independent:
-                    pairs.append(pair)
+            pairs += pairs_with(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial]))
         if progress:
             progress(d / most)
     return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided)
@@ -168,17 +164,41 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -
         free = n - first - 1
         context = rational_context([f"b{k}" for k in range(first + 1, n)] or ["unused"])
         components = [context.constant(0)] * first + [context.constant(1), *(context.gen(k) for k in range(free))]
-        rows = linear_system(ansatz, degree, components, context)
-        n_columns = (degree + 1) * ansatz.n_per_power
-        cases, splitting = Cases(), CaseSplitting(context, frozenset(), [])
-        with deadline.running():
-            splitting.run(rows, n_columns, (degree + 1) * n_trivial, cases)
-        splitting.settle(cases)
+        cases = split(CaseSplitting(context, frozenset(), []), ansatz, degree, components, n_trivial, deadline=deadline)
         for case in cases.found:
             b = member(case, free)
             is_free = len(case.solved) < free
             yield None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free)
         yield from [None] * len(cases.left)
+
+
+def split(
+    splitting: CaseSplitting,
+    ansatz: Ansatz,
+    degree: int,
+    components: Sequence[Any],
+    n_trivial: int,
+    *,
+    deadline: Deadline,
+) -> Cases:
+    """The cases in which there are solutions of a degree, besides the trivial ones times powers of z."""
+    cases = Cases()
+    rows = linear_system(ansatz, degree, components, splitting.context)
+    with deadline.running():
+        splitting.run(rows, (degree + 1) * ansatz.n_per_power, (degree + 1) * n_trivial, cases)
+    splitting.settle(cases)
+    return cases
+
+
+def pairs_with(
+    ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]
+) -> Iterator[LaxPair]:
+    """The pairs for one B, verified, that are new at a degree and have integrals."""
+    for vector in new_vectors(ansatz, degree, b, known):
+        L, M = ansatz.pair(vector, b)
+        pair = lax_pair(ansatz.system, L, M, spectral=ansatz.spectral)
+        if pair.integrals().n_independent:
+            yield pair
 
 
 def trivial_vectors(ansatz: Ansatz) -> list[Vector]:
