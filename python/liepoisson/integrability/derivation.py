@@ -248,13 +248,13 @@ def n_monomials(n_variables: int, degree: int) -> int:
     return comb(n_variables + degree, degree)
 
 
-def n_of_weight(weights: Sequence[int], weight: int) -> int:
-    """The number of monomials of one weight, without listing them; weights are positive."""
-    counts = [1] + [0] * weight
+def n_of_weights(weights: Sequence[int], most: int) -> list[int]:
+    """The numbers of monomials of each weight up to the largest, without listing them; weights are positive."""
+    counts = [1] + [0] * most
     for w in weights:
-        for k in range(w, weight + 1):
+        for k in range(w, most + 1):
             counts[k] += counts[k - w]
-    return counts[weight]
+    return counts
 
 
 def of_degree(n_variables: int, degree: int) -> Iterator[Exponents]:

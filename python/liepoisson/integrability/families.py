@@ -18,20 +18,15 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.given import texts
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of, in_blocks, n_monomials, of_degree
+from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
 from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
-from liepoisson.integrability.level import level_of, order
+from liepoisson.integrability.level import order
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
-from liepoisson.integrability.polynomial_integrals import (
-    Equations,
-    first_integrals,
-    gradings_of_level,
-    known_functions,
-    zeros_on_level,
-)
-from liepoisson.integrability.search import Generator, Search
+from liepoisson.integrability.polynomial_integrals import first_integrals
+from liepoisson.integrability.search import Search
+from liepoisson.integrability.search_problem import Equations, SearchProblem, known_functions, zeros_on_level
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
@@ -227,7 +222,8 @@ def integrable_families(
     d, deadline = as_count(degree, "degree", least=1), as_deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
     check_numbers(system, "integrable_families", zeros)
-    derivation, polynomials = derivation_of(system, *known.values(), *zeros)
+    problem = SearchProblem.of(system, known, zeros)
+    derivation = problem.derivation
     check_parameters(system, derivation, "integrable_families")
     names = [str(s) for s in derivation.field.parameters]
     positive = names_among(names, positive, "positive")
@@ -236,18 +232,8 @@ def integrable_families(
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
         )
-    zero_polynomials = polynomials[len(known) :]
-    search = Search(
-        derivation,
-        gradings_of_level(derivation, zero_polynomials),
-        level_of(derivation, zero_polynomials),
-        tuple(z for z in zero_polynomials if z),
-        [],
-    )
-    for name, polynomial in zip(known, polynomials[: len(known)], strict=True):
-        if any(map(any, remainder := search.level.remainder(polynomial))):
-            search.generators.append(Generator(name, remainder, is_new=False))
-    matrix = ParameterMatrix(derivation, zero_polynomials, search.level)
+    search = problem.search()
+    matrix = ParameterMatrix(derivation, problem.zeros, search.level)
     search.run(_monomials(len(system.variables), d))
     splitting = CaseSplitting(
         matrix.context,
@@ -259,7 +245,7 @@ def integrable_families(
         matrix.scalings(),
     )
     h, *casimirs = (
-        matrix.without_denominators(search.level.remainder(polynomial)) for polynomial in polynomials[: len(known)]
+        matrix.without_denominators(search.level.remainder(polynomial)) for polynomial in problem.known.values()
     )
     cases = FamilyCases(
         splitting,

@@ -24,8 +24,7 @@ from liepoisson.integrability.completeness import (
     fields_rank,
 )
 from liepoisson.integrability.derivation import n_monomials
-from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
-from liepoisson.integrability.records import named, search_record
+from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals, named_formulas
 from liepoisson.io.files import write_atomically
 from liepoisson.model.system_text import system_text
 from liepoisson.report.printing import Formula
@@ -192,8 +191,8 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
         "verdict": report.verdict,
         "rank": report.rank,
         "degree": report.degree,
-        "integrals": named(report.integrals),
-        "dependent": named(report.dependent),
+        "integrals": named_formulas(report.integrals),
+        "dependent": named_formulas(report.dependent),
         "commuting": list(report.commuting),
         "closed": closed
         and {
@@ -202,7 +201,7 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
             "brackets": [[*pair, Formula(value).plain] for pair, value in closed.brackets.items()],
         },
         "searched_degree": report.searched_degree,
-        "searches": [search_record(search) for search in report.searches],
+        "searches": [search.record for search in report.searches],
         "not_tried": list(report.not_tried),
         "certificate": report.certificate,
         "obstruction": report.obstruction

@@ -27,8 +27,7 @@ from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.polynomial_integrals import tidied
-from liepoisson.integrability.search import Generator, Search
+from liepoisson.integrability.search import Generator, Search, tidied
 
 if TYPE_CHECKING:
     from liepoisson.integrability.parameter_cases import Poly

@@ -14,8 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from itertools import count
+from math import gcd, lcm
 from typing import Any
 
 from liepoisson.algebra.echelon import Echelon, transposed
@@ -386,3 +388,15 @@ def _point_on(equations: Sequence[Polynomial], point: list[Element], p: int) -> 
         point[i] = -roots[0][0] / roots[0][1]
         fixed |= {j for m in equation for j, k in enumerate(m) if k}
     return point
+
+
+def tidied(polynomial: Polynomial) -> Polynomial:
+    """With whole coefficients without a common factor, the leading one positive, where they are rational."""
+    values = list(polynomial.values())
+    if not all(isinstance(v, Fraction) for v in values):
+        return polynomial
+    scale = Fraction(lcm(*(v.denominator for v in values)))
+    whole = {m: v * scale for m, v in polynomial.items()}
+    common = gcd(*(int(v) for v in whole.values()))
+    sign = -1 if whole[max(whole, key=lambda m: (sum(m), m))] < 0 else 1
+    return {m: v * sign / common for m, v in whole.items()}
