@@ -34,8 +34,6 @@ from liepoisson.integrability.modular import ModularDerivation, modular, random_
 Label = tuple[int, ...]
 _MOST_TERMS = 400
 """Terms of the longest polynomials that are made shorter by subtracting products."""
-_MOST_PRIMES = 2
-"""Primes that are given up where a search modulo one proves nothing."""
 _MOST_POINTS = 400
 """Points that are tried: k square roots exist at one in 2^k."""
 
@@ -91,7 +89,6 @@ class Search:
         generators: Integrals that are known, to which those that are found are added.
         slope: The gradient of another known integral, which is no polynomial; empty if there is none.
         counts: What was found, block by block.
-        skipped_primes: Primes that proved nothing: modulo them the rank of a matrix drops.
     """
 
     derivation: Derivation
@@ -101,7 +98,6 @@ class Search:
     generators: list[Generator]
     slope: tuple[Polynomial, ...] = ()
     counts: list[BlockCount] = field(default_factory=list)
-    skipped_primes: int = 0
 
     @property
     def complete(self) -> bool:
@@ -116,28 +112,16 @@ class Search:
     ) -> None:
         """Look for integrals among the combinations of some monomials, a union of blocks.
 
+        Modulo a prime by which a difference of coefficients is divisible, null spaces may be larger than they are: then
+        the search finds all integrals, and is not complete.
+
         Args:
             monomials: All up to a degree, or of one weight.
             progress: Told the fraction that is done.
             weights: The weights of the variables, if the monomials are those of one weight.
         """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
-        known = list(self.generators)
-        while True:
-            self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
-            self._search(blocks, progress)
-            if self.complete or self.skipped_primes == _MOST_PRIMES:
-                return
-            self.skipped_primes += 1
-            self.generators[:] = known
-            self.counts.clear()
-            for name in ("residues", "point", "_level_mod", "_modular_derivation"):
-                self.__dict__.pop(name, None)
-
-    def _search(
-        self, blocks: Mapping[Label, Sequence[Exponents]], progress: Callable[[float], Any] | None = None
-    ) -> None:
-        """Look for integrals in each block, modulo one prime."""
+        self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
         excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
@@ -314,7 +298,7 @@ class Search:
         known = [g.polynomial for g in self.generators]
         basis = [polynomial for _, polynomial in self.level.basis]
         coefficients = (*self.derivation.components, *self.slope, *self.equations, *basis, *known)
-        return residues_of(self.derivation.field, coefficients, self.skipped_primes)
+        return residues_of(self.derivation.field, coefficients)
 
     def is_independent(self, others: Sequence[Polynomial], polynomial: Polynomial) -> bool:
         """Whether a polynomial is functionally independent of others: proved if True, by ranks at random points."""
