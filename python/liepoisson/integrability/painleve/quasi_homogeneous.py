@@ -226,30 +226,17 @@ def maximal_weights(derivation: Derivation) -> tuple[tuple[Fraction, ...], ...]:
 
 
 def _largest(rows: Sequence[Row], k: int, n: int) -> Fraction | None:
-    """The largest value of one weight, by the simplex method with Bland's rule; None if there is none."""
-    m = len(rows)
-    table: list[list[Fraction]] = []
-    for i, row in enumerate(rows):
-        checkpoint("the weights")
-        table.append([*row, *(Fraction(int(i == j)) for j in range(m)), Fraction(1)])
-    cost = [Fraction(int(j == k)) for j in range(n)] + [Fraction(0)] * (m + 1)
-    basis = list(range(n, n + m))
-    while True:
-        column = next((j for j in range(n + m) if cost[j] > 0), None)
-        if column is None:
-            return -cost[-1]
-        ratios = [(row[-1] / row[column], basis[i], i) for i, row in enumerate(table) if row[column] > 0]
-        if not ratios:
-            return None
-        _, _, pivot = min(ratios)
-        scale = table[pivot][column]
-        table[pivot] = [x / scale for x in table[pivot]]
-        for i, row in enumerate(table):
-            checkpoint("the weights")
-            if i != pivot and row[column]:
-                table[i] = [x - row[column] * y for x, y in zip(row, table[pivot], strict=True)]
-        cost = [x - cost[column] * y for x, y in zip(cost, table[pivot], strict=True)]
-        basis[pivot] = column
+    """The largest value of one weight, by SymPy's exact simplex method; None if there is none."""
+    from sympy import Rational
+    from sympy.solvers.simplex import UnboundedLPError, linprog
+
+    checkpoint("the weights")
+    matrix = [[Rational(x.numerator, x.denominator) for x in row] for row in rows]
+    try:
+        least: Any = linprog([-int(j == k) for j in range(n)], matrix, [1] * len(rows))[0]
+    except UnboundedLPError:
+        return None
+    return Fraction(-int(least.p), int(least.q))
 
 
 def _maximal_whole(rows: Sequence[Row], bounds: Sequence[Fraction]) -> tuple[tuple[Fraction, ...], ...]:
