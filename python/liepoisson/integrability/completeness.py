@@ -22,7 +22,7 @@ it, and so on.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
@@ -65,15 +65,12 @@ class ClosedIntegrals:
 
 def are_integrals(system: System, functions: Sequence[Expr]) -> list[bool]:
     """Which functions are constant along the motion, exactly."""
-    scale = _scale(system)
-    return _vanish(system, [(system.bracket(f, system.hamiltonian) / scale).expand() for f in functions])
+    return _vanish(system, _brackets(system, [(f, system.hamiltonian) for f in functions]))
 
 
 def are_in_involution(system: System, functions: Sequence[Expr]) -> bool:
     """Whether functions commute with each other, exactly."""
-    scale = _scale(system)
-    brackets = [(system.bracket(f, g) / scale).expand() for f, g in combinations(functions, 2)]
-    return all(_vanish(system, brackets))
+    return all(_vanish(system, _brackets(system, combinations(functions, 2))))
 
 
 def fields_rank(system: System, functions: Sequence[Expr]) -> int:
@@ -102,8 +99,7 @@ def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int
     if len(names) < n or not n:
         return ()
     others = [pair for pair in combinations(names, 2) if "H" not in pair]
-    scale = _scale(system)
-    zero = _vanish(system, [(system.bracket(integrals[a], integrals[b]) / scale).expand() for a, b in others])
+    zero = _vanish(system, _brackets(system, [(integrals[a], integrals[b]) for a, b in others]))
     commuting = {frozenset(pair) for pair, vanishes in zip(others, zero, strict=True) if vanishes}
     for chosen in combinations(names[1:], n - 1):
         if (
@@ -123,8 +119,7 @@ def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -
     # Casimirs that are traces of matrices are left out: written out they are long
     names, casimirs = list(integrals), [c for c in system.bracket.casimirs() if not traces_in(c)]
     pairs = list(combinations(names, 2))
-    scale = _scale(system)
-    brackets = [(system.bracket(integrals[a], integrals[b]) / scale).expand() for a, b in pairs]
+    brackets = _brackets(system, combinations(integrals.values(), 2))
     if fields_rank(system, list(integrals.values())) < len(names):
         return None
     generators = {Symbol(name): f for name, f in integrals.items() if is_algebraic(system, f)}
@@ -136,12 +131,18 @@ def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -
     corank = len(names) - _generic_rank(names, matrix, list(generators))
     if len(names) + corank != rank:
         return None
-    return ClosedIntegrals(tuple(names), corank, {pair: (scale * p).expand() for pair, p in matrix.items()})
+    return ClosedIntegrals(tuple(names), corank, {pair: (_scale(system) * p).expand() for pair, p in matrix.items()})
 
 
 def _scale(system: System) -> Any:
     """The common power of pi of all brackets, as those of the sine algebra have; numbers are exact without it."""
     return to_sympy(Coefficients.containing([value for *_, value in system.bracket.entries()]).scale)
+
+
+def _brackets(system: System, pairs: Iterable[tuple[Expr, Expr]]) -> list[Expr]:
+    """The brackets of pairs of functions, expanded, divided by the common power of pi."""
+    scale = _scale(system)
+    return [(system.bracket(f, g) / scale).expand() for f, g in pairs]
 
 
 def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
@@ -254,9 +255,7 @@ class _Algebra:
     def of(cls, system: System, functions: list[Expr]) -> _Algebra:
         """The algebra of some integrals; brackets are divided by their common power of pi."""
         n = len(functions)
-        scale: Any = to_sympy(Coefficients.containing([value for *_, value in system.bracket.entries()]).scale)
-        pairs = list(combinations(range(n), 2))
-        brackets = [(system.bracket(functions[i], functions[j]) / scale).expand() for i, j in pairs]
+        pairs, brackets = list(combinations(range(n), 2)), _brackets(system, combinations(functions, 2))
         equations, read = algebraic_equations(system, *functions, *brackets)
         field, level = equations.derivation.field, level_of(equations.derivation, equations.relations)
         remainders = [level.remainder(f) for f in read]

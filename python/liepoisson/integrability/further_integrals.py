@@ -38,13 +38,13 @@ from liepoisson.algebra.ideals.solutions import Solutions, solutions
 from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element, PrimeField
 from liepoisson.algebra.residues import Residues, primes
-from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
+from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, value_at
 from liepoisson.integrability.derivation import Exponents
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.modular import random_point
 from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly, SparseRow
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
-from liepoisson.integrability.search import Label, point_on_level
+from liepoisson.integrability.search import Label, point_on_level, products
 
 _MOST_PRODUCTS = 1500
 """Products of known integrals of one comparison; beyond them it is not decided."""
@@ -189,19 +189,10 @@ class _Algebra:
 
     def _products(self, weight: int) -> list[Polynomial]:
         """The products of the functions whose degrees have this sum."""
-        found: list[Polynomial] = []
-
-        def extend(start: int, left: int, product: Polynomial | None) -> None:
-            if not left and product is not None:
-                remainder = self.level.remainder(product)
-                found.append({m: c for m, c in remainder.items() if any(m)})
-            for k in range(start, len(self.functions)):
-                f = self.functions[k]
-                if (size := _degree(f)) <= left and len(found) <= _MOST_PRODUCTS:
-                    extend(k, left - size, f if product is None else multiply(product, f))
-
-        extend(0, weight, None)
-        return found
+        factors = [(_degree(f), f) for f in self.functions]
+        whole = (product for _, left, product in products(factors, weight) if not left)
+        remainders = (self.level.remainder(product) for product in islice(whole, _MOST_PRODUCTS + 1))
+        return [{m: c for m, c in f.items() if any(m)} for f in remainders]
 
     def _independent(self, functions: Sequence[Polynomial], place: list[Element]) -> list[Polynomial]:
         """Functions whose gradients at a point are independent of each other and of those of the level."""

@@ -243,15 +243,9 @@ class Search:
             if any(map(any, part))
         ]
 
-        def extend(start: int, left: int, product: Polynomial | None) -> None:
-            if product is not None and tuple(g.of(next(iter(product))) for g in self.gradings) == label:
+        for _, _, product in products(factors, highest, _MOST_TERMS**2):
+            if tuple(g.of(next(iter(product))) for g in self.gradings) == label:
                 found.append({m: c for m, c in self.level.remainder(product).items() if any(m)})
-            for k in range(start, len(factors)):
-                degree, factor = factors[k]
-                if degree <= left and (product is None or len(product) * len(factor) <= _MOST_TERMS**2):
-                    extend(k, left - degree, factor if product is None else multiply(product, factor))
-
-        extend(0, highest, None)
         return [{m: field_one * c for m, c in p.items()} for p in found if p]
 
     def _insert_products(
@@ -268,25 +262,19 @@ class Search:
         Those of parts of one weight; of whole integrals into one span, with an empty label.
         """
         gradings = () if whole else self.gradings
-        factors: list[tuple[int, Polynomial, int]] = []
+        factors: list[tuple[int, Polynomial]] = []
+        indices: list[int] = []
         for index, generator in enumerate(generators):
             for part in homogeneous_parts(generator.polynomial, gradings).values():
-                factors.append((max(map(sum, part)), modular(part, self.residues), index))
-
-        def extend(start: int, left: int, product: Polynomial | None, contains: bool) -> None:
-            checkpoint("products of integrals")
-            if product is not None and contains:
-                label = tuple(g.of(next(iter(product))) for g in gradings)
-                if label in spans:
-                    reduced = self._level_mod.remainder(product)
-                    spans[label].insert({m: c for m, c in reduced.items() if any(m)})
-            for k in range(start, len(factors)):
-                degree, factor, index = factors[k]
-                if 0 < degree <= left:
-                    further = factor if product is None else multiply(product, factor)
-                    extend(k, left - degree, further, contains or must_contain is None or index == must_contain)
-
-        extend(0, highest, None, must_contain is None)
+                factors.append((max(map(sum, part)), modular(part, self.residues)))
+                indices.append(index)
+        for chosen, _, product in products(factors, highest):
+            if must_contain is not None and all(indices[k] != must_contain for k in chosen):
+                continue
+            label = tuple(g.of(next(iter(product))) for g in gradings)
+            if label in spans:
+                reduced = self._level_mod.remainder(product)
+                spans[label].insert({m: c for m, c in reduced.items() if any(m)})
 
     @cached_property
     def _level_mod(self) -> Level:
@@ -314,6 +302,36 @@ class Search:
     def point(self) -> list[Element]:
         """A random point modulo the prime, on the level."""
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
+
+
+def products(
+    factors: Sequence[tuple[int, Polynomial]], highest: int, most_terms: int | None = None
+) -> Iterator[tuple[tuple[int, ...], int, Polynomial]]:
+    """The products of factors of positive degree up to a degree: the numbers of the factors, the degree left, and it.
+
+    Args:
+        factors: The factors with their degrees.
+        highest: The degree.
+        most_terms: Of products before terms are collected; longer ones are left out.
+
+    Raises:
+        TimeLimitError: the deadline of the call has passed.
+    """
+
+    def extended(
+        chosen: tuple[int, ...], left: int, product: Polynomial | None
+    ) -> Iterator[tuple[tuple[int, ...], int, Polynomial]]:
+        checkpoint("products of integrals")
+        for k in range(chosen[-1] if chosen else 0, len(factors)):
+            degree, factor = factors[k]
+            if 0 < degree <= left and (
+                product is None or most_terms is None or len(product) * len(factor) <= most_terms
+            ):
+                further = factor if product is None else multiply(product, factor)
+                yield (*chosen, k), left - degree, further
+                yield from extended((*chosen, k), left - degree, further)
+
+    return extended((), highest, None)
 
 
 def _part(progress: Callable[[float], Any] | None, start: float, share: float) -> Callable[[float], Any] | None:

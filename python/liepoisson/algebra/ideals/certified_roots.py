@@ -58,9 +58,9 @@ def ball(value: fmpq | int) -> arb:
     return arb(number.p) / arb(number.q)
 
 
-def evaluate(polynomial: fmpq_poly, x: arb) -> arb:
-    """The polynomial at a ball."""
-    total = arb(0)
+def evaluate(polynomial: fmpq_poly, x: Any) -> Any:
+    """The polynomial at a ball, real or complex."""
+    total = x * 0
     for coefficient in reversed(polynomial.coeffs()):
         total = total * x + ball(coefficient)
     return total

@@ -25,7 +25,7 @@ from liepoisson.algebra.function_fields import (
     polynomial_gcd,
     polynomial_quotient,
 )
-from liepoisson.algebra.ideals.certified_roots import ball, precision
+from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.number_fields import Element
 
 _BITS = (128, 256, 512, 1024, 2048)
@@ -175,12 +175,7 @@ def _embeddings(field: FunctionField) -> list[acb]:
 
 def _at(element: Element, theta: acb) -> acb:
     polynomial: Any = getattr(element, "polynomial", None)
-    if polynomial is None:
-        return acb(ball(element))
-    total = acb(0)
-    for c in reversed(polynomial.coeffs()):
-        total = total * theta + ball(c)
-    return total
+    return acb(ball(element)) if polynomial is None else evaluate(polynomial, theta)
 
 
 def shown_number(z: acb) -> str:

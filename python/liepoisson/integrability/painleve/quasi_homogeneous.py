@@ -231,6 +231,8 @@ def _largest(rows: Sequence[Row], k: int, n: int) -> Fraction | None:
     from sympy.solvers.simplex import UnboundedLPError, linprog
 
     checkpoint("the weights")
+    if not rows:
+        return None
     matrix = [[Rational(x.numerator, x.denominator) for x in row] for row in rows]
     try:
         least: Any = linprog([-int(j == k) for j in range(n)], matrix, [1] * len(rows))[0]
