@@ -20,6 +20,7 @@ from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
 from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
@@ -30,7 +31,6 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
-from liepoisson.integrability.square_roots import element, field_of, roots
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -239,12 +239,12 @@ class CofactorCases(CaseSplitting):
         if not self._is_finite(case) or any(q.degrees()[v] != 2 for v, q in equations.items()):
             return None
         choices = {v: self._roots(q, v) for v, q in equations.items()}
-        field = field_of(root for pair in choices.values() for root in pair)
+        field = square_root_field(root for pair in choices.values() for root in pair)
         found: list[Values] = []
         for chosen in product(*choices.values()):
             values = [field.zero] * self.n
             for v, root in zip(choices, chosen, strict=True):
-                values[v] = element(root, field)
+                values[v] = square_root_element(root, field)
             point = case.completed(values, field.number)
             if point is not None and not any(value_at(q.terms(), point, field.number) for q in case.unsolved):
                 found.append(tuple(map(field.to_sympy, point)))
@@ -295,7 +295,9 @@ class CofactorCases(CaseSplitting):
         coefficients = [Fraction(0)] * 3
         for monomial, c in q.terms():
             coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
-        return roots(*reversed(coefficients))  # real if that is wanted: `_has_real_zero` has excluded the others
+        return quadratic_roots(
+            *reversed(coefficients)
+        )  # real if that is wanted: `_has_real_zero` has excluded the others
 
     def _text(self, case: Case) -> str:
         return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
-from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_deadline
@@ -35,7 +35,6 @@ from liepoisson.integrability.search_problem import (
     known_functions,
     zeros_on_level,
 )
-from liepoisson.integrability.square_roots import element, field_of
 from liepoisson.io.display import as_text
 from liepoisson.report.printing import Formula
 
@@ -248,13 +247,13 @@ def darboux_polynomials(
     cases = CofactorCases(derivation, level, monomials, field)
     with deadline.running():
         values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
-    numbers = field_of(v for of_block in values for one in of_block for v in one)
+    numbers = square_root_field(v for of_block in values for one in of_block for v in one)
     equations = tuple(zero for zero in problem.zeros if zero)
     search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
     for polynomial in problem.known.values():
         search.add_known(over(numbers, [polynomial])[0])
     n_known = len(search.factors)
-    elements = [[tuple(element(v, numbers) for v in one) for one in of_block] for of_block in values]
+    elements = [[tuple(square_root_element(v, numbers) for v in one) for one in of_block] for of_block in values]
     search.run(
         [(label, block, of_block) for (label, block), of_block in zip(ordered, elements, strict=True)],
         lambda f: listen(0.7 + 0.3 * f),

@@ -197,10 +197,7 @@ def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> 
         elif degree == 1:
             local = _defect(finite, field, -factor.constant_coefficient() / factor.leading_coefficient(), p)
         else:
-            larger = fq_default_ctx(p, degree)
-            over: Any = fq_default_poly_ctx(larger)
-            lifted = over([embedded(c, field, larger) for c in factor.coeffs()])
-            local = _defect(finite, larger, lifted.roots()[0][0], p)
+            local = _defect(finite, *_with_root(factor, field), p)
         assert local <= multiplicity, "the ramification is part of the discriminant"
         assert (multiplicity - local) % 2 == 0, "the rest of the discriminant is twice the singularities"
         total += degree * local
@@ -280,15 +277,7 @@ def _branches_at_origin(f: Bivariate, multiplicity: int, field: Any) -> Counter[
 
 def _lower_edges(lowest: Mapping[int, int]) -> Iterable[tuple[tuple[int, int], tuple[int, int]]]:
     """The edges of the lower hull of points (j, i) that go down, from left to right."""
-    hull: list[tuple[int, int]] = []
-    for j, i in sorted(lowest.items()):
-        while len(hull) > 1:
-            (a, b), (c, d) = hull[-2], hull[-1]
-            if (d - b) * (j - c) < (i - d) * (c - a):
-                break
-            hull.pop()
-        hull.append((j, i))
-    return [(p, q) for p, q in pairwise(hull) if q[1] < p[1]]
+    return [(p, q) for p, q in pairwise(_half_hull(sorted(lowest.items()))) if q[1] < p[1]]
 
 
 def _substituted(f: Bivariate, xi: Any, q: int, m: int, field: Any) -> Bivariate:
@@ -334,17 +323,17 @@ def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, in
             root = -factor.constant_coefficient() / factor.leading_coefficient() if degree == 1 else None
             found.append((field, root, multiplicity, degree))
             continue
-        larger = _extension(field, degree)
-        over: Any = fq_default_poly_ctx(larger)
-        lifted = over([embedded(c, field, larger) for c in factor.coeffs()])
-        found.append((larger, lifted.roots()[0][0], multiplicity, degree))
+        found.append((*_with_root(factor, field), multiplicity, degree))
     return found
 
 
-def _extension(field: Any, degree: int) -> Any:
-    from flint import fq_default_ctx
+def _with_root(factor: Any, field: Any) -> tuple[Any, Any]:
+    """The field that a root of an irreducible polynomial generates, and one."""
+    from flint import fq_default_ctx, fq_default_poly_ctx
 
-    return fq_default_ctx(field.prime(), field.degree() * degree)
+    larger = fq_default_ctx(field.prime(), field.degree() * factor.degree())
+    over: Any = fq_default_poly_ctx(larger)
+    return larger, over([embedded(c, field, larger) for c in factor.coeffs()]).roots()[0][0]
 
 
 def _in_field(f: Bivariate, field: Any, larger: Any) -> Bivariate:
