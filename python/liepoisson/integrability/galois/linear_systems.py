@@ -120,14 +120,12 @@ class LinearSystem:
     @cached_property
     def summands(self) -> tuple[tuple[int, ...], ...]:
         """The components in groups that do not influence each other, the smallest partition."""
+        from sympy.utilities.iterables import connected_components
+
         rows = self.entries.to_dense().rep.to_list()
-        group = list(range(self.n))
-        for i in range(self.n):
-            for j in range(self.n):
-                if rows[i][j] and group[i] != group[j]:
-                    old, new = group[i], group[j]
-                    group = [new if g == old else g for g in group]
-        return tuple(tuple(k for k in range(self.n) if group[k] == g) for g in dict.fromkeys(group))
+        influences = [(i, j) for i, row in enumerate(rows) for j, entry in enumerate(row) if entry]
+        groups = connected_components((list(range(self.n)), influences))
+        return tuple(sorted(tuple(sorted(group)) for group in groups))
 
     def __repr__(self) -> str:
         poles = ", ".join(root_text(f, self.variable) for f in self.singular_points)

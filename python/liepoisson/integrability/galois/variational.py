@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.echelon import dense, null_vectors, sparse
 from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
@@ -210,14 +211,10 @@ def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
             height = max(height, *(e.degree() + 1 for e in entries))
     rows = [[column[i][m] for column in columns] for i in range(n) for m in range(height)]
     reduced, rank = fmpq_mat(rows).rref()
-    pivots = [next(c for c in range(n * count) if reduced[r, c] != 0) for r in range(rank)]
     field = system.entries.domain
     found: list[Any] = []
-    for free in (c for c in range(n * count) if c not in pivots):
-        values = [fmpq(0)] * (n * count)
-        values[free] = fmpq(1)
-        for r, c in enumerate(pivots):
-            values[c] = -reduced[r, free]
+    for vector in null_vectors(map(sparse, reduced.tolist()[:rank]), n * count, fmpq(1)):
+        values = dense(vector, range(n * count), fmpq(0))
         parts = [fmpq_poly(values[j * count : (j + 1) * count]) for j in range(n)]
         column = [[from_polynomial(part, field) / from_polynomial(bottom, field)] for part in parts]
         found.append(DomainMatrix(column, (n, 1), field))

@@ -101,6 +101,7 @@ def at_infinity(curve: Curve) -> Curve:
 def genus(curve: Curve) -> Genus:
     """The genus of an irreducible curve."""
     from flint import fmpz_poly
+    from sympy import nextprime
 
     d = max(j for _, j in curve)
     if d == 1:
@@ -116,7 +117,7 @@ def genus(curve: Curve) -> Genus:
     n_zeros = discriminant.degree() - fmpz_poly.gcd(discriminant, derivative).degree()
     p = _FIRST_PRIME
     for _ in range(_MOST_PRIMES):
-        p = _next_prime(p)
+        p = int(nextprime(p))
         if denominator % p == 0 or not _is_good(discriminant, n_zeros, p):
             continue
         if _is_absolutely_irreducible(finite, p):
@@ -124,15 +125,6 @@ def genus(curve: Curve) -> Genus:
             assert ramification % 2 == 0, "the ramification of a covering of the sphere is even"
             return Genus(1 - d + ramification // 2, ramification, n_points, p)
     return Genus(None, reason="not found irreducible over the complex numbers")
-
-
-def _next_prime(p: int) -> int:
-    from flint import fmpz
-
-    p += 1
-    while not fmpz(p).is_prime():
-        p += 1
-    return p
 
 
 def _discriminant(curve: Curve, denominator: int) -> Any:
