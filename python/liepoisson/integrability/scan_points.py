@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import os
 import pickle
-import queue
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
@@ -141,82 +141,69 @@ def results(
                     done[point] = search.at(values)
             yield done
         return
-    workers = _Workers(search, pieces, processes)
+    workers, pool = _Workers(search), ThreadPoolExecutor(processes)
     try:
-        left = len(pieces)
-        while left and deadline.lasts():
-            found = workers.next()
-            left -= found is not None
-            yield found
+        waiting = {pool.submit(workers.found, piece) for piece in pieces}
+        while waiting and deadline.lasts():
+            ready, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
+            for one in ready:
+                yield one.result()
+            if not ready:
+                yield None
     finally:
         workers.end()
+        pool.shutdown(cancel_futures=True)
 
 
 class _Workers:
-    """Processes, each with a thread that hands it pieces."""
+    """Processes, one for each thread that asks."""
 
-    def __init__(self, search: PointSearch, pieces: Sequence[Piece], processes: int) -> None:
-        self._waiting: queue.SimpleQueue[Piece] = queue.SimpleQueue()
-        self._done: queue.SimpleQueue[Results | Exception] = queue.SimpleQueue()
-        self._search, self._is_over = pickle.dumps(search), threading.Event()
-        self._running: dict[int, subprocess.Popen[bytes]] = {}
-        for piece in pieces:
-            self._waiting.put(piece)
-        self._threads = [threading.Thread(target=self._serve, args=(k,), daemon=True) for k in range(processes)]
-        for thread in self._threads:
-            thread.start()
+    def __init__(self, search: PointSearch) -> None:
+        self._search, self._lock, self._own = pickle.dumps(search), threading.Lock(), threading.local()
+        self._running: list[subprocess.Popen[bytes]] = []
+        self._is_over = False
 
-    def next(self) -> Results | None:
-        """What was found, or None after a while; an error in a process is raised here."""
+    def found(self, piece: Piece) -> Results:
+        """What the process of this thread finds; a new one begins where it has ended, as for want of memory.
+
+        An error in the process is raised here.
+        """
         try:
-            found = self._done.get(timeout=0.2)
-        except queue.Empty:
-            return None
+            if getattr(self._own, "process", None) is None:
+                self._own.process = self._start()
+            found = _ask(self._own.process, piece)
+        except (OSError, EOFError, pickle.UnpicklingError):
+            if (ended := self._own.__dict__.pop("process", None)) is not None:
+                _end(ended)
+            return dict.fromkeys(piece, PointResult("failed"))
         if isinstance(found, Exception):
             raise found
         return found
 
-    def _serve(self, number: int) -> None:
-        """Hand out pieces to one process; a new one where it has ended, as for want of memory."""
-        while not self._is_over.is_set():
-            try:
-                piece = self._waiting.get_nowait()
-            except queue.Empty:
-                return
-            try:
-                process = self._running.get(number) or self._start(number)
-                found: Results | Exception = _ask(process, piece)
-            except (OSError, EOFError, pickle.UnpicklingError):
-                if (ended := self._running.pop(number, None)) is not None:
-                    _end(ended)
-                found = dict.fromkeys(piece, PointResult("failed"))
-            if not self._is_over.is_set():
-                self._done.put(found)
-
-    def _start(self, number: int) -> subprocess.Popen[bytes]:
+    def _start(self) -> subprocess.Popen[bytes]:
         folder = str(Path(__file__).parents[2])
         paths = os.pathsep.join(filter(None, (folder, os.environ.get("PYTHONPATH", ""))))
-        process = subprocess.Popen(
-            [sys.executable, "-c", "from liepoisson.integrability.scan_points import serve_parent; serve_parent()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=os.environ | {"PYTHONPATH": paths},
-            start_new_session=True,  # Ctrl-C is for this process, which ends the others
-        )
-        self._running[number] = process
+        with self._lock:
+            if self._is_over:
+                raise EOFError
+            process = subprocess.Popen(
+                [sys.executable, "-c", "from liepoisson.integrability.scan_points import serve_parent; serve_parent()"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env=os.environ | {"PYTHONPATH": paths},
+                start_new_session=True,  # Ctrl-C is for this process, which ends the others
+            )
+            self._running.append(process)
         assert process.stdin is not None
         process.stdin.write(self._search)
         return process
 
     def end(self) -> None:
         """End all processes, at once."""
-        self._is_over.set()
-        for process in list(self._running.values()):
-            process.kill()
-        for thread in self._threads:
-            thread.join(timeout=2.0)
-        for process in self._running.values():
-            _end(process)
+        with self._lock:
+            self._is_over = True
+            for process in self._running:
+                _end(process)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
