@@ -99,34 +99,6 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
     return LinearSystem(solution.variable, DomainMatrix(rows, (n, n), arithmetic.field), names)
 
 
-def linear_integrals(system: System, solution: ParticularSolution, equations: LinearSystem) -> dict[str, Any]:
-    """Linear integrals of the variational equations: dH and the dC along the solution, by name; those that vanish not.
-
-    Only where the solution contains no root.
-    """
-    from sympy import QQ
-    from sympy.polys.matrices import DomainMatrix
-
-    if solution.root is not None:
-        return {}
-    arithmetic = Arithmetic(solution.variable, None, QQ)
-    values = [arithmetic.read(f, name) for name, f in solution.state.items()]
-    functions: dict[str, Any] = {"H": system.hamiltonian}
-    functions |= {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
-    found: dict[str, Any] = {}
-    for name, f in functions.items():
-        if not f.is_polynomial(*system.variables):
-            continue
-        slopes = [f.diff(x).expand() for x in system.variables]
-        most = max(1, *(int(d) for d in _degrees(slopes, system.variables)))
-        powers = [arithmetic.powers(v, most) for v in values]
-        row = [arithmetic.at(slope, system.variables, powers)[0] for slope in slopes]
-        if any(row):
-            found[name] = DomainMatrix([row], (1, len(row)), arithmetic.field)
-    assert equations.n == len(system.variables)
-    return found
-
-
 @dataclass(frozen=True, eq=False)
 class Flag:
     r"""A chain of invariant subspaces of a linear system.

@@ -59,11 +59,6 @@ class Exponents:
         """Whether all exponents are integers."""
         return self.all_rational and all(r.denominator == 1 for r, _ in self.rational)
 
-    @property
-    def n_rational(self) -> int:
-        """The number of rational exponents with their multiplicities."""
-        return sum(k for _, k in self.rational)
-
     def multiplicity(self, r: Fraction | int) -> int:
         """How often a rational number occurs."""
         return dict(self.rational).get(Fraction(r), 0)
