@@ -19,8 +19,7 @@ from flint import fmpq, fmpq_poly
 
 from liepoisson.algebra.ideals.components import irreducible_factors
 from liepoisson.algebra.ideals.groebner import rational_context
-from liepoisson.algebra.linear_systems import solved
-from liepoisson.algebra.matrices import determinant
+from liepoisson.algebra.matrices import determinant, solved
 from liepoisson.algebra.number_fields import AlgebraicNumber, Element, NumberField, Rational, as_fmpq
 
 _MOST_CONJUGATES = 4

@@ -21,8 +21,7 @@ from math import gcd
 from typing import Any, TypeAlias
 
 from liepoisson.algebra.echelon import Echelon, sparse
-from liepoisson.algebra.linear_systems import null_space
-from liepoisson.algebra.matrices import determinant
+from liepoisson.algebra.matrices import determinant, null_space
 from liepoisson.algebra.number_fields import PrimeField
 from liepoisson.algebra.real_fields import RealField, RealRationals, Scalar, Surd
 

@@ -27,8 +27,7 @@ from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Budget
 from liepoisson.algebra.ideals.operations import radical_contains
-from liepoisson.algebra.linear_systems import Matrix
-from liepoisson.algebra.matrices import product
+from liepoisson.algebra.matrices import Matrix, product
 from liepoisson.algebra.number_fields import NumberField, Rational, as_fmpq
 from liepoisson.errors import LiePoissonError
 

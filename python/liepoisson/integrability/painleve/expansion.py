@@ -21,7 +21,7 @@ from typing import Protocol
 
 from liepoisson.algebra.function_fields import FunctionField, polynomial_at
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
-from liepoisson.algebra.linear_systems import Matrix, Solved, eliminated, independent_columns
+from liepoisson.algebra.matrices import Matrix, Solved, eliminated, independent_columns
 from liepoisson.algebra.number_fields import Element
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.exponents import Exponents

@@ -28,7 +28,7 @@ from liepoisson.algebra.function_fields import FunctionField, over_common_denomi
 from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
-from liepoisson.algebra.linear_systems import Matrix
+from liepoisson.algebra.matrices import Matrix
 from liepoisson.algebra.number_fields import Element, as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from liepoisson.algebra.linear_systems import null_space
+from liepoisson.algebra.matrices import null_space
 from liepoisson.algebra.quadratic_forms import (
     SurdCoordinates,
     diagonalise,
