@@ -12,7 +12,7 @@ equations.  In each block:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -165,8 +165,7 @@ class Search:
 
     @property
     def _next_name(self) -> str:
-        names = {g.name for g in self.generators} | set(map(str, self.derivation.variables))
-        return next(name for k in count(1) if (name := f"F{k}") not in names)
+        return next_name({g.name for g in self.generators}, set(map(str, self.derivation.variables)))
 
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
@@ -302,6 +301,11 @@ class Search:
     def point(self) -> list[Element]:
         """A random point modulo the prime, on the level."""
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
+
+
+def next_name(*known: Collection[str]) -> str:
+    """F1, F2, ..., the first that is neither a coordinate nor taken."""
+    return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
 
 
 def products(

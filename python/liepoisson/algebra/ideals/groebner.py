@@ -23,9 +23,10 @@ References: [arnold2003]; [cox2015], chapter 9, for the Hilbert series.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly_ctx, fmpz_poly, nmod_mpoly_ctx
@@ -212,10 +213,7 @@ def _residues_of(terms: Iterable[tuple[Monomial, fmpq]], p: int) -> dict[Monomia
 def _homogeneous(generators: Sequence[Poly]) -> list[Poly]:
     """The polynomials with a last variable that makes all of their terms of one degree, primitive."""
     context = generators[0].context()
-    name = "h"
-    while name in context.names():
-        name += "h"
-    wider = fmpq_mpoly_ctx.get((*context.names(), name), context.ordering())
+    wider = fmpq_mpoly_ctx.get((*context.names(), new_name(context.names(), "h")), context.ordering())
     found: list[Poly] = []
     for g in generators:
         total = g.total_degree()
@@ -232,6 +230,11 @@ def _affine(p: Poly, context: Any) -> Poly:
 def _words(polynomials: Sequence[Poly]) -> int:
     bits = max((max(int(c.p).bit_length(), int(c.q).bit_length()) for p in polynomials for c in p.coeffs()), default=1)
     return 1 + bits // 64
+
+
+def new_name(names: Collection[str], letter: str = "t") -> str:
+    """A name that no variable has: a letter, as often as is needed."""
+    return next(name for k in count(1) if (name := letter * k) not in names)
 
 
 def rational_context(names: Sequence[str], *, lexicographic: bool = False) -> Any:

@@ -31,7 +31,7 @@ from liepoisson.algebra.function_fields import (
 from liepoisson.algebra.ideals.buchberger import Poly, leading
 from liepoisson.algebra.ideals.components import Assumptions, Component, components, irreducible_factors
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing
-from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, rational_context
+from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, new_name, rational_context
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
 from liepoisson.algebra.ideals.solutions import solutions
@@ -226,7 +226,7 @@ def _over_functions(
 ) -> tuple[list[GenericPoint], list[Poly]] | None:
     """The generic points over the functions of the independent coordinates, and what must not vanish."""
     others = [name for name in basis.names if name not in (*attempt.independent, attempt.generator)]
-    generator = attempt.generator or _new_name(basis.names)
+    generator = attempt.generator or new_name(basis.names, "u")
     context = rational_context((*others, generator, *attempt.independent), lexicographic=True)
     given = [in_context(p, context) for p in basis.polynomials]
     if attempt.form is not None:
@@ -332,10 +332,3 @@ def random_points(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
         if not cut.is_one and not cut.dimension:
             return [GenericPoint(p.field, p.values, is_generic=False) for p in _isolated(cut, budget)]
     raise NotDecidedError("not decided: a family of balances of which no rational section was found")
-
-
-def _new_name(names: Sequence[str]) -> str:
-    name = "u"
-    while name in names:
-        name += "u"
-    return name
