@@ -35,7 +35,7 @@ def integrals(
 
     What is found is proved, and so is that there are no others.  Parameters without a value count as generic.
     """
-    from liepoisson.integrability.polynomial_integrals import first_integrals
+    from liepoisson.integrability.polynomial_integrals import first_integrals, search_record
 
     chosen = read_system(system, settings or ())
     with progress_bar(quiet=quiet) as bar:
@@ -47,7 +47,7 @@ def integrals(
         case Format.LATEX:
             print("\n".join(latex_lines(found)))
         case Format.JSON:
-            print(json.dumps(found.record, indent=2))
+            print(json.dumps(search_record(found), indent=2))
 
 
 def latex_lines(found: FirstIntegrals) -> list[str]:

@@ -129,37 +129,6 @@ class FirstIntegrals:
             if names and f not in names
         )
 
-    @property
-    def record(self) -> dict[str, Any]:
-        """What was found and is proved, as plain data that JSON can write; expressions as in system files."""
-        size = {"degree": self.degree} if self.weight is None else {"weight": self.weight, "weights": self.weights}
-        return {
-            "system": self.system.name,
-            **size,
-            "functions": [Formula(f).plain for f in self.functions],
-            "on": [Formula(f).plain for f in self.on],
-            "generic_parameters": list(self.parameters),
-            "known": named_formulas(self.known),
-            "found": [
-                {
-                    "name": f.name,
-                    "expression": Formula(f.expression).plain,
-                    "degree": f.degree,
-                    "independent": f.is_independent,
-                }
-                for f in self.found
-            ],
-            "complete": self.complete,
-            "modulo_ideal": self.modulo_ideal,
-            "notes": list(self.notes),
-            "proof": {
-                "monomials": self.n_monomials,
-                "blocks": self.n_blocks,
-                "integrals": self.n_integrals,
-                "prime": self.prime,
-            },
-        }
-
     def __repr__(self) -> str:
         n = len(self.found)
         what = f"{n} new integral{'s' * (n != 1)}" if n else "no new integral"
@@ -295,3 +264,34 @@ def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
 def named_formulas(functions: Mapping[str, Expr]) -> list[dict[str, str]]:
     """Names and expressions, as plain data."""
     return [{"name": name, "expression": Formula(f).plain} for name, f in functions.items()]
+
+
+def search_record(found: FirstIntegrals) -> dict[str, Any]:
+    """What a search found and proves, as plain data that JSON can write; expressions as in system files."""
+    size = {"degree": found.degree} if found.weight is None else {"weight": found.weight, "weights": found.weights}
+    return {
+        "system": found.system.name,
+        **size,
+        "functions": [Formula(f).plain for f in found.functions],
+        "on": [Formula(f).plain for f in found.on],
+        "generic_parameters": list(found.parameters),
+        "known": named_formulas(found.known),
+        "found": [
+            {
+                "name": f.name,
+                "expression": Formula(f.expression).plain,
+                "degree": f.degree,
+                "independent": f.is_independent,
+            }
+            for f in found.found
+        ],
+        "complete": found.complete,
+        "modulo_ideal": found.modulo_ideal,
+        "notes": list(found.notes),
+        "proof": {
+            "monomials": found.n_monomials,
+            "blocks": found.n_blocks,
+            "integrals": found.n_integrals,
+            "prime": found.prime,
+        },
+    }

@@ -24,7 +24,7 @@ from liepoisson.integrability.completeness import (
     fields_rank,
 )
 from liepoisson.integrability.derivation import n_monomials
-from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals, named_formulas
+from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals, named_formulas, search_record
 from liepoisson.integrability.search import next_name
 from liepoisson.io.files import write_atomically
 from liepoisson.model.system_text import system_text
@@ -202,7 +202,7 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
             "brackets": [[*pair, Formula(value).plain] for pair, value in closed.brackets.items()],
         },
         "searched_degree": report.searched_degree,
-        "searches": [search.record for search in report.searches],
+        "searches": [search_record(search) for search in report.searches],
         "not_tried": list(report.not_tried),
         "certificate": report.certificate,
         "obstruction": report.obstruction

@@ -110,6 +110,15 @@ class Monodromy:
         """A bound of the error of every entry of `matrix`, but for the rounding to doubles."""
         return max(float(entry.rad()) for row in self.balls.tolist() for entry in row)
 
+    def power(self, k: int) -> Any:
+        """The k-th power of the balls, k at least 0."""
+        from flint import acb_mat
+
+        found = acb_mat([[int(i == j) for j in range(self.system.n)] for i in range(self.system.n)])
+        for _ in range(k):
+            found = found * self.balls
+        return found
+
     def __repr__(self) -> str:
         around = ", ".join(f"{complex(z):.3g}: {w}" for z, w in self.windings if w)
         return f"<Monodromy of {self.loop.name}, winding numbers {{{around}}}, error {self.error:.1e}>"
