@@ -19,7 +19,7 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
 from liepoisson.catalog.lax_pairs import LAX_PAIRS
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.formula.values import read_values
+from liepoisson.formula.parameters import read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
@@ -28,7 +28,7 @@ from liepoisson.report.printing import Formula
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from liepoisson.formula.values import GivenValue
+    from liepoisson.formula.parameters import GivenValue
     from liepoisson.integrability.lax.lax_integrals import LaxIntegrals
     from liepoisson.integrability.lax.spectral_curve import SpectralCurve
     from liepoisson.model.system import System
