@@ -54,6 +54,7 @@ def _spectrum(top: Any, starts: Any, t_end: float, method: Any, repeats: int) ->
 def _vectors() -> dict[str, Any]:
     import liepoisson as lp
     from liepoisson.indicators.tangent_frames import TangentFrames
+    from liepoisson.numeric.run_options import RunOptions
 
     zeitlin = lp.catalog.zeitlin(5)
     starts = lp.sample_states(zeitlin, 32, seed=1)
@@ -63,7 +64,7 @@ def _vectors() -> dict[str, Any]:
     for n in N_VECTORS:
 
         def carry(n: int = n) -> None:
-            TangentFrames(zeitlin, starts, n_vectors=n, threads=1, time_limit=3600.0).carry(100, 2.0, per_row=100)
+            TangentFrames(zeitlin, starts, RunOptions.read(None, 1), n_vectors=n).carry(100, 2.0, per_row=100)
 
         _, seconds = least(carry, REPEATS)
         costs[str(n)] = (seconds - state) / n

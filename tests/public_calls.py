@@ -1,6 +1,6 @@
 """A call of each public function that takes several values in one argument, and how it reads them.
 
-Annotations say which arguments these are: a new one without a row here fails `inputs/test_given.py`.
+Annotations say which arguments these are: a new one without a row here fails `test_given.py`.
 """
 
 import importlib.util

@@ -1,6 +1,8 @@
 """Every public name has an example in its docstring, which runs and prints what stands there."""
 
 import doctest
+import inspect
+import re
 import tempfile
 from types import ModuleType
 
@@ -64,3 +66,16 @@ def test_an_example_prints_what_it_says(name):
 def test_every_public_name_has_an_example():
     missing = [name for name, value in PUBLIC.items() if ">>>" not in (value.__doc__ or "")]
     assert not missing, f"no example in the docstring of {', '.join(missing)}"
+
+
+@pytest.mark.parametrize("name", [name for name, value in PUBLIC.items() if "    Args:\n" in (value.__doc__ or "")])
+def test_every_argument_is_described(name):
+    """Also those that many functions share, whose sentences are put into the docstring."""
+    entries = re.findall(r"^ *\**(\w+(?:, \w+)*): ", PUBLIC[name].__doc__.partition("Args:\n")[2], re.MULTILINE)
+    described = {name for entry in entries for name in entry.split(", ")}
+    missing = set(inspect.signature(PUBLIC[name]).parameters) - described
+    assert not missing, f"{', '.join(sorted(missing))} of {name}"
+
+
+def test_the_slow_examples_are_there():
+    assert set(EXAMPLES) >= SLOW

@@ -29,7 +29,7 @@ def figure_of(command):
     words = command.split()
     found = []
     with (
-        patch(f"liepoisson.cli.{words[1]}.write_figure", lambda figure, _: found.append(figure) or []),
+        patch("liepoisson.cli.runs.write_figure", lambda figure, _: found.append(figure) or []),
         patch.object(sys, "argv", words),
         contextlib.redirect_stdout(io.StringIO()),
         contextlib.suppress(SystemExit),

@@ -1,4 +1,8 @@
-"""`inspect`, `integrals`, `integrable`, `families`, `darboux`, `painleve`: what they print, for people and programs."""
+"""What the exact commands print, for people and for programs.
+
+They are in liepoisson.cli.inspect, liepoisson.cli.integrals, liepoisson.cli.integrable, liepoisson.cli.families,
+liepoisson.cli.darboux and liepoisson.cli.painleve.
+"""
 
 import io
 import json

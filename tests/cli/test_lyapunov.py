@@ -82,7 +82,7 @@ def test_the_default_time_is_natural(command):
 
 
 def test_the_unit_of_time_is_taken_of_some_of_many_starts(monkeypatch):
-    from liepoisson.cli.limits import unit_of_time
+    from liepoisson.cli.runs import unit_of_time
     from liepoisson.numeric import time_scale
 
     seen = []

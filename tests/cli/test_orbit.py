@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.cli.options import Where
 from liepoisson.cli.starts import find_start
 
 SHORT = ("--t-end", 2, "--points", 21)
@@ -63,21 +64,21 @@ def test_a_guess_is_moved_onto_leaf_and_energy(command):
 
 
 def test_states_are_read_exactly_by_place_or_by_name_and_never_moved(twisted):
-    given = find_start(twisted, start=["1/3,-1,sqrt(2)/2,0,0,0,0,1e-3,2"])
+    given = find_start(twisted, Where(start=["1/3,-1,sqrt(2)/2,0,0,0,0,1e-3,2"]))
     assert given.state.tolist() == [1 / 3, -1, 2**0.5 / 2, 0, 0, 0, 0, 1e-3, 2]
-    named = find_start(twisted, start=["l=1,2,3", "beta2=-4"])
+    named = find_start(twisted, Where(start=["l=1,2,3", "beta2=-4"]))
     assert named.state.tolist() == [1, 2, 3, 0, 0, 0, 0, -4, 0]
-    kept = find_start(twisted, start=["beta=0,0,1"], leaf=["C3=1.00000000001"], energy=0)  # within 1e-10
+    kept = find_start(twisted, Where(start=["beta=0,0,1"], leaf=["C3=1.00000000001"], energy=0))  # within 1e-10
     assert kept.state.tolist() == [0, 0, 0, 0, 0, 0, 0, 0, 1]
 
 
 def test_values_of_a_leaf_are_taken_together_and_those_that_are_left_out_are_kept(twisted):
     own = lp.sample_states(twisted, 1, seed=3)[0]
-    start = find_start(twisted, leaf=["C1=2"], seed=3)
+    start = find_start(twisted, Where(leaf=["C1=2"]), seed=3)
     assert start.leaf.casimirs["C1"] == 2
     assert start.leaf.casimirs["C2"] == pytest.approx(own[3:6] @ own[6:])
     assert start.leaf.contains(start.state)
-    assert find_start(twisted, leaf=["C1=2", "C2=1/2,C3=1"]).leaf.casimirs == {"C1": 2, "C2": 0.5, "C3": 1}
+    assert find_start(twisted, Where(leaf=["C1=2", "C2=1/2,C3=1"])).leaf.casimirs == {"C1": 2, "C2": 0.5, "C3": 1}
 
 
 def test_a_degenerate_leaf_is_named(command):

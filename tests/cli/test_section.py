@@ -14,7 +14,7 @@ FEW = ("--starts", 3, "--crossings", 5)
 def drawn(monkeypatch):
     """The figures that a command would write."""
     figures = []
-    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: figures.append(figure) or [stem])
+    monkeypatch.setattr("liepoisson.cli.runs.write_figure", lambda figure, stem: figures.append(figure) or [stem])
     return figures
 
 
@@ -98,7 +98,7 @@ def test_what_was_not_seen_is_not_said_to_be_missing(command):
 
 @pytest.mark.thorough
 def test_what_limits_the_run_is_told(command):
-    _, out, _ = command("section", "kovalevskaya", "--surface", "sqrt(alpha1) - 1/2", *FEW)
+    _, out, _ = command("section", "kovalevskaya", "--surface", "sqrt(alpha1) - 1/2", "--starts", 5, "--crossings", 20)
     assert "missed   the function does not exist in" in out
     _, out, _ = command("section", "goryachev", *FEW)  # its field is not of degree two
     assert "error    of the state estimated, not bounded, in " in out

@@ -129,7 +129,7 @@ def test_a_trajectory_that_fails_is_an_outcome():
         ({"observable": 3}, ParameterError, "one name or formula"),
         ({"n_samples": 2**24}, ParameterError, "at most 4 GiB"),
         ({"observable": lambda x: x}, ShapeError, "Index the last axis"),
-        ({"observable": lambda x: x[..., 0] * np.nan}, ParameterError, "finite values"),
+        ({"observable": lambda x: x[..., 0] * np.nan}, ParameterError, "finite numbers"),
     ],
 )
 def test_bad_input_is_refused(arguments, error, message):

@@ -7,6 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames
+from liepoisson.numeric.run_options import RunOptions
 
 TOP = lp.Top.twisted_kovalevskaya()
 ROTOR = lp.System(lp.so(3) @ lp.semidirect(2), "sqrt(1 + dot(l, l)) + sin(alpha1)/(3 + alpha2) + exp(l3/5)")
@@ -15,8 +16,8 @@ SU3 = lp.catalog.zeitlin(3)
 
 def both(system, starts, n, duration, *, n_vectors=None, method=None, units=None, only=None):
     """Frames carried over n intervals in one call, what they have found, and the same interval by interval."""
-    options = {"n_vectors": n_vectors, "seed": 3, "method": method, "units": units, "threads": 1, "time_limit": 60.0}
-    together, apart = (TangentFrames(system, starts, **options) for _ in range(2))
+    options = RunOptions.read(method, 1, 60.0, seed=3)
+    together, apart = (TangentFrames(system, starts, options, n_vectors=n_vectors, units=units) for _ in range(2))
     carried = together.carry(n, duration, keep=True, only=only)
     frames, states, triangles = [], [], []
     for _ in range(n):
@@ -88,7 +89,7 @@ def test_frames_give_way_to_one_another_without_a_trace():
     starts = lp.sample_states(TOP, 37, seed=4)
     together, carried, apart, kept = both(TOP, starts, 70, 0.2, n_vectors=2)
     assert_same(together, carried, apart, kept)
-    rows = TangentFrames(TOP, starts, n_vectors=2, seed=3, threads=2, time_limit=60.0).carry(70, 0.2, per_row=14)
+    rows = TangentFrames(TOP, starts, RunOptions.read(None, 2, 60.0, seed=3), n_vectors=2).carry(70, 0.2, per_row=14)
     assert rows.growth.shape == (37, 5, 2)
     assert rows.triangle.shape == (37, 0, 2, 2)
     sums = np.zeros((37, 5, 2))
@@ -126,7 +127,7 @@ def test_a_solution_that_ends_and_vectors_beyond_the_numbers_are_not_finite():
 
 
 def test_what_is_done_when_the_time_is_over_is_kept():
-    frames = TangentFrames(TOP, lp.sample_states(TOP, 40, seed=6), time_limit=0.4, threads=1)
+    frames = TangentFrames(TOP, lp.sample_states(TOP, 40, seed=6), RunOptions.read(None, 1, 0.4))
     carried = frames.carry(20_000, 1.0, per_row=10)
     done = np.isfinite(carried.growth).all(axis=2).sum(axis=1)
     assert (frames.outcome == "time limit").all()
@@ -143,7 +144,7 @@ def test_frames_stop_at_the_wish_of_the_caller():
     def stop(_):
         raise KeyboardInterrupt
 
-    frames = TangentFrames(TOP, lp.sample_states(TOP, 40, seed=6), time_limit=1e6, threads=2)
+    frames = TangentFrames(TOP, lp.sample_states(TOP, 40, seed=6), RunOptions.read(None, 2, 1e6))
     began = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         frames.carry(10_000_000, 1.0, stop, per_row=10_000_000)
@@ -153,7 +154,7 @@ def test_frames_stop_at_the_wish_of_the_caller():
 def test_progress_counts_intervals():
     seen = []
     clock = Clock(5_000, seen.append)
-    frames = TangentFrames(TOP, lp.sample_states(TOP, 8, seed=6), n_vectors=1, threads=1, time_limit=100.0)
+    frames = TangentFrames(TOP, lp.sample_states(TOP, 8, seed=6), RunOptions.read(None, 1, 100.0), n_vectors=1)
     clock.carry(frames, 1_000, 0.5)
     assert seen[-1] == 0.2
     clock.carry(frames, 4_000, 0.5, per_row=4_000)

@@ -9,6 +9,7 @@ import liepoisson as lp
 from liepoisson.indicators import averages, exponents_by_energy, megno, spectrum
 from liepoisson.indicators.averages import average_drift
 from liepoisson.numeric import time_scale
+from liepoisson.numeric.run_options import RunOptions
 
 TOP = lp.Top.twisted_kovalevskaya()
 MANY = lp.sample_states(TOP, 1000, seed=1)  # four pieces of 256
@@ -57,7 +58,8 @@ def test_members_that_are_not_finite_have_their_own_outcome():
 
 
 def test_averages_are_those_of_runs_that_finished():
-    drift, outcome = average_drift(TOP, MANY[:3], t_end=1e5, natural_time=1e5, time_limit=NO_TIME)
+    options = RunOptions.read(time_limit=NO_TIME)
+    drift, outcome = average_drift(TOP, MANY[:3], t_end=1e5, natural_time=1e5, options=options)
     assert np.isnan(drift).all()
     assert outcome.tolist() == ["time limit"] * 3
 

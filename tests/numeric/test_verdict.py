@@ -259,7 +259,7 @@ def test_fraction_is_a_proportion(mixed):
     k = int((mixed.verdict == "chaotic").sum())
     assert mixed.fraction("chaotic") == proportion(k, 120)
     assert str(mixed).startswith(f"{(mixed.verdict == 'regular').sum()} regular, {k} chaotic")
-    with pytest.raises(ParameterError, match="kind: wanted one of"):
+    with pytest.raises(ParameterError, match='kind: wanted "regular", "chaotic" or "undecided"'):
         mixed.fraction("wild")
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.refusals import not_a
+from liepoisson.inputs.refusals import check_kind
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -465,8 +465,7 @@ def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
     if not isinstance(algebra, str):
         from liepoisson.structure.lie_algebra import LieAlgebra
 
-        if not isinstance(algebra, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("a Lie algebra or its name", algebra, "algebra", 'write for example "so(3)"')
+        check_kind(algebra, LieAlgebra, "algebra", "a Lie algebra or its name", 'write for example "so(3)"')
         return algebra
     from liepoisson.model.constructors import read_algebra
 

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import json
 import re
-from typing import Annotated, Any
+from typing import Any
 
-import typer
-
-from liepoisson.cli.output import FORMAT_HELP, Format
+from liepoisson.cli.options import Format, FormatOption
 
 
-def catalog(
-    *,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-) -> None:
+def catalog(*, format_: FormatOption = Format.TEXT) -> None:
     """List the named systems of the literature.
 
     Each name with its first source; the commands take such a name for SYSTEM.

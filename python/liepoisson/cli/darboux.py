@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liepoisson.cli.inspect import Format
-from liepoisson.cli.integrals import FORMAT_HELP, ON_HELP
-from liepoisson.cli.limits import check_limits
-from liepoisson.cli.progress import QuietOption, progress_bar
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+from liepoisson.cli.options import Common, LevelOption, ReportFormat, ReportFormatOption, SystemArgument, show
+from liepoisson.cli.progress import listening
+from liepoisson.cli.runs import check_limits
+from liepoisson.cli.systems import read_system
 
 if TYPE_CHECKING:
     from liepoisson.integrability.darboux import DarbouxPolynomials
@@ -29,16 +27,15 @@ class Numbers(StrEnum):
 
 
 def darboux(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     degree: Annotated[int | None, typer.Option(help="Largest total degree.  [default: 2]")] = None,
     weight: Annotated[int | None, typer.Option(help=WEIGHT_HELP)] = None,
-    on: Annotated[list[str] | None, typer.Option(metavar="EQUATION", help=ON_HELP)] = None,
+    on: LevelOption = None,
     field: Annotated[Numbers, typer.Option(help="Which numbers cofactors may have.")] = Numbers.COMPLEX,
     time_limit: Annotated[float, typer.Option(help="Seconds after which the cases that are left are named.")] = 60.0,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    format_: ReportFormatOption = ReportFormat.TEXT,
+    common: Common,
 ) -> None:
     """Print the Darboux polynomials p up to a degree or a weight: the rate of p is p times a polynomial, its cofactor.
 
@@ -46,10 +43,9 @@ def darboux(
     """
     from liepoisson.integrability.darboux import darboux_polynomials
 
-    check_limits(seed=0, time_limit=time_limit)
-    chosen = read_system(system, settings or ())
-    with progress_bar(quiet=quiet) as bar:
-        listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
+    check_limits(time_limit=time_limit)
+    chosen = read_system(system, common.values)
+    with listening("searching", quiet=common.quiet) as listen:
         found = darboux_polynomials(
             chosen,
             degree=degree,
@@ -59,13 +55,7 @@ def darboux(
             time_limit=time_limit,
             progress=listen,
         )
-    match format_:
-        case Format.TEXT:
-            print(found)
-        case Format.LATEX:
-            print("\n".join(latex_lines(found)))
-        case Format.JSON:
-            print(json.dumps(record(found), indent=2))
+    show(found, format_, record, latex_lines)
 
 
 def latex_lines(found: DarbouxPolynomials) -> list[str]:

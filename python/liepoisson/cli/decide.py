@@ -2,62 +2,49 @@
 
 from __future__ import annotations
 
-import json
-import sys
-from typing import TYPE_CHECKING, Annotated, Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import typer
 
-from liepoisson.cli.limits import MEDIAN_T_END_HELP, check_end_time, check_limits, unit_of_time
-from liepoisson.cli.methods import STEP_HELP, named_method
-from liepoisson.cli.outcomes import check_that_some_finished
-from liepoisson.cli.output import FORMAT_HELP, KEEP_HINT, OUT_HELP, Format, data_file, file_stem, write_result
-from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
-from liepoisson.cli.starts import (
-    ENERGY_HELP,
-    ENSEMBLE_HELP,
-    GUESS_HELP,
-    LEAF_HELP,
-    START_HELP,
-    STARTS_HELP,
-    find_starts,
-    read_numeric_system,
+from liepoisson.cli.options import Common, Format, FormatOption, OutOption, SeedOption, SystemArgument, Where, show
+from liepoisson.cli.output import data_file, name_of_files, write_result
+from liepoisson.cli.runs import (
+    N_STARTS,
+    EndTimeOption,
+    EnsembleOption,
+    How,
+    Limits,
+    StartsOption,
+    check_end_time,
+    check_limits,
+    check_that_some_finished,
+    running,
+    unit_of_time,
 )
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
+from liepoisson.cli.starts import find_starts, read_numeric_system
 
 if TYPE_CHECKING:
     from liepoisson.cli.starts import Starts
     from liepoisson.indicators.verdict import Verdict
     from liepoisson.model.system import System
 
-N_STARTS = 64
 _MOST_ROWS = 24
 
 
 def decide(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
+    where: Where,
     *,
-    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
-    guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
-    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
-    starts: Annotated[int | None, typer.Option(help=f"{STARTS_HELP}  [default: {N_STARTS}]")] = None,
-    ensemble: Annotated[str | None, typer.Option(help=ENSEMBLE_HELP)] = None,
-    seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
-    t_end: Annotated[float | None, typer.Option(help=MEDIAN_T_END_HELP)] = None,
-    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting or gauss.")] = "taylor",
-    tol: Annotated[
-        float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-13, 1e-8]")
-    ] = None,
-    step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None,
-    order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
-    threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
-    time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
-    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    starts: StartsOption = None,
+    ensemble: EnsembleOption = None,
+    seed: SeedOption = 0,
+    t_end: EndTimeOption = None,
+    how: How,
+    limits: Limits,
+    out: OutOption = None,
+    format_: FormatOption = Format.TEXT,
+    common: Common,
 ) -> None:
     """Decide which orbits are regular, chaotic or undecided.
 
@@ -69,31 +56,20 @@ def decide(
     from liepoisson.indicators.verdict import TIME
     from liepoisson.indicators.verdict import decide as find_verdicts
 
-    check_limits(seed=seed, threads=threads, time_limit=time_limit)
-    chosen = read_numeric_system(system, settings or ())
-    data = data_file(out, f"{file_stem(chosen.name.removesuffix(setting_words(settings or ())))}-verdicts.csv")
+    check_limits(seed=seed, **asdict(limits))
+    chosen = read_numeric_system(system, common.values)
+    data = data_file(out, f"{name_of_files(chosen, common.values)}-verdicts.csv")
     check_end_time(t_end)
-    options: dict[str, Any] = {"tol": tol, "step": step, "order": order}
-    named_method(method, **options)  # refused before anything is computed
-    where: dict[str, Any] = {"start": start or (), "guess": guess or (), "leaf": leaf or (), "energy": energy}
-    drawn = find_starts(chosen, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed, **where)
+    how.named()  # refused before anything is computed
+    drawn = find_starts(chosen, where, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed)
     unit = unit_of_time(chosen, drawn.states)
-    how, t_end = named_method(method, unit=unit, **options), TIME * unit if t_end is None else t_end
-    total = len(drawn.states) * t_end
-
-    try:
-        with progress_bar(quiet=quiet) as bar:
-            listen = None if bar is None else (lambda done: bar("deciding", done * total, total))
-            given: dict[str, Any] = {"method": how, "threads": threads, "time_limit": time_limit, "progress": listen}
-            verdict = find_verdicts(chosen, drawn.states, t_end=t_end, seed=seed, **given)
-    except KeyboardInterrupt:
-        print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
+    method, t_end = how.named(unit), TIME * unit if t_end is None else t_end
+    with running("deciding", len(drawn.states) * t_end, quiet=common.quiet) as listen:
+        options: dict[str, Any] = {"seed": seed, "method": method, "progress": listen, **asdict(limits)}
+        verdict = find_verdicts(chosen, drawn.states, t_end=t_end, **options)
     written = None if data is None else write_result(verdict, data)  # first, as nobody may read what is printed
-    if format_ is Format.JSON:
-        print(json.dumps(record(chosen, drawn, verdict), indent=2))
-    else:
-        print("\n".join([*verdict_lines(chosen, drawn, verdict), *([f"wrote    {written}"] if written else [])]))
+    lines = [*verdict_lines(chosen, drawn, verdict), *([f"wrote    {written}"] if written else [])]
+    show(verdict, format_, lambda _: record(chosen, drawn, verdict), text="\n".join(lines))
     check_that_some_finished(verdict.outcome)
 
 

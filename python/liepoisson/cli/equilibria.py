@@ -2,30 +2,25 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from liepoisson.cli.limits import check_limits
-from liepoisson.cli.output import (
-    FORMAT_HELP,
-    TABLE_ENDINGS,
-    TABLE_HELP,
+from liepoisson.cli.options import (
+    Common,
     Format,
-    data_file,
-    file_stem,
-    write_result,
+    FormatOption,
+    LeafOption,
+    SeedOption,
+    SystemArgument,
+    TableOption,
+    Where,
+    show,
 )
-from liepoisson.cli.progress import QuietOption, progress_bar
-from liepoisson.cli.starts import (
-    LEAF_HELP,
-    SEED_HELP,
-    assignments,
-    find_start,
-    read_numeric_system,
-)
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
+from liepoisson.cli.output import TABLE_ENDINGS, data_file, name_of_files, write_result
+from liepoisson.cli.progress import progress_bar
+from liepoisson.cli.runs import check_limits
+from liepoisson.cli.starts import assignments, find_start, read_numeric_system
 
 if TYPE_CHECKING:
     from liepoisson.equilibrium.equilibrium_list import Equilibria
@@ -38,18 +33,17 @@ STARTS_HELP = "Starts of a search, where algebra does not give the list.  [defau
 
 
 def equilibria(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=STATE_HELP)] = None,
-    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
+    leaf: LeafOption = None,
     along: Annotated[list[str] | None, typer.Option(metavar="INTEGRAL=VALUE", help=ALONG_HELP)] = None,
     starts: Annotated[int | None, typer.Option(help=STARTS_HELP)] = None,
-    seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    seed: SeedOption = 0,
     time_limit: Annotated[float, typer.Option(help="Seconds that the search may take.")] = 3600.0,
-    out: Annotated[str | None, typer.Option(metavar="FILE.csv", help=TABLE_HELP)] = None,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    out: TableOption = None,
+    format_: FormatOption = Format.TEXT,
+    common: Common,
 ) -> None:
     """Print the equilibria on a leaf, with their stability, and whether they are all.
 
@@ -58,11 +52,10 @@ def equilibria(
     from liepoisson.equilibrium.leaf_equilibria import equilibria as find_equilibria
 
     check_limits(seed=seed, time_limit=time_limit)
-    chosen = read_numeric_system(system, settings or ())
-    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
-    data = data_file(out, f"{slug}-equilibria.csv", endings=TABLE_ENDINGS)
-    place = find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf
-    with progress_bar(quiet=quiet) as bar:
+    chosen = read_numeric_system(system, common.values)
+    data = data_file(out, f"{name_of_files(chosen, common.values)}-equilibria.csv", endings=TABLE_ENDINGS)
+    place = find_start(chosen, Where(start=start, leaf=leaf), seed).leaf
+    with progress_bar(quiet=common.quiet) as bar:
         if bar is not None:  # of a search nobody knows how much is left
             bar("looking for equilibria", 0.0, 1.0)
         found = find_equilibria(
@@ -74,10 +67,8 @@ def equilibria(
             **({} if starts is None else {"n_starts": starts}),
         )
     written = None if data is None else write_result(found, data)  # first, as nobody may read what is printed
-    if format_ is Format.JSON:
-        print(json.dumps(record(found), indent=2))
-    else:
-        print("\n".join([*equilibrium_lines(found), *([f"wrote    {written}"] if written else [])]))
+    lines = [*equilibrium_lines(found), *([f"wrote    {written}"] if written else [])]
+    show(found, format_, record, text="\n".join(lines))
 
 
 def equilibrium_lines(found: Equilibria) -> list[str]:

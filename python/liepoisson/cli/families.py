@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liepoisson.cli.inspect import Format
-from liepoisson.cli.integrals import FORMAT_HELP, ON_HELP
-from liepoisson.cli.limits import check_limits
-from liepoisson.cli.progress import QuietOption, progress_bar
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_file, with_settings, with_symbols
+from liepoisson.cli.options import (
+    Common,
+    FreeOption,
+    LevelOption,
+    ReportFormat,
+    ReportFormatOption,
+    SystemArgument,
+    show,
+)
+from liepoisson.cli.progress import listening
+from liepoisson.cli.runs import check_limits
+from liepoisson.cli.systems import read_file, with_settings, with_symbols
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -19,24 +25,22 @@ if TYPE_CHECKING:
 
 INCOMPLETE = 1
 
-FREE_HELP = "A parameter that has a value and becomes a symbol: --free mu.  Repeat it for more."
 POSITIVE_HELP = "Parameters that are positive: --positive J1,J2,J3.  [default: all may be any real numbers]"
 NONZERO_HELP = "Parameters that are not zero: --nonzero a3."
 LIMIT_HELP = "Seconds after which the cases that are left are named."
 
 
 def families(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     degree: Annotated[int, typer.Option(help="Largest total degree of the integrals.")] = 2,
-    on: Annotated[list[str] | None, typer.Option(metavar="EQUATION", help=ON_HELP)] = None,
-    free: Annotated[list[str] | None, typer.Option(metavar="NAME", help=FREE_HELP)] = None,
+    on: LevelOption = None,
+    free: FreeOption = None,
     positive: Annotated[list[str] | None, typer.Option(metavar="NAMES", help=POSITIVE_HELP)] = None,
     nonzero: Annotated[list[str] | None, typer.Option(metavar="NAMES", help=NONZERO_HELP)] = None,
     time_limit: Annotated[float, typer.Option(help=LIMIT_HELP)] = 600.0,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    format_: ReportFormatOption = ReportFormat.TEXT,
+    common: Common,
 ) -> None:
     """Find the parameters for which there is a polynomial integral that there is not in general.
 
@@ -45,8 +49,8 @@ def families(
     """
     from liepoisson.integrability.families import integrable_families
 
-    check_limits(seed=0, time_limit=time_limit)
-    file = with_symbols(with_settings(read_file(system), settings or ()), free or ())
+    check_limits(time_limit=time_limit)
+    file = with_symbols(with_settings(read_file(system), common.values), free or ())
     if not file.symbols:
         known = ", ".join(name for name in file.parameters if len(file.scope.shapes[name]) < 2)
         raise ParameterError(
@@ -54,8 +58,7 @@ def families(
             + (f"Name some of {known} with --free." if known else "Its integrals are found by liepoisson integrals.")
         )
     chosen = file.system()
-    with progress_bar(quiet=quiet) as bar:
-        listen = None if bar is None else (lambda done: bar("splitting", done, 1.0))
+    with listening("splitting", quiet=common.quiet) as listen:
         found = integrable_families(
             chosen,
             degree=degree,
@@ -65,13 +68,7 @@ def families(
             time_limit=time_limit,
             progress=listen,
         )
-    match format_:
-        case Format.TEXT:
-            print(found)
-        case Format.LATEX:
-            print("\n".join(latex_lines(found)))
-        case Format.JSON:
-            print(json.dumps(record(found), indent=2))
+    show(found, format_, record, latex_lines)
     if not found.complete:
         raise typer.Exit(INCOMPLETE)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import sys
-from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+from liepoisson.cli.options import ReportFormat, ReportFormatOption, SettingsOption, SystemArgument, show
+from liepoisson.cli.systems import read_system
 
 if TYPE_CHECKING:
     from liepoisson.formula.styles import Style
@@ -18,19 +17,8 @@ if TYPE_CHECKING:
 REFUTED = 1
 
 
-class Format(StrEnum):
-    """How the report is printed."""
-
-    TEXT = "text"
-    LATEX = "latex"
-    JSON = "json"
-
-
 def inspect(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
-    *,
-    format_: Annotated[Format, typer.Option("--format", help="For people, for LaTeX, or for programs.")] = Format.TEXT,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    system: SystemArgument, *, format_: ReportFormatOption = ReportFormat.TEXT, settings: SettingsOption = None
 ) -> None:
     """Print what can be proved about a system.
 
@@ -43,13 +31,8 @@ def inspect(
     from liepoisson.report.describe import inspect as inspect_system
 
     report = inspect_system(read_system(system, settings or ()))
-    match format_:
-        case Format.TEXT:
-            print(report.text(terminal_style()))
-        case Format.LATEX:
-            print(report.latex())
-        case Format.JSON:
-            print(json.dumps(report.record(), indent=2))
+    text = report.text(terminal_style()) if format_ is ReportFormat.TEXT else None
+    show(report, format_, lambda _: report.record(), lambda _: [report.latex()], text=text)
     if report.failed:
         print(f"liepoisson: {report.name}: {'; '.join(report.failed)}.", file=sys.stderr)
         raise typer.Exit(REFUTED)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from liepoisson.cli.limits import check_limits
-from liepoisson.cli.output import FORMAT_HELP, Format, checked_file
-from liepoisson.cli.progress import QuietOption, progress_bar
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+from liepoisson.cli.options import Common, Format, FormatOption, SystemArgument, show
+from liepoisson.cli.output import checked_file
+from liepoisson.cli.progress import listening
+from liepoisson.cli.runs import check_limits
+from liepoisson.cli.systems import read_system
 
 if TYPE_CHECKING:
     from liepoisson.integrability.report import IntegrabilityReport
@@ -20,15 +20,14 @@ CERTIFICATE_HELP = "Write the proof of integrability to this file, .json, which 
 
 
 def integrable(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     degree: Annotated[int, typer.Option(help="Largest degree of the integrals.")] = 6,
     time_limit: Annotated[float, typer.Option(help="Seconds for the whole.")] = 60.0,
     certificate: Annotated[str | None, typer.Option(metavar="FILE", help=CERTIFICATE_HELP)] = None,
     save: Annotated[str | None, typer.Option(metavar="FILE", help=SAVE_HELP)] = None,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    format_: FormatOption = Format.TEXT,
+    common: Common,
 ) -> None:
     """Look for polynomial integrals, degree by degree, until they prove that the system is integrable.
 
@@ -39,14 +38,13 @@ def integrable(
     from liepoisson.integrability.certificates import save_certificate
     from liepoisson.integrability.report import integrability_report, report_record
 
-    check_limits(seed=0, time_limit=time_limit)
+    check_limits(time_limit=time_limit)
     proof_file = None if certificate is None else checked_file(certificate, "--certificate", (".json",), "top.json")
     report_file = None if save is None else checked_file(save, "--save", (".json",), "report.json")
-    chosen = read_system(system, settings or ())
-    with progress_bar(quiet=quiet) as bar:
-        listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
+    chosen = read_system(system, common.values)
+    with listening("searching", quiet=common.quiet) as listen:
         report = integrability_report(chosen, degree=degree, time_limit=time_limit, progress=listen)
-    print(json.dumps(report_record(report), indent=2) if format_ is Format.JSON else report)
+    show(report, format_, report_record)
     if report_file is not None:
         report.save(report_file)
     if proof_file is not None:

@@ -2,34 +2,28 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from liepoisson.cli.inspect import Format
-from liepoisson.cli.progress import QuietOption, progress_bar
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+from liepoisson.cli.options import Common, LevelOption, ReportFormat, ReportFormatOption, SystemArgument, show
+from liepoisson.cli.progress import listening
+from liepoisson.cli.systems import read_system
 
 if TYPE_CHECKING:
     from liepoisson.integrability.polynomial_integrals import FirstIntegrals
 
-FORMAT_HELP = "For people, for LaTeX, or for programs."
 WEIGHT_HELP = "Weight of the polynomials instead, where the equations are homogeneous for positive weights."
-ON_HELP = (
-    "A function that vanishes on the level set that is searched: --on C1 --on C2-1.  [default: all of phase space]"
-)
 
 
 def integrals(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     degree: Annotated[int | None, typer.Option(help="Largest total degree.  [default: 2]")] = None,
     weight: Annotated[int | None, typer.Option(help=WEIGHT_HELP)] = None,
-    on: Annotated[list[str] | None, typer.Option(metavar="EQUATION", help=ON_HELP)] = None,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    on: LevelOption = None,
+    format_: ReportFormatOption = ReportFormat.TEXT,
+    common: Common,
 ) -> None:
     """Print all polynomial first integrals up to a degree, or of one weight.
 
@@ -37,17 +31,10 @@ def integrals(
     """
     from liepoisson.integrability.polynomial_integrals import first_integrals, search_record
 
-    chosen = read_system(system, settings or ())
-    with progress_bar(quiet=quiet) as bar:
-        listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
+    chosen = read_system(system, common.values)
+    with listening("searching", quiet=common.quiet) as listen:
         found = first_integrals(chosen, degree=degree, weight=weight, on=on or (), progress=listen)
-    match format_:
-        case Format.TEXT:
-            print(found)
-        case Format.LATEX:
-            print("\n".join(latex_lines(found)))
-        case Format.JSON:
-            print(json.dumps(search_record(found), indent=2))
+    show(found, format_, search_record, latex_lines)
 
 
 def latex_lines(found: FirstIntegrals) -> list[str]:

@@ -7,17 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from liepoisson.cli.options import SeedOption, SettingsOption, Where
 from liepoisson.cli.output import announce, checked_file
-from liepoisson.cli.starts import (
-    ENERGY_HELP,
-    GUESS_HELP,
-    LEAF_HELP,
-    SEED_HELP,
-    START_HELP,
-    find_start,
-    read_numeric_system,
-)
-from liepoisson.cli.systems import SET_HELP
+from liepoisson.cli.runs import check_limits
+from liepoisson.cli.starts import find_start, read_numeric_system
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -34,29 +27,23 @@ WITH_HELP = "A saved orbit or section (.nc), which the page computes again and c
 def lab(
     system: Annotated[str | None, typer.Argument(help=LAB_HELP, metavar="SYSTEM", show_default=False)] = None,
     *,
-    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
-    guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
-    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
-    seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    where: Where,
+    seed: SeedOption = 0,
     surface: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=SURFACE_HELP)] = None,
     saved: Annotated[str | None, typer.Option("--with", metavar="FILE", help=WITH_HELP)] = None,
     export: Annotated[str | None, typer.Option(metavar="FILE", help=EXPORT_HELP)] = None,
     no_open: Annotated[bool, typer.Option("--no-open", help="Print the address and open no browser.")] = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    settings: SettingsOption = None,
 ) -> None:
     """Open the laboratory: the moving system with its section, exponents and invariants, computed in the browser.
 
     The page is served on this machine alone, at an address with a token, until Ctrl-C.
     """
-    if seed < 0:
-        raise ParameterError(f"--seed must be at least 0; got {seed}. Try 0.")
-    where = {"start": start or (), "guess": guess or (), "leaf": leaf or ()}
+    check_limits(seed=seed)
     file = None if export is None else checked_file(export, "--export", (".html",), "laboratory.html")
     if file is not None and no_open:
         raise ParameterError("--export and --no-open exclude each other: a file is not opened. Leave --no-open out.")
-    wanted = {**where, "energy": energy, "seed": seed}
-    page = _page(system, wanted, surfaces=surface or (), saved=saved, settings=settings or ())
+    page = _page(system, where, seed, surfaces=surface or (), saved=saved, settings=settings or ())
     if file is not None:
         from liepoisson.laboratory.pages import write_page
 
@@ -68,7 +55,8 @@ def lab(
 
 def _page(
     name: str | None,
-    where: dict[str, Any],
+    where: Where,
+    seed: int,
     *,
     surfaces: Sequence[str],
     saved: str | None,
@@ -76,14 +64,13 @@ def _page(
 ) -> Page:
     from liepoisson.laboratory.pages import page_of, page_of_tops
 
-    begins = any(where[name] for name in ("start", "guess", "leaf")) or where["energy"] is not None
     result = _result(saved) if saved is not None else None
-    if result is not None and begins:
+    if result is not None and where.is_given:
         raise ParameterError("--with and --start, --guess, --leaf, --energy exclude each other: the file has a start.")
     if name is None:
         if result is not None and not settings:
             return page_of(result.system, result=result)
-        if begins or surfaces or settings:
+        if where.is_given or surfaces or settings:
             raise ParameterError(
                 "SYSTEM must be given with --start, --leaf, --set and the like. Name one: lab kirchhoff."
             )
@@ -91,7 +78,7 @@ def _page(
     system = read_numeric_system(name, settings)
     if result is not None:
         return page_of(system, result=result, surfaces=surfaces)
-    begin = find_start(system, **where)
+    begin = find_start(system, where, seed)
     return page_of(system, start=begin.state, surfaces=surfaces)
 
 

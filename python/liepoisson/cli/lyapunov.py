@@ -3,42 +3,33 @@
 from __future__ import annotations
 
 import math
-import sys
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import numpy as np
 import typer
 
-from liepoisson.cli.limits import MEDIAN_T_END_HELP, check_end_time, check_limits, unit_of_time
-from liepoisson.cli.methods import METHOD_HELP, PRECISION_HELP, STEP_HELP, TOL_HELP, named_method
-from liepoisson.cli.outcomes import check_that_some_finished
-from liepoisson.cli.output import (
-    FIGURE_HELP,
-    KEEP_HINT,
-    PLOT_HELP,
-    announce,
-    data_file,
-    figure_stem,
-    file_stem,
-    write_figure,
-    write_result,
+from liepoisson.cli.options import Common, Files, SeedOption, SystemArgument, Where
+from liepoisson.cli.output import announce, result_files
+from liepoisson.cli.runs import (
+    N_STARTS,
+    EndTimeOption,
+    EnsembleOption,
+    How,
+    Limits,
+    PrecisionOption,
+    StartsOption,
+    check_end_time,
+    check_limits,
+    check_that_some_finished,
+    running,
+    unit_of_time,
+    write_and_print,
 )
-from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
-from liepoisson.cli.starts import (
-    ENERGY_HELP,
-    ENSEMBLE_HELP,
-    GUESS_HELP,
-    LEAF_HELP,
-    START_HELP,
-    STARTS_HELP,
-    find_starts,
-    read_numeric_system,
-)
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
+from liepoisson.cli.starts import find_starts, read_numeric_system
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from matplotlib.figure import Figure
 
@@ -46,8 +37,6 @@ if TYPE_CHECKING:
     from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
     from liepoisson.indicators.spectrum import Spectrum
 
-N_STARTS = 64
-OUT_HELP = "Also write the result to this file: .nc (with the curves; it can be rerun) or .csv (a row for each run)."
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
 _TIME = 1000.0
 """Default time of the runs, in natural times of the median orbit."""
@@ -56,29 +45,19 @@ _QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 
 
 def lyapunov(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
+    where: Where,
     *,
-    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
-    guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
-    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
-    starts: Annotated[int | None, typer.Option(help=f"{STARTS_HELP}  [default: {N_STARTS}]")] = None,
-    ensemble: Annotated[str | None, typer.Option(help=ENSEMBLE_HELP)] = None,
-    seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
-    t_end: Annotated[float | None, typer.Option(help=MEDIAN_T_END_HELP)] = None,
-    method: Annotated[str, typer.Option(help=METHOD_HELP)] = "taylor",
-    tol: Annotated[float | None, typer.Option(help=f"{TOL_HELP}  [default: 1e-13, 1e-8]")] = None,
-    step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None,
-    order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
-    precision: Annotated[str, typer.Option(help=PRECISION_HELP)] = "double",
-    time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
+    starts: StartsOption = None,
+    ensemble: EnsembleOption = None,
+    seed: SeedOption = 0,
+    t_end: EndTimeOption = None,
+    how: How,
+    precision: PrecisionOption = "double",
     spectrum: Annotated[bool, typer.Option("--spectrum", help=SPECTRUM_HELP)] = False,
-    threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
-    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
-    plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
-    figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    limits: Limits,
+    files: Files,
+    common: Common,
 ) -> None:
     """Print Lyapunov exponents: the largest ones, or whole spectra.
 
@@ -88,39 +67,26 @@ def lyapunov(
 
     The exit code is 1 where no run finished.
     """
-    check_limits(seed=seed, threads=threads, time_limit=time_limit)
-    chosen = read_numeric_system(system, settings or ())
-    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
-    data = data_file(out, f"{slug}-exponents.nc")
-    stem = figure_stem(plot, figure, f"{slug}-exponents")
+    check_limits(seed=seed, **asdict(limits))
+    chosen = read_numeric_system(system, common.values)
+    data, stem = result_files(files, chosen, common.values, "exponents")
     check_end_time(t_end)
-    options: dict[str, Any] = {"tol": tol, "step": step, "order": order, "precision": precision}
-    named_method(method, **options)  # refused before anything is computed
-    where: dict[str, Any] = {"start": start or (), "guess": guess or (), "leaf": leaf or (), "energy": energy}
-    drawn = find_starts(chosen, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed, **where)
+    how.named(precision=precision)  # refused before anything is computed
+    drawn = find_starts(chosen, where, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed)
     unit = unit_of_time(chosen, drawn.states)
-    how, t_end = named_method(method, unit=unit, **options), _TIME * unit if t_end is None else t_end
+    method, t_end = how.named(unit, precision=precision), _TIME * unit if t_end is None else t_end
     if lines := drawn.lines(chosen):
         announce("\n".join(lines), (data, stem))
-    total = len(drawn.states) * t_end
-    try:
-        with progress_bar(quiet=quiet) as bar:
-            listen = None if bar is None else (lambda done: bar("integrating", done * total, total))
-            given: dict[str, Any] = {"method": how, "threads": threads, "time_limit": time_limit, "progress": listen}
-            result = _computed(spectrum)(chosen, drawn.states, t_end=t_end, seed=seed, **given)
-    except KeyboardInterrupt:
-        print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
-    written: list[Path] = []
-    try:  # first, as nobody may read what is printed
-        if data is not None:
-            written.append(write_result(result, data))
-        if stem is not None and np.any(result.outcome == "finished"):
-            written += write_figure(_drawn(result), stem)
-    finally:
-        print("\n".join(summary(result, drawn.words, unit, mixed=drawn.begin is None)), flush=True)
-    for path in written:
-        print(f"wrote    {path}")
+    with running("integrating", len(drawn.states) * t_end, quiet=common.quiet) as listen:
+        options: dict[str, Any] = {"seed": seed, "method": method, "progress": listen, **asdict(limits)}
+        result = _computed(spectrum)(chosen, drawn.states, t_end=t_end, **options)
+    write_and_print(
+        result,
+        data,
+        stem if np.any(result.outcome == "finished") else None,
+        draw=lambda: _drawn(result),
+        lines=lambda: summary(result, drawn.words, unit, mixed=drawn.begin is None),
+    )
     check_that_some_finished(result.outcome)
 
 

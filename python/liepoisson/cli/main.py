@@ -78,6 +78,8 @@ def application(only: str | None = None) -> typer.Typer:
     import typer
     from typer.core import TyperCommand, TyperGroup
 
+    from liepoisson.cli.options import flat
+
     class Command(TyperCommand):
         """A command that refuses an option given twice, of which only the last value would count."""
 
@@ -143,7 +145,7 @@ def application(only: str | None = None) -> typer.Typer:
 
     app.callback()(options)
     for name in COMMANDS if only is None else (only,):
-        app.command(cls=Command)(getattr(import_module(f"liepoisson.cli.{name}"), name))
+        app.command(cls=Command)(flat(getattr(import_module(f"liepoisson.cli.{name}"), name)))
     return app
 
 

@@ -7,23 +7,19 @@ import re
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from enum import StrEnum
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.cli.systems import setting_words
 from liepoisson.errors import OutputError, ParameterError
 from liepoisson.io.files import write_atomically, writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-OUT_HELP = "Also write the result to this file: .nc (which can be rerun) or .csv (a table)."
-TABLE_HELP = "Also write the table to this file, .csv."
-PLOT_HELP = "Draw a figure, a .png file in the working folder."
-FIGURE_HELP = "Draw the figure into this file: .png, .svg or .pdf; without an ending, all three."
-KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is done by then."
-"""What to try after Ctrl-C."""
+    from liepoisson.cli.options import Files
+    from liepoisson.model.system import System
 
 DATA_ENDINGS, TABLE_ENDINGS = (".nc", ".csv"), (".csv",)
 
@@ -40,16 +36,6 @@ def arguments_are(given: Mapping[str, Sequence[str]]) -> Generator[None]:
         yield
     finally:
         _ARGUMENTS.reset(token)
-
-
-class Format(StrEnum):
-    """How a list is printed."""
-
-    TEXT = "text"
-    JSON = "json"
-
-
-FORMAT_HELP = "For people or for programs."
 
 
 def file_stem(name: str) -> str:
@@ -78,6 +64,24 @@ def write_result(result: Any, path: Path) -> Path:
         OutputError: the file cannot be written.
     """
     return result.save(path) if path.suffix == ".nc" else result.to_csv(path)
+
+
+def result_files(files: Files, system: System, values: Sequence[str], what: str) -> tuple[Path | None, Path | None]:
+    """What the result and the figure of a command are called, as `data_file` and `figure_stem` say.
+
+    Args:
+        files: The options.
+        system: The system of the command.
+        values: Values of its parameters, as they were typed, which are no part of the names of files.
+        what: The end of the name where none is given: "orbit".
+    """
+    stem = f"{name_of_files(system, values)}-{what}"
+    return data_file(files.out, f"{stem}.nc"), figure_stem(files.plot, files.figure, stem)
+
+
+def name_of_files(system: System, values: Sequence[str]) -> str:
+    """How the names of files about a system begin."""
+    return file_stem(system.name.removesuffix(setting_words(values)))
 
 
 def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:

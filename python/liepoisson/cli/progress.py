@@ -4,23 +4,15 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Annotated, TypeAlias
-
-import typer
-
-from liepoisson.cli.ending import INTERRUPTED
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.progress import Task
     from rich.text import Text
 
     from liepoisson.studies.twisted_top.integration import Progress
-
-__all__ = ["INTERRUPTED", "QuietOption", "progress_bar"]
-
-QuietOption: TypeAlias = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
 
 FIRST_LINE, LATER_LINES = 10.0, 60.0
 """Seconds before the first line where there is no terminal, and between lines: short runs stay silent."""
@@ -74,6 +66,19 @@ def progress_bar(*, quiet: bool = False) -> Generator[Progress | None]:
             bar.update(task, description=activity, completed=done if total else 1.0, total=total or 1.0)
 
         yield listen
+
+
+@contextmanager
+def listening(activity: str, total: float = 1.0, *, quiet: bool) -> Generator[Callable[[float], None] | None]:
+    """The same for one activity: a listener for the fraction of it that is done.
+
+    Args:
+        activity: What is done, in words.
+        total: The whole of it, for the rate; 1 where only a fraction is known.
+        quiet: Whether nobody listens.
+    """
+    with progress_bar(quiet=quiet) as bar:
+        yield None if bar is None else lambda done: bar(activity, done * total, total)
 
 
 def _lines_from_time_to_time() -> Progress:

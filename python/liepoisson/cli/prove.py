@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liepoisson.cli.output import FORMAT_HELP, Format, checked_file
-from liepoisson.cli.progress import QuietOption, progress_bar
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+from liepoisson.cli.options import Common, Format, FormatOption, SystemArgument, show
+from liepoisson.cli.output import checked_file
+from liepoisson.cli.progress import listening
+from liepoisson.cli.systems import read_system
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ OUT_HELP = "Write the certificate that --search found to this file, .json."
 
 
 def prove(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     certificate: Annotated[str | None, typer.Option(metavar="FILE", help=CERTIFICATE_HELP)] = None,
     search: Annotated[bool, typer.Option("--search", help=SEARCH_HELP)] = False,
@@ -36,9 +36,8 @@ def prove(
     starts: Annotated[int | None, typer.Option(metavar="N", help=STARTS_HELP)] = None,
     seed: Annotated[int, typer.Option(help="Seed of the search.")] = 0,
     out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
-    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    format_: FormatOption = Format.TEXT,
+    common: Common,
 ) -> None:
     """Prove that a top is chaotic: check a certificate in two arithmetics and print the theorem that follows.
 
@@ -52,19 +51,17 @@ def prove(
     if search and certificate is not None:
         raise ParameterError("wanted --certificate to check a file or --search to find one; got both")
     path = None if out is None else checked_file(out, "--out", (".json",), "proof.json")
-    chosen = read_system(system, settings or ())
+    chosen = read_system(system, common.values)
     found: Any = certificate
-    with progress_bar(quiet=quiet) as bar:
-        if search:
-            options = {} if starts is None else {"n_starts": starts}
-            listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
-            candidate = _searched(chosen, level or (), seed=seed, progress=listen, **options)
-            if path is not None:
-                candidate.save(path)
-            found = candidate
-        listen = None if bar is None else (lambda done: bar("checking", done, 1.0))
+    if search:
+        options = {} if starts is None else {"n_starts": starts}
+        with listening("searching", quiet=common.quiet) as listen:
+            found = _searched(chosen, level or (), seed=seed, progress=listen, **options)
+        if path is not None:
+            found.save(path)
+    with listening("checking", quiet=common.quiet) as listen:
         proof = prove_chaos(chosen, found, progress=listen)
-    print(json.dumps(record(proof), indent=2) if format_ is Format.JSON else proof)
+    show(proof, format_, record)
 
 
 def _searched(system: System, level: Sequence[str], **options: Any) -> Any:

@@ -8,7 +8,9 @@ from typing import Annotated
 
 import typer
 
-from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
+from liepoisson.cli.ending import INTERRUPTED
+from liepoisson.cli.options import QuietOption, SeedOption
+from liepoisson.cli.progress import progress_bar
 from liepoisson.errors import ParameterError
 from liepoisson.studies import STUDIES, check_study
 
@@ -20,7 +22,7 @@ def reproduce(
     *,
     members: Annotated[int | None, typer.Option(help="Random starts per ensemble.  [default: 20000]")] = None,
     end_time: Annotated[float | None, typer.Option(help="Time of the main runs.  [default: 1000]")] = None,
-    seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
+    seed: SeedOption = 0,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
     # Text, because an empty one would read as the working folder.
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder.  [default: results/STUDY]")] = None,

@@ -2,47 +2,24 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import warnings
 from collections.abc import Sequence
+from dataclasses import asdict
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 import typer
 
-from liepoisson.cli.limits import check_limits, unit_of_time
-from liepoisson.cli.output import (
-    FIGURE_HELP,
-    KEEP_HINT,
-    OUT_HELP,
-    PLOT_HELP,
-    announce,
-    data_file,
-    figure_stem,
-    file_stem,
-    write_figure,
-    write_result,
-)
-from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
-from liepoisson.cli.starts import (
-    ENERGY_HELP,
-    GUESS_HELP,
-    LEAF_HELP,
-    SEED_HELP,
-    START_HELP,
-    find_start,
-    leaf_lines,
-    read_numeric_system,
-    start_lines,
-)
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
+from liepoisson.cli.options import Common, Files, SeedOption, SystemArgument, Where
+from liepoisson.cli.output import announce, result_files
+from liepoisson.cli.runs import Limits, check_end_time, check_limits, running, unit_of_time, write_and_print
+from liepoisson.cli.starts import find_start, leaf_lines, read_numeric_system, start_lines
 from liepoisson.errors import ParameterError, SurfaceWarning
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from liepoisson.leaf.starts import Start
@@ -88,33 +65,23 @@ class Direction(StrEnum):
 
 
 def section(
-    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    system: SystemArgument,
     *,
     surface: Annotated[str | None, typer.Option(metavar="FORMULA", help=SURFACE_HELP)] = None,
     direction: Annotated[Direction, typer.Option(help="Of the function at a crossing.")] = Direction.UP,
-    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
-    guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
-    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
+    where: Where,
     starts: Annotated[
         int | None, typer.Option(help=f"Random starts on leaf, energy and surface.  [default: {N_STARTS}]")
     ] = None,
-    seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    seed: SeedOption = 0,
     crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = N_CROSSINGS,
-    t_end: Annotated[
-        float | None,
-        typer.Option(help=T_END_HELP),
-    ] = None,
+    t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     keep: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=KEEP_HELP)] = None,
-    threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
-    time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
-    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
-    plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
-    figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+    limits: Limits,
+    files: Files,
     x: Annotated[str | None, typer.Option("--x", metavar="FORMULA", help=ACROSS_HELP)] = None,
     y: Annotated[str | None, typer.Option("--y", metavar="FORMULA", help=UP_HELP)] = None,
-    quiet: QuietOption = False,
-    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+    common: Common,
 ) -> None:
     """Print where orbits cross a surface.
 
@@ -123,31 +90,32 @@ def section(
 
     The exit code is 1 where no crossing is found.
     """
-    chosen = read_numeric_system(system, settings or ())
-    _check_counts(starts, start, crossings)
-    if t_end is not None and not (math.isfinite(t_end) and t_end != 0):
-        raise ParameterError(f"--t-end must be a finite time other than 0; got {t_end:g}. Leave it out.")
-    check_limits(seed=seed, threads=threads, time_limit=time_limit)
-    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
-    data = data_file(out, f"{slug}-section.nc")
-    stem = figure_stem(plot, figure, f"{slug}-section")
-    if stem is not None:
-        _check_axes(chosen, x, y, keep)
+    from liepoisson.poincare.section import section as find_crossings
     from liepoisson.poincare.section_arguments import check_that_it_varies
 
-    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
-    cut, reason = _surface(begin, surface, direction, seed, alone=bool(start))
+    chosen, alone = read_numeric_system(system, common.values), bool(where.start)
+    _check_counts(starts, crossings, alone=alone)
+    check_end_time(t_end, forwards=False)
+    check_limits(seed=seed, **asdict(limits))
+    data, stem = result_files(files, chosen, common.values, "section")
+    if stem is not None:
+        _check_axes(chosen, x, y, keep)
+    begin = find_start(chosen, where, seed)
+    cut, reason = _surface(begin, surface, direction, seed, alone=alone)
     _check_formulas(chosen, (cut, *(keep or ())))
     check_that_it_varies(chosen, cut)
-    announce("\n".join(head_lines(chosen, begin, cut, reason, direction, alone=bool(start))), (data, stem))
+    announce("\n".join(head_lines(chosen, begin, cut, reason, direction, alone=alone)), (data, stem))
     n = N_STARTS if starts is None else starts
-    states = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
+    states = begin.state[None] if alone else _starts(begin, cut, n, seed, direction)
     if t_end is None:
         t_end = _TIME * crossings * unit_of_time(chosen, states)
-    if not start:
+    if not alone:
         announce(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", (data, stem))
-    try:
-        run = _crossings(
+    total = len(states) * abs(t_end)
+    with running("looking for crossings", total, quiet=common.quiet) as listen, warnings.catch_warnings():
+        # a line of the output says so, with the share of the time
+        warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
+        run = find_crossings(
             chosen,
             states,
             t_end=t_end,
@@ -155,30 +123,22 @@ def section(
             direction=direction.sign,
             n_crossings=crossings,
             keep=keep or None,
-            threads=threads,
-            time_limit=time_limit,
-            quiet=quiet,
+            progress=listen,
+            **asdict(limits),
         )
-    except KeyboardInterrupt:
-        print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
-    axes: SectionAxes | None = None
-    written: list[Path] = []
-    try:  # first, as nobody may read what is printed
-        if data is not None:
-            written.append(write_result(run, data))
-        if stem is not None and len(run.time):
-            from liepoisson.plot.section import titled_section
+    about: list[str] = []
 
-            axes = _axes(run, x, y, keep)
-            drawn = titled_section(run, begin.leaf, cut, (axes.x, axes.y), begin.energy, sheets=axes.sheets)
-            written += write_figure(drawn, stem)
-    finally:
-        print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
-    if axes is not None and not keep and begin.leaf.rank == 4:
-        print("\n".join(_about_axes(run, axes, given=bool(x or y))), end="")
-    for path in written:
-        print(f"wrote    {path}")
+    def draw() -> Figure:
+        from liepoisson.plot.section import titled_section
+
+        axes = _axes(run, x, y, keep)
+        drawn = titled_section(run, begin.leaf, cut, (axes.x, axes.y), begin.energy, sheets=axes.sheets)
+        if not keep and begin.leaf.rank == 4:
+            about.extend(_about_axes(run, axes, given=bool(x or y)))
+        return drawn
+
+    lines = lambda: [*run_lines(run, begin, full=not keep), *about]  # noqa: E731
+    write_and_print(run, data, stem if len(run.time) else None, draw=draw, lines=lines)
     if not len(run.time):
         print(f"liepoisson: {why_nothing(run)}", file=sys.stderr)
         raise typer.Exit(NO_CROSSING)
@@ -202,14 +162,14 @@ def _surface(begin: Start, given: str | None, direction: Direction, seed: int, *
 def _about_axes(run: Section, axes: SectionAxes, *, given: bool) -> list[str]:
     """What is said of the axes of a figure of a section of dimension 2."""
     if axes.is_graph:
-        return [f"figure   {axes.x} and {axes.y}: coordinates on the section\n"]
+        return [f"figure   {axes.x} and {axes.y}: coordinates on the section"]
     if axes.sheets:
         sides = "each direction" if axes.by_direction else f"each sign of {axes.sheets}"
-        return [f"figure   {axes.x} and {axes.y}: two sheets side by side, one for {sides}\n"]
+        return [f"figure   {axes.x} and {axes.y}: two sheets side by side, one for {sides}"]
     if not run.is_folded(axes.x, axes.y):
         return []
     advice = "Leave out --x and --y for others" if given else "Another --surface may have axes that do not"
-    return [f"figure   folds the section: different states may lie at one point. {advice}\n"]
+    return [f"figure   folds the section: different states may lie at one point. {advice}"]
 
 
 def head_lines(system: System, begin: Start, cut: str, reason: str, direction: Direction, *, alone: bool) -> list[str]:
@@ -292,8 +252,8 @@ def _range(count: NDArray[np.int64]) -> str:
     return f"{count.min()}" if count.min() == count.max() else f"{count.min()} to {count.max()}"
 
 
-def _check_counts(starts: int | None, start: Sequence[str] | None, crossings: int) -> None:
-    if starts is not None and start:
+def _check_counts(starts: int | None, crossings: int, *, alone: bool) -> None:
+    if starts is not None and alone:
         raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
     for name, value, most, usual in (
         ("starts", starts, _MOST_STARTS, N_STARTS),
@@ -342,14 +302,3 @@ def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> 
     return section_starts(
         begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
     )
-
-
-def _crossings(system: System, states: FloatArray, *, t_end: float, quiet: bool, **options: Any) -> Section:
-    from liepoisson.poincare.section import section as find_crossings
-
-    total = len(states) * abs(t_end)
-    with progress_bar(quiet=quiet) as bar, warnings.catch_warnings():
-        # a line of the output says so, with the share of the time
-        warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
-        listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))
-        return find_crossings(system, states, t_end=t_end, progress=listen, **options)

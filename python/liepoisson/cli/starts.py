@@ -1,4 +1,4 @@
-"""The options that say where orbits begin: a state that is given, or a guess moved onto a leaf and an energy."""
+"""Where the orbits of a command begin: a state that is given, or a guess moved onto a leaf and an energy."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.cli.options import Where
 from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_double
@@ -17,16 +18,6 @@ if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.leaf.starts import Start
     from liepoisson.model.system import System
-
-START_HELP = "Where the orbit begins: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
-GUESS_HELP = "Like --start, but it is moved onto --leaf and --energy.  [default: member 0 of the seed]"
-LEAF_HELP = "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf l.alpha=1/5; the others keep theirs."
-ENERGY_HELP = "Value of the Hamiltonian, as in --energy 1.5 or --energy 3/2."
-SEED_HELP = "Seed of what is drawn at random."
-STARTS_HELP = "Random starts."
-ENSEMBLE_HELP = (
-    "How starts are drawn where no leaf is asked for: unit-vectors, cube or gaussian.  [default: unit-vectors]"
-)
 
 _MOST_SHOWN = 60
 _MOST_STARTS = 2**31
@@ -69,15 +60,7 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
     return replace(file, name=name if fits else file.name).system()
 
 
-def find_start(
-    system: System,
-    *,
-    start: Sequence[str] = (),
-    guess: Sequence[str] = (),
-    leaf: Sequence[str] = (),
-    energy: str | None = None,
-    seed: int = 0,
-) -> Start:
+def find_start(system: System, where: Where, seed: int = 0) -> Start:
     """The start that the options ask for, as `liepoisson.phase_space.find_start` finds it.
 
     Raises:
@@ -90,10 +73,10 @@ def find_start(
     component = system.component_names[0]
     return find(
         system,
-        start=_state(start, "--start", component),
-        guess=_state(guess, "--guess", component),
-        leaf=assignments(split_at_commas(leaf), "--leaf", "--leaf C1=1,C2=0", "Casimir") if leaf else None,
-        energy=energy,
+        start=_state(where.start or (), "--start", component),
+        guess=_state(where.guess or (), "--guess", component),
+        leaf=assignments(split_at_commas(where.leaf), "--leaf", "--leaf C1=1,C2=0", "Casimir") if where.leaf else None,
+        energy=where.energy,
         seed=seed,
         prefix="--",
     )
@@ -121,16 +104,7 @@ class Starts:
 
 
 def find_starts(
-    system: System,
-    *,
-    starts: int | None,
-    default: int,
-    start: Sequence[str] = (),
-    guess: Sequence[str] = (),
-    leaf: Sequence[str] = (),
-    energy: str | None = None,
-    ensemble: str | None = None,
-    seed: int = 0,
+    system: System, where: Where, *, starts: int | None, default: int, ensemble: str | None = None, seed: int = 0
 ) -> Starts:
     """One orbit with --start; with --guess, --leaf or --energy random starts there; else members of an ensemble.
 
@@ -138,12 +112,12 @@ def find_starts(
         ParameterError: options that contradict each other or cannot be read.
         LeafError: the leaf has no state of this energy, or no finite volume to draw from.
     """
-    if starts is not None and start:
+    if starts is not None and where.start:
         raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
     n = default if starts is None else starts
     if not 1 <= n <= _MOST_STARTS:
         raise ParameterError(f"--starts must be from 1 to {_MOST_STARTS}; got {n}. Try {default}.")
-    if not (start or guess or leaf or energy is not None):
+    if not where.is_given:
         from liepoisson.numeric.sampling import sample_states
 
         drawn = ensemble or "unit-vectors"
@@ -151,10 +125,12 @@ def find_starts(
         return Starts(states, f"{n} random start{'s' if n > 1 else ''} ({drawn}, seed {seed})", None)
     if ensemble is not None:
         raise ParameterError("--ensemble and --leaf exclude each other: on a leaf states follow the Liouville measure.")
-    begin = find_start(system, start=start, guess=guess, leaf=leaf, energy=energy, seed=seed)
-    if start:
+    begin = find_start(system, where, seed)
+    if where.start:
         return Starts(begin.state[None], "one orbit", begin)
-    level = begin.energy if energy is None else as_double(energy, "--energy")  # the former has a round-off of its own
+    level = (
+        begin.energy if where.energy is None else as_double(where.energy, "--energy")
+    )  # the former has a round-off of its own
     states = begin.leaf.sample(n, seed=seed, energy=level)
     return Starts(states, f"{n} random start{'s' if n > 1 else ''} on one leaf and energy (seed {seed})", begin)
 

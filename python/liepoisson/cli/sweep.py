@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from liepoisson.cli.ending import TERMINATED, TerminatedError, ends_on_sigterm
-from liepoisson.cli.output import FIGURE_HELP, OUT_HELP, PLOT_HELP, data_file, figure_stem, write_figure, write_result
-from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
+from liepoisson.cli.ending import INTERRUPTED, TERMINATED, TerminatedError, ends_on_sigterm
+from liepoisson.cli.options import Files, QuietOption
+from liepoisson.cli.output import data_file, figure_stem, write_figure, write_result
+from liepoisson.cli.progress import progress_bar
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -44,9 +45,7 @@ def sweep(
     allow_code: Annotated[
         bool, typer.Option("--allow-code", help="Import and call the function that FILE gives as its quantity.")
     ] = False,
-    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
-    plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
-    figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+    files: Files,
     quiet: QuietOption = False,
 ) -> None:
     """Compute a quantity over a grid of parameters, energies and Casimirs.
@@ -68,8 +67,8 @@ def sweep(
         raise ParameterError(
             f"--store must name a folder; got {store!r}. Leave it out for the folder beside FILE, or give its name."
         )
-    data = data_file(out, f"{Path(file).stem}.csv")
-    stem = figure_stem(plot, figure, Path(file).stem)
+    data = data_file(files.out, f"{Path(file).stem}.csv")
+    stem = figure_stem(files.plot, files.figure, Path(file).stem)
     spec = read_sweep_file(file, allow_code=allow_code)
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
     try:

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.model.system_file import SystemFile
 
-SYSTEM_HELP = "A name of the catalog (see `liepoisson catalog`) or the path of a system file (.toml)."
-SET_HELP = "A value for a parameter: --set epsilon=1/3 --set a=1,0,0.  Repeat it for more."
-
 _MOST_SHOWN = 60
 
 

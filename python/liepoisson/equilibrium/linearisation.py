@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from liepoisson.inputs.arrays import Array, norm
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
-    from flint import fmpq_mat, fmpq_poly
+    from flint import acb, fmpq_mat, fmpq_poly
 
     from liepoisson.model.system import System
 
@@ -352,7 +352,8 @@ def _roots(squares: fmpq_poly) -> tuple[list[complex], bool, bool]:
     from flint import ctx
 
     with ctx.workprec(_BITS):
-        found = squares.complex_roots()  # enclosed in balls; those of real roots are real
+        # Roots in balls, those of real roots real, with multiplicities; FLINT's stub forgets the latter.
+        found = cast("list[tuple[acb, int]]", squares.complex_roots())
         eigenvalues = [(complex(root.sqrt()), multiplicity) for root, multiplicity in found]
         is_imaginary = all(root.imag == 0 and root.real < 0 for root, _ in found)
     values = [sign * value for value, multiplicity in eigenvalues for sign in (1, -1) for _ in range(multiplicity)]

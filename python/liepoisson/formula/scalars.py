@@ -56,6 +56,14 @@ def as_number(value: Any, name: str, wanted: str) -> float:
     raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; give a plain number")
 
 
+def as_positive(value: Any, name: str, wanted: str, *, example: float, zero: bool = False) -> float:
+    """A finite number above 0 as a plain float; 0, too, if it may be."""
+    number = as_number(value, name, wanted)
+    if not (0.0 < number < math.inf or (zero and number == 0.0)):
+        raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; try {example:g}")
+    return number
+
+
 def as_time(value: Any, name: str, *, example: float, forwards: bool = True) -> float:
     """A length of time that is divided into others, as a plain float; either way if not `forwards`."""
     wanted = "a positive finite time" if forwards else "a finite time that is not 0"
@@ -68,11 +76,11 @@ def as_time(value: Any, name: str, *, example: float, forwards: bool = True) -> 
     return time
 
 
-def as_threads(threads: int | None) -> int:
+def as_threads(threads: int | None, name: str = "threads") -> int:
     """Number of threads; by default the processors that this process may use."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return as_count(threads, "threads", least=1, most=MOST_THREADS, hint="leave it out to use all processors")
+    return as_count(threads, name, least=1, most=MOST_THREADS, hint="leave it out to use all processors")
 
 
 def as_deadline(time_limit: float) -> Deadline:
@@ -84,9 +92,9 @@ def as_deadline(time_limit: float) -> Deadline:
     return Deadline(as_time_limit(time_limit))
 
 
-def as_time_limit(seconds: float) -> float:
+def as_time_limit(seconds: float, name: str = "time_limit") -> float:
     """Seconds that a run may take."""
-    limit = as_number(seconds, "time_limit", "a positive number of seconds")
+    limit = as_number(seconds, name, "a positive number of seconds")
     if not limit > 0:
-        raise ParameterError(f"time_limit: wanted a positive number of seconds; got {limit!r}; try 60")
+        raise ParameterError(f"{name}: wanted a positive number of seconds; got {limit!r}; try 60")
     return limit

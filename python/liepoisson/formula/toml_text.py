@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
-from liepoisson.errors import MissingFileError, ParameterError, SystemFileError
+from liepoisson.errors import (
+    ExpressionError,
+    LiePoissonError,
+    MissingFileError,
+    ParameterError,
+    SystemFileError,
+    did_you_mean,
+)
 from liepoisson.formula.parameters import read_parameter
+
+T = TypeVar("T")
 
 MAX_BYTES = 1_000_000
 _MAX_PARTS = 16
@@ -70,6 +79,61 @@ class TomlText:
             key = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*[=.]")
             found = next((number for number in range(start, len(lines)) if key.match(lines[number])), found)
         return None if found is None else found + 1
+
+
+class TomlReader:
+    """Turns the tables of a file into its meaning; every error names the key and the line.
+
+    Args:
+        toml: The file.
+    """
+
+    def __init__(self, toml: TomlText) -> None:
+        self.toml = toml
+
+    def table(self, keys: tuple[str | int, ...], given: object) -> dict[str, Any]:
+        """A table, which must be there."""
+        if given is None:
+            raise self.toml.error((), f"wanted a table [{keys[0]}]; there is none. Add it.")
+        if not isinstance(given, dict):
+            raise self.toml.error(
+                keys, f"wanted a table; got {in_words(given)}. Write [{keys[0]}] on a line of its own."
+            )
+        return cast("dict[str, Any]", given)
+
+    def check_keys(
+        self,
+        keys: tuple[str | int, ...],
+        table: Mapping[str, object],
+        known: Sequence[str],
+        below: Mapping[str, str] | None = None,
+    ) -> None:
+        """Refuse unknown keys; of some it is known where they belong."""
+        for key in table:
+            if key not in known:
+                hint = (below or {}).get(key) or did_you_mean(key, known).strip() or "Remove it."
+                raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")
+
+    def guarded(self, keys: tuple[str | int, ...], read: Callable[[], T]) -> T:
+        """What `read` returns; an error that it raises is told with the key and the line."""
+        try:
+            return read()
+        except SystemFileError:
+            raise
+        except ExpressionError as error:
+            raise self.toml.error(keys, error.within_formula()) from error
+        except LiePoissonError as error:
+            raise self.toml.error(keys, str(error)) from error
+
+
+def in_words(given: object) -> str:
+    """A wrong value as a message about a file quotes it."""
+    if isinstance(given, UnreadableNumber):
+        return given.text
+    if isinstance(given, (str, bool, float)):
+        return repr(given)[:60]
+    kinds: dict[type[Any], str] = {dict: "a table", list: "a list", int: "a number", Fraction: "a number"}
+    return kinds.get(type(given), f"a {type(given).__name__}")
 
 
 def _headers(lines: Sequence[str], names: Sequence[str]) -> list[int]:

@@ -2,27 +2,26 @@ r"""SALI and GALI: how nearly parallel tangent vectors of an orbit have become."
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run, given
-from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
-from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
-from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import Run, trajectories, typical
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.sampling import as_first, sample_alignment_vectors
+from liepoisson.numeric.starts import StartsLike, as_forward_times, as_starts, as_states
+from liepoisson.numeric.systems import HasField, component_names, has_functions
 from liepoisson.portable import elementary, linear
 
 Within: TypeAlias = Literal["space", "leaf", "energy"]
@@ -51,20 +50,12 @@ class Alignment(Run):
         True
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        start: Shape (trajectory, component).
-        seed: Seed of the tangent vectors.
-        first: Number of the first member.
         unit: Units of the components in which vectors are drawn and angles taken, shape (trajectory, component).
         within: Where the vectors started: "space", "leaf" or "energy".
         time: Times, shape (time,).
         sali: $\min(|\hat v_1 + \hat v_2|, |\hat v_1 - \hat v_2|)$, between 1e-16 and $\sqrt 2$, shape
             (trajectory, time); NaN from where a trajectory failed.
         log_gali: $\ln\mathrm{GALI}_k$ for k = 2, 3, ..., shape (trajectory, time, order).
-        outcome: How each trajectory ended, shape (trajectory,).
     """
 
     kind = "alignment"
@@ -141,9 +132,6 @@ def alignment(
         (array([ True, False]), array([False,  True]))
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
-            beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive; the indices are then given at 100 times spaced evenly in the logarithm, from
             `t_end`/1000 on.
         times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
@@ -155,11 +143,6 @@ def alignment(
             those of $v_i/u_i$, and vectors in the whole space are drawn uniformly in these; by default 1.
         seed: Draws the tangent vectors, in a stream of their own: they are independent of the vector of an exponent or
             MEGNO with the same seed.
-        first: Number of the first member: member k has the same vectors in whichever piece of an ensemble it is.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
-        progress: Called a few times a second, and after each of the times, with the fraction of them that is done.
 
     Returns:
         Alignment; a trajectory that fails is an outcome in it, not an error.
@@ -173,16 +156,17 @@ def alignment(
     References:
         Skokos, J. Phys. A 34 (2001) 10029; Skokos, Bountis and Antonopoulos, Physica D 231 (2007) 30.
     """
-    method = as_method(method, Taylor(tol=1e-13))
-    n, deadline = as_field(system).n_components, clock.monotonic() + as_time_limit(time_limit)
-    states, wanted = as_starts(system, starts, n), _as_alignment_times(t_end, times)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    field = options.field(system)
+    n = field.n_components
+    states, wanted = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
     if n < 2:
         raise ParameterError(
             f"system: wanted one with at least 2 components, as two tangent vectors are compared; {system.name} has "
             f"{n}; a Lie-Poisson bracket of one component vanishes, and every orbit rests"
         )
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
-    seed, first = as_seed(seed), as_first(first, len(states))
+    first = as_first(options.first, len(states))
     size = (
         np.ones(states.shape) if units is None else _as_units(units, states, component_names(system, states.shape[1]))
     )
@@ -190,79 +174,54 @@ def alignment(
     log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
     outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
     known: dict[str, Any] = {
-        **given(system, field_for(system, as_field(system), method), method, states.copy()),
-        "seed": seed, "first": first, "within": within, "unit": size, "time": wanted, "time_limit": float(time_limit),
+        **options.given(system, states.copy(), field),
+        **options.drawn, "within": within, "unit": size, "time": wanted,
     }  # fmt: skip
-    if clock.monotonic() > deadline:  # before vectors are drawn: of many members this takes seconds
+    if options.is_late:  # before vectors are drawn: of many members this takes seconds
         outcome[outcome == "finished"] = "time limit"
         return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
-    drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
+    drawn = sample_alignment_vectors(n, len(states), k, seed=options.seed, first=first)
     vectors = _first_vectors(system, states, drawn * size[:, None] if within == "space" else drawn, within)
     n_done = 0
-    travel = _Travel(
-        system,
-        method,
-        threads,
-        deadline,
-        # pieces may be done again in halves: within one, the times before it are what is done
-        None if progress is None else lambda _: progress(n_done / len(wanted)),
-    )
+    # pieces may be done again in halves: within one, the times before it are what is done
+    listen = None if progress is None else lambda _: progress(n_done / len(wanted))
+    part = replace(options, progress=listen)
     before = 0.0
     for i, now in enumerate(wanted.tolist()):
         alive = np.flatnonzero(outcome == "finished")
         if not len(alive):
             break
-        states[alive], vectors[alive], outcome[alive] = travel(states[alive], vectors[alive], before, now)
+        states[alive], vectors[alive], outcome[alive] = _carried(
+            system, states[alive], vectors[alive], (before, now), part
+        )
         good = np.flatnonzero(outcome == "finished")
         seen = vectors[good] if units is None else _unit(vectors[good] / size[good][:, None])
         sali[good, i], log_gali[good, i] = _sali(seen), _log_gali(seen)
         before, n_done = now, i + 1
-        if progress is not None:
-            progress(n_done / len(wanted))
+        options.tell(n_done / len(wanted))
     return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
 
 
-class _Travel:
-    """Carries states and unit vectors from one time to another; the vectors come back with length one."""
-
-    def __init__(
-        self,
-        system: HasField,
-        method: Method,
-        threads: int | None,
-        deadline: float,
-        listen: Callable[[float], Any] | None,
-    ) -> None:
-        self.system, self.method, self.threads, self.deadline = system, method, threads, deadline
-        self.listen = listen
-
-    def __call__(
-        self, states: Array, vectors: Array, start: float, end: float
-    ) -> tuple[Array, Array, NDArray[np.str_]]:
-        orbit = integrate(
-            self.system,
-            states,
-            times=[start, end],
-            tangents=vectors,
-            method=self.method,
-            threads=self.threads,
-            # a run needs a positive limit; one that has passed ends all trajectories at once
-            time_limit=max(self.deadline - clock.monotonic(), 1e-9),
-            progress=self.listen,
-        )
-        after, grown, outcome = orbit.state[:, 1].copy(), orbit.tangent[:, 1].copy(), orbit.outcome.copy()
-        arrived = outcome == "finished"
-        longest = np.abs(grown).max(axis=(1, 2))
-        # Halving depends on the member alone, so a member is the same in any ensemble.
-        again = np.flatnonzero(arrived & ~(longest < elementary.exp(_MOST_GROWTH)))
-        middle = 0.5 * (start + end)
-        if len(again) and start < middle < end:
-            half, turned, ended = self(states[again], vectors[again], start, middle)
-            after[again], grown[again], outcome[again] = half, turned, ended
-            onward = again[ended == "finished"]
-            if len(onward):
-                after[onward], grown[onward], outcome[onward] = self(after[onward], grown[onward], middle, end)
-        return after, _unit(grown), outcome
+def _carried(
+    system: HasField, states: Array, vectors: Array, times: tuple[float, float], options: RunOptions
+) -> tuple[Array, Array, NDArray[np.str_]]:
+    """States and unit vectors at another time, and outcomes; the vectors come back with length one."""
+    orbit = integrate(system, states, times=times, tangents=vectors, **options.inner())
+    after, grown, outcome = orbit.state[:, 1].copy(), orbit.tangent[:, 1].copy(), orbit.outcome.copy()
+    arrived = outcome == "finished"
+    longest = np.abs(grown).max(axis=(1, 2))
+    # Halving depends on the trajectory alone, so it is the same in any ensemble.
+    again = np.flatnonzero(arrived & ~(longest < elementary.exp(_MOST_GROWTH)))
+    start, end = times
+    middle = 0.5 * (start + end)
+    if len(again) and start < middle < end:
+        half, turned, ended = _carried(system, states[again], vectors[again], (start, middle), options)
+        after[again], grown[again], outcome[again] = half, turned, ended
+        onward = again[ended == "finished"]
+        if len(onward):
+            there = _carried(system, after[onward], grown[onward], (middle, end), options)
+            after[onward], grown[onward], outcome[onward] = there
+    return after, _unit(grown), outcome
 
 
 def _unit(vectors: Array) -> Array:
@@ -299,8 +258,7 @@ def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> 
     """Unit tangent vectors made of drawn ones, shape (trajectory, tangent, component)."""
     if within == "space":
         return drawn
-    if within not in ("leaf", "energy"):
-        raise ParameterError(f'within: wanted "space", "leaf" or "energy"; got {shown(within)}; leave it out')
+    check_choice(within, "within", ("space", "leaf", "energy"), "leave it out")
     if not has_functions(system):
         raise ParameterError(
             f'within: wanted a system with a bracket for "{within}"; got {shown(system)}; try within="space"'
@@ -331,22 +289,6 @@ def _refuse_dependent(vectors: Array, good: NDArray[np.int64], within: Within) -
             f"n_vectors: wanted at most as many as there are independent directions; the {space} through member "
             f"{int(flat[0])} has fewer than {k}; take fewer vectors, or within='space'"
         )
-
-
-def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
-    if (t_end is None) == (times is None):
-        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
-    if times is None:
-        end = as_time(t_end, "t_end", example=1000)
-        wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
-        wanted[-1] = end
-        return wanted
-    wanted = as_times(times, "times", least=1)
-    if wanted[0] <= 0.0 or wanted[-1] < wanted[0]:
-        raise ParameterError(
-            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
-        )
-    return wanted
 
 
 def bound_memory(size: int, n_samples: int, n_trajectories: int) -> None:

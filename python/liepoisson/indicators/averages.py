@@ -14,18 +14,13 @@ Duignan and Meiss, Physica D 449 (2023) 133749.
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.formula.scalars import TIME_LIMIT, as_time, as_time_limit
+from liepoisson.formula.scalars import as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method
-from liepoisson.numeric.progress import part_of
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.portable import elementary
@@ -48,10 +43,7 @@ def average_drift(
     *,
     t_end: float,
     natural_time: ArrayLike,
-    method: Method | None = None,
-    threads: int | None = None,
-    time_limit: float = TIME_LIMIT,
-    progress: Callable[[float], Any] | None = None,
+    options: RunOptions,
 ) -> tuple[Array, NDArray[np.str_]]:
     r"""The largest change of an average from the first to the last 0.6 of the run, for the squares of all components.
 
@@ -65,10 +57,7 @@ def average_drift(
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         t_end: Length of the run, positive.
         natural_time: The same in natural units, shape (trajectory,): `t_end` over the `time_scale`.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
+        options: How.
 
     Returns:
         The change, shape (trajectory,), NaN where a trajectory failed; and how each ended, shape (trajectory,).
@@ -77,9 +66,8 @@ def average_drift(
         ShapeError: An array has another shape than stated.
         ParameterError: Numbers that are not finite, or a time that is not positive.
     """
-    method = as_method(method, Taylor(tol=1e-13))
     states = as_starts(system, starts, as_field(system).n_components)
-    end, deadline = as_time(t_end, "t_end", example=1000), clock.monotonic() + as_time_limit(time_limit)
+    end = as_time(t_end, "t_end", example=1000)
     drift, outcome = np.full(len(states), np.nan), np.full(len(states), "not finite", dtype="<U16")
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     lengths = np.broadcast_to(np.asarray(natural_time, np.float64), len(states))
@@ -91,25 +79,21 @@ def average_drift(
         size = max(1, _AT_ONCE // (n_samples * states.shape[1]))
         for start in range(0, len(members), size):
             some = members[start : start + size]
-            if clock.monotonic() > deadline:
+            if options.is_late:
                 outcome[some] = "time limit"
                 continue
             orbit = integrate(
                 system,
                 states[some],
                 times=end * np.arange(n_samples + 1) / n_samples,
-                method=method,
                 kernel="lanes",  # the same bits however the ensemble is cut
-                threads=threads,
-                time_limit=max(deadline - clock.monotonic(), 1e-9),
-                progress=part_of(progress, n_done / len(good), len(some) / len(good)),
+                **options.inner(n_done / len(good), len(some) / len(good)),
             )
             outcome[some] = orbit.outcome
             arrived = orbit.outcome == "finished"
             drift[some[arrived]] = _change(orbit.state[arrived, :-1])
             n_done += len(some)
-            if progress is not None:
-                progress(n_done / len(good))
+            options.tell(n_done / len(good))
     return drift, outcome
 
 

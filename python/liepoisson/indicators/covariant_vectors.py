@@ -17,12 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count
 from liepoisson.indicators.mean_error import mean_error
 from liepoisson.indicators.tangent_frames import Carried, TangentFrames
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape
 from liepoisson.io.result import labelled
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
@@ -103,8 +103,7 @@ class CovariantVectors(ReadOnlyArrays):
             ShapeError: `vectors` has another shape.
         """
         given, wanted = as_array(vectors, "vectors"), self.state.shape
-        if given.shape != wanted:
-            raise ShapeError(f"vectors must have shape {wanted}, one at each time; got shape {given.shape}.")
+        check_shape(given.shape == wanted, "vectors", f"{wanted}, one at each time", given)
         basis = self.centre(n_zeros)
         inside = linear.einsum("tsik,tsk->tsi", basis, linear.einsum("tsik,tsi->tsk", basis, given))
         return linear.norm(given - inside, axis=-1) / linear.norm(given, axis=-1)
@@ -191,7 +190,7 @@ class CovariantRecord:
         states = np.where(np.isnan(states).any(axis=2, keepdims=True), source.state[:, None], states)
         if not finished.any():
             return CovariantVectors(time, states, vector, growth)
-        coefficients = _random_triangles(n, n_all, seed=source.seed, first=source.first)[finished]
+        coefficients = _random_triangles(n, n_all, **source.options.drawn)[finished]
         for k in range(self._after.shape[1] - 1, -1, -1):
             coefficients, _ = _back(self._after[finished, k], coefficients)
         for k in range(self._during - 1, -1, -1):

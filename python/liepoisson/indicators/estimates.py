@@ -9,10 +9,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count, as_number
-from liepoisson.inputs.arrays import ReadOnlyArrays
+from liepoisson.inputs.arrays import ReadOnlyArrays, check_shape
 from liepoisson.portable import elementary, linear
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -108,8 +108,7 @@ class FiniteTimeFit(ReadOnlyArrays):
         r"""$d^T V^{-1} d$ for the distance d to given (lambda, c1, c0): chi squared with 3 degrees of freedom."""
         values = [self.lambda_, self.c1, self.c0]
         given = as_array(coefficients, "coefficients", ("lambda", "c1", "c0"))
-        if given.shape != (3,):
-            raise ShapeError(f"coefficients must have shape (3,): lambda, c1, c0; got shape {given.shape}. Give three.")
+        check_shape(given.shape == (3,), "coefficients", "(3,): lambda, c1, c0", given, "Give three.")
         distance = given - values
         return float(linear.matmul(distance, linear.solve(np.array(self.covariance), distance)))
 

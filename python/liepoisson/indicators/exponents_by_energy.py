@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time_limit
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.indicators.estimates import Estimate, as_confidence
 from liepoisson.indicators.mean_error import mean_interval
 from liepoisson.indicators.tangent_frames import as_duration
-from liepoisson.indicators.verdict import METHOD, Kind, Rule, as_rule, decide, rule_of, rule_record
-from liepoisson.inputs.arrays import Array
+from liepoisson.indicators.verdict import Kind, Rule, as_rule, decide, rule_of, rule_record
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import Method, as_method, field_for
-from liepoisson.numeric.outcomes import typical
-from liepoisson.numeric.run import Run, given
-from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import Run, typical
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import as_values
 from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.streams import generator
@@ -68,10 +67,6 @@ class EnergyProfile(Run):
         ([0.0, 0.0], (2, 4))
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
         start: The starts, shape (energy, trajectory, component).
         seed: Seed of the starts and of the tangent vectors.
         confidence: That of the intervals.
@@ -170,7 +165,6 @@ def exponents_by_energy(
         (0.0, 0.19)
 
     Args:
-        system: The system.
         leaf: The leaf, a `Leaf` of the system: of the same one, or of one with the same bracket and field.
         energies: Values of the Hamiltonian, shape (energy,); `leaf.energy_range()` tells which occur.
         n_starts: StartsLike at each energy, at most 10,000,000.
@@ -178,11 +172,8 @@ def exponents_by_energy(
         rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.
         confidence: Coverage of the intervals.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors.  Results do not depend on it, bit for bit.
         time_limit: Seconds that it may take.  Each energy has an equal share of what is left, so that each has some;
             the sampling counts, too, but is not cut.  Energies that come too late have the outcome "time limit".
-        progress: Called with the fraction that is done.
 
     Raises:
         LeafError: an energy does not occur on the leaf, or its energy surface has infinite volume.
@@ -192,36 +183,27 @@ def exponents_by_energy(
     References: Wilson, J. Amer. Statist. Assoc. 22 (1927) 209.
     """
     _check_leaf(system, leaf)
-    values, method = np.atleast_1d(as_values(energies, "energies")), as_method(method, METHOD)
-    field = field_for(system, as_field(system), method)
-    if values.ndim != 1 or values.size == 0:
-        raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed)
+    values, field = np.atleast_1d(as_values(energies, "energies")), options.field(system)
+    fits = values.ndim == 1 and values.size > 0
+    check_shape(fits, "energies", "(energy,) with one or more energies", values)
     n_starts = as_count(n_starts, "n_starts", least=1, most=_MOST, hint="try n_starts=100")
     t_end = as_duration(t_end, "t_end")
     rule, confidence = as_rule(rule), as_confidence(confidence)
-    deadline, shape = clock.monotonic() + as_time_limit(time_limit), (len(values), n_starts)
+    shape = (len(values), n_starts)
     exponent, outcome = np.full(shape, np.nan), np.full(shape, "time limit", dtype="<U32")
     verdict, drawn = np.full(shape, "undecided", dtype="<U16"), np.full((*shape, field.n_components), np.nan)
     nothing = Estimate(*[float("nan")] * 4)
     share: dict[Kind, list[Estimate]] = {kind: [nothing] * len(values) for kind in ("chaotic", "undecided")}
     for k, energy in enumerate(values):
-        now = clock.monotonic()
-        if now > deadline:
+        if options.is_late:
             break
-        own = now + (deadline - now) / (len(values) - k)
-        starts = leaf.sample(n_starts, seed=seed, energy=float(energy))
-        drawn[k] = starts
-        decided = decide(
-            system,
-            starts,
-            t_end=t_end,
-            rule=rule,
-            seed=seed,
-            method=method,
-            threads=threads,
-            time_limit=max(own - clock.monotonic(), 1e-9),  # a run must have some
-            progress=None if progress is None else (lambda part, k=k: progress((k + part) / len(values))),
+        own = replace(
+            options.part(k / len(values), 1 / len(values)), deadline=Deadline(options.left / (len(values) - k))
         )
+        starts = leaf.sample(n_starts, seed=options.seed, energy=float(energy))
+        drawn[k] = starts
+        decided = decide(system, starts, t_end=t_end, rule=rule, seed=options.seed, **own.inner())
         outcome[k], verdict[k] = decided.outcome, decided.verdict
         exponent[k] = np.where(decided.outcome == "finished", decided.exponent, np.nan)
         if (decided.outcome == "finished").any():
@@ -230,11 +212,10 @@ def exponents_by_energy(
     finished = [row[np.isfinite(row)] for row in exponent]
 
     return EnergyProfile(
-        **given(system, field, method, drawn),
-        seed=as_seed(seed),
+        **options.given(system, drawn, field),
+        seed=options.seed,
         confidence=confidence,
         member=np.arange(n_starts),
-        time_limit=float(time_limit),
         casimirs=leaf.casimirs,
         energy=values,
         t_end=t_end,

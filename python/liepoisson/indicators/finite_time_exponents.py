@@ -11,18 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.compile.field import QuadraticField, TopField
-from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_threads, as_time, as_time_limit
-from liepoisson.inputs.arrays import Array
+from liepoisson.formula.scalars import TIME_LIMIT
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
-from liepoisson.numeric.run import IntegratedRun, given
-from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
-from liepoisson.numeric.systems import HasField, as_field, component_names, core_field, core_fields
-from liepoisson.portable import elementary
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories, typical
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.sampling import as_first, sample_tangents
+from liepoisson.numeric.starts import StartsLike, as_forward_times, as_starts, as_states
+from liepoisson.numeric.systems import HasField, component_names, core_field, core_fields
 
 N_TIMES = 200
 
@@ -38,24 +36,11 @@ class FiniteTimeExponents(IntegratedRun):
         ((4, 200), 0.13)
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        seed: Seed of the tangent vectors.
-        first: Number of the first member.
         time: Times, shape (time,).
         exponent: Finite-time exponents, in inverse time, shape (trajectory, time); NaN from where a trajectory failed.
         outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
             "max steps", "no convergence", "time limit".
-        end_time: Time that each trajectory reached, shape (trajectory,).
-        n_steps: Accepted steps of each trajectory.
-        start: Shape (trajectory, component).
-        start_tangent: Shape (trajectory, component).
-        end_state: Last good state, shape (trajectory, component).
-        order: Order of the method.
-        kernel: Instruction set used.
-        time_limit: Seconds that the run was allowed to take.
+        start_tangent: Tangent vectors at time 0, shape (trajectory, component).
     """
 
     kind = "growth"
@@ -111,22 +96,11 @@ def finite_time_exponents(
         <FiniteTimeExponents of twisted Kovalevskaya top: 4 trajectories, median exponent 0.1326 at t = 200>
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
-            beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times
             spaced evenly in the logarithm, from `t_end`/1000 on.
         times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
         tangents: Tangent vectors at time 0, shape (component,) or (trajectory, component), not zero, instead of random
             ones.
-        seed: Draws the tangent vectors.
-        first: Number of the first member, so that an ensemble can be computed in pieces: member k has the same tangent
-            vector in whichever piece it is.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; trajectories that are not done by then end with the outcome
-            "time limit", and all that is done is kept.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         FiniteTimeExponents; a trajectory that fails is an outcome in it, not an error.
@@ -140,38 +114,35 @@ def finite_time_exponents(
     References:
         Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
     """
-    method = as_method(method, Taylor(tol=1e-13))
-    field = field_for(system, as_field(system), method)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    field = options.field(system)
     n = field.n_components
-    states, wanted = as_starts(system, starts, n), _as_exponent_times(t_end, times)
-    seed, first = as_seed(seed), as_first(first, len(states))
+    states, at = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)
+    first = as_first(options.first, len(states))
     if tangents is None:
-        vectors = sample_tangents(n, len(states), seed=seed, first=first)
+        vectors = sample_tangents(n, len(states), **options.drawn)
     else:
         vectors = as_states(tangents, n, "tangents", names=component_names(system, n))
-        if len(vectors) not in (1, len(states)):
-            raise ShapeError(
-                f"tangents must have shape ({n},) or ({len(states)}, {n}), one for each trajectory; got shape "
-                f"{vectors.shape}. Give as many as there are states."
-            )
+        wanted = f"({n},) or ({len(states)}, {n}), one for each trajectory"
+        fits = len(vectors) in (1, len(states))
+        check_shape(fits, "tangents", wanted, vectors, "Give as many as there are states.")
         vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
-    limit = as_time_limit(time_limit)
     raw = _core.growth(
         core_field(field),
-        method.core(),
+        options.method.core(),
         states.ravel(),
         vectors.ravel(),
-        np.concatenate([[0.0], wanted]),
-        as_threads(threads),
-        limit,
+        np.concatenate([[0.0], at]),
+        options.threads,
+        options.time_limit,
         progress,
     )
     return FiniteTimeExponents(
-        **given(system, field, method, states),
-        seed=seed,
+        **options.given(system, states, field),
+        seed=options.seed,
         first=first,
-        time=wanted,
-        exponent=raw["exponent"].reshape(len(states), len(wanted)),
+        time=at,
+        exponent=raw["exponent"].reshape(len(states), len(at)),
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
@@ -179,7 +150,6 @@ def finite_time_exponents(
         end_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
-        time_limit=limit,
     )
 
 
@@ -189,10 +159,7 @@ def exponents_of_many(
     *,
     t_end: float,
     tangents: Array,
-    method: Taylor,
-    threads: int | None,
-    time_limit: float,
-    progress: Callable[[float], Any] | None,
+    options: RunOptions,
 ) -> tuple[Array, NDArray[np.str_]]:
     """Exponents at `t_end` and outcomes of one trajectory of each of many fields, shape (field,).
 
@@ -203,38 +170,19 @@ def exponents_of_many(
         states: States at time 0, shape (field, component).
         t_end: The time, positive.
         tangents: Tangent vectors at time 0, shape (field, component).
-        method: How.
-        threads: By default all processors that the process may use.
-        time_limit: Seconds that the run may take.
-        progress: Called a few times a second with the fraction that is done.
+        options: How.
 
     Raises:
         ParameterError: Quadratic fields with other terms than the first.
     """
     raw = _core.growth(
         core_fields(fields),
-        method.core(),
+        options.method.core(),
         states.ravel(),
         tangents.ravel(),
         np.array([0.0, t_end]),
-        as_threads(threads),
-        as_time_limit(time_limit),
-        progress,
+        options.threads,
+        options.time_limit,
+        options.progress,
     )
     return raw["exponent"], outcome_names(raw["outcome"])
-
-
-def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
-    if (t_end is None) == (times is None):
-        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
-    if times is None:
-        end = as_time(t_end, "t_end", example=1000)
-        wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
-        wanted[-1] = end
-        return wanted
-    wanted = as_times(times, "times", least=1)
-    if wanted[0] <= 0.0 or wanted[-1] <= 0.0 or (len(wanted) > 1 and wanted[1] < wanted[0]):
-        raise ParameterError(
-            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
-        )
-    return wanted

@@ -18,7 +18,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_number
 from liepoisson.indicators.estimates import (
@@ -31,7 +31,7 @@ from liepoisson.indicators.estimates import (
     Window,
     as_confidence,
 )
-from liepoisson.inputs.arrays import check_memory
+from liepoisson.inputs.arrays import check_memory, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import at_times, listed
@@ -149,11 +149,8 @@ class EnsembleReduction:
             ParameterError: it has other times as labels.
         """
         curves = as_array(at_times(exponent, "exponent", self.time.tolist()), "exponent")
-        if curves.ndim != 2 or curves.shape[1] != self.time.size:
-            raise ShapeError(
-                f"exponent must have shape (trajectory, time) with {self.time.size} times; got {curves.shape}. "
-                "Transpose it?"
-            )
+        fits = curves.ndim == 2 and curves.shape[1] == self.time.size
+        check_shape(fits, "exponent", f"(trajectory, time) with {self.time.size} times", curves, "Transpose it?")
         finished = np.isfinite(curves).all(axis=1)
         self.n_excluded += int(np.count_nonzero(~finished))
         if not finished.all():
@@ -497,8 +494,7 @@ def _inside(window: Window, time: FloatArray) -> NDArray[np.bool_]:
 
 def _checked_time(time: ArrayLike) -> FloatArray:
     t = as_array(time, "time")
-    if t.ndim != 1 or t.size == 0:
-        raise ShapeError(f"time must have shape (time,) with at least one entry; got {t.shape}.")
+    check_shape(t.ndim == 1 and t.size > 0, "time", "(time,) with at least one entry", t)
     if not np.isfinite(t).all() or t[0] <= 0 or (np.diff(t) <= 0).any():
         raise ParameterError(
             f"time must be finite, positive and strictly increasing; got {t.size} values from {t[0]:g} to {t[-1]:g}. "

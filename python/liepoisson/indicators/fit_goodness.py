@@ -20,12 +20,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count
 from liepoisson.indicators.estimates import Window
 from liepoisson.indicators.finite_time_fit import as_window, finite_time_fit, last_decade
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import at_times
 from liepoisson.portable import linear
@@ -106,8 +106,7 @@ def fit_goodness(
     curves = as_array(at_times(exponent, "exponent", times.ravel().tolist()), "exponent")
     window = last_decade(times) if window is None else as_window(window)
     fit = finite_time_fit(times, curves, window=window, n_bootstrap=2)
-    if curves.ndim != 2:
-        raise ShapeError(f"exponent must have shape (trajectory, time); got {curves.shape}. Transpose it?")
+    check_shape(curves.ndim == 2, "exponent", "(trajectory, time)", curves, "Transpose it?")
     inside = np.flatnonzero((times >= window[0]) & (times <= window[1]))
     p = as_count(n_degrees, "n_degrees", least=1, most=max(1, len(inside) - _COEFFICIENTS))
     curves = curves[np.isfinite(curves).all(axis=1)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive
 from liepoisson.indicators.estimates import Estimate, Resampling
 from liepoisson.indicators.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
@@ -22,8 +21,8 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.run import Run, trajectories, typical
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import natural_duration, orbit_units, zero_threshold
@@ -61,10 +60,6 @@ class ExponentEstimate(Run):
         ([True, False], array([0.  , 0.08]))
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
         block: Length of the blocks of time.
         transient: Time before the first block.
         rates: Mean growth rate in each block, in inverse time, shape (trajectory, block); NaN after the end of a run.
@@ -80,11 +75,6 @@ class ExponentEstimate(Run):
             combined errors, and the error is at most `wanted_error`, if one was wanted.  If none was, the error may be
             of any size, also as large as the exponent.
         wanted_error: What the runs were continued for, or None.
-        outcome: How each trajectory ended, shape (trajectory,).
-        start: Shape (trajectory, component).
-        end_state: Shape (trajectory, component).
-        seed: Seed of the tangent vectors.
-        first: Number of the first member.
         t_end: Longest averaging time.
     """
 
@@ -257,8 +247,6 @@ def lyapunov_exponent(
         (0.077, 0.007)
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         wanted_error: Error at which a run stops, in inverse time.  Without one all runs last until `t_end`.
         t_end: (Longest) averaging time, positive; by default, if an error is wanted, some 100,000 natural times of the
             median orbit.
@@ -268,10 +256,6 @@ def lyapunov_exponent(
         transient: Time before averaging, in which the vector turns into its direction; by default some 100 natural
             times of the median orbit.
         seed: Draws the tangent vectors, those of `finite_time_exponents`.
-        first: Number of the first member, so that an ensemble can be computed in pieces.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it.
-        time_limit: Seconds that all runs may take.
         progress: Called a few times a second with the fraction of `t_end` that is done.
 
     Returns:
@@ -285,26 +269,17 @@ def lyapunov_exponent(
 
     References: [benettin1980]; for the error see `liepoisson.indicators.mean_error`.
     """
-    deadline = time.monotonic() + as_time_limit(time_limit)
-    _check_wanted(wanted_error, t_end)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    if wanted_error is None and t_end is None:
+        raise ParameterError("wanted t_end, wanted_error, or both; got neither; try wanted_error=0.01")
     starts = given_starts(system, starts)  # once, as several runs start from it
-    units = orbit_units(system, starts, method=method, threads=threads, time_limit=time_limit)
+    units = orbit_units(system, starts, options)
     scale = units.time
     wanted, n_blocks, block = _as_plan(wanted_error, t_end, block, scale)
     if transient is None:
         transient = natural_duration(TRANSIENT, scale, otherwise=0.0)
     transient = as_duration(transient, "transient", zero=True)
-    frames = TangentFrames(
-        system,
-        starts,
-        units=units.of_frames(),
-        n_vectors=1,
-        seed=seed,
-        first=first,
-        method=method,
-        threads=threads,
-        time_limit=max(deadline - time.monotonic(), 1e-9),
-    )
+    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=1)
     start = frames.state.copy()
     before = n_intervals(transient, block, names=("transient", "block"))
     clock = Clock(before + n_blocks, progress)
@@ -325,21 +300,16 @@ def lyapunov_exponent(
         n_done += n
     rates = np.concatenate(done, axis=1)
     found = _estimate(system, frames, rates, start, scale, block=block, transient=transient, wanted=wanted)
-    return replace(found, t_end=block * n_blocks, time_limit=float(time_limit))
-
-
-def _check_wanted(wanted_error: float | None, t_end: float | None) -> None:
-    if wanted_error is None and t_end is None:
-        raise ParameterError("wanted t_end, wanted_error, or both; got neither; try wanted_error=0.01")
+    return replace(found, t_end=block * n_blocks)
 
 
 def _as_plan(
     wanted_error: float | None, t_end: float | None, block: float | None, scale: Array
 ) -> tuple[float | None, int, float]:
     """The wanted error, the largest number of blocks, and their length, which divides the longest time."""
-    wanted = None if wanted_error is None else as_number(wanted_error, "wanted_error", "a positive number")
-    if wanted is not None and not 0.0 < wanted < math.inf:
-        raise ParameterError(f"wanted_error: wanted a positive number; got {wanted}; try 0.01")
+    wanted = (
+        None if wanted_error is None else as_positive(wanted_error, "wanted_error", "a positive number", example=0.01)
+    )
     longest = as_duration(natural_duration(LONGEST, scale, otherwise=LONGEST) if t_end is None else t_end, "t_end")
     if block is None:
         most = longest / (2 * _LEAST_BLOCKS)
@@ -389,9 +359,8 @@ def _estimate(
     if wanted is not None:
         converged &= error <= wanted
     return ExponentEstimate(
-        **given(system, frames.field, frames.method, start),
-        seed=frames.seed,
-        first=frames.first,
+        **frames.options.given(system, start, frames.field),
+        **frames.options.drawn,
         t_end=math.inf,
         block=block,
         transient=transient,

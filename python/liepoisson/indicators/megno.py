@@ -2,7 +2,6 @@ r"""MEGNO: the mean exponential growth of nearby orbits, which tends to 2 on a t
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -10,19 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.indicators.alignment import bound_memory
 from liepoisson.indicators.finite_time_exponents import finite_time_exponents
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.progress import part_of
-from liepoisson.numeric.run import Run, given, whole
-from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import Run, trajectories, typical, whole
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.sampling import as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states
-from liepoisson.numeric.systems import HasField, as_field, component_names
+from liepoisson.numeric.systems import HasField, component_names
 
 _N_TIMES = 200
 # Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
@@ -43,14 +41,7 @@ class Megno(Run):
         2.0
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        start: Shape (trajectory, component).
-        start_tangent: Shape (trajectory, component).
-        seed: Seed of the tangent vectors.
-        first: Number of the first member.
+        start_tangent: Tangent vectors at time 0, shape (trajectory, component).
         n_samples: Samples of each trajectory.
         t_end: The last time.
         time: Times, evenly spaced up to `t_end`, shape (time,).
@@ -59,7 +50,6 @@ class Megno(Run):
         log_growth: $\ln(|v(t)|/|v(0)|)$, that is t times the finite-time exponent, shape (trajectory, time).
         quadrature_error: The largest change of Y at any of the times when only every second sample is used, shape
             (trajectory,); the error of Y is most likely smaller.
-        outcome: How each trajectory ended, shape (trajectory,).
     """
 
     kind = "megno"
@@ -121,18 +111,11 @@ def megno(
         array([ 1.7, 31.8])
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
-            beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive, in units of the system's own time.
         n_samples: Samples of $\ln|v|$, at least 8, rounded up to a multiple of twice the number of times returned.
         tangents: Tangent vectors at time 0, shape (trajectory, component), not zero, instead of random ones.
         seed: Draws the tangent vectors, uniform on the unit sphere of the phase space.
-        first: Number of the first member: member k has the same vector in whichever piece of an ensemble it is.
         method: How; by default `Taylor(tol=1e-13)`.  Methods without power series step to every sample.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Megno, at 200 times (fewer if `n_samples` is below 400); a trajectory that fails is an outcome in it.
@@ -147,25 +130,25 @@ def megno(
         Cincotta and Simó, Astron. Astrophys. Suppl. 147 (2000) 205; Cincotta, Giordano and Simó, Physica D
         182 (2003) 151.
     """
-    method = as_method(method, Taylor(tol=1e-13))
-    states = as_starts(system, starts, n := as_field(system).n_components)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    field = options.field(system)
+    states = as_starts(system, starts, n := field.n_components)
     end = as_time(t_end, "t_end", example=1000)
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
-    seed, first = as_seed(seed), as_first(first, len(states))
-    vectors = sample_tangents(states.shape[1], len(states), seed=seed, first=first) if tangents is None else tangents
+    first = as_first(options.first, len(states))
+    vectors = sample_tangents(n, len(states), **options.drawn) if tangents is None else tangents
     vectors = np.broadcast_to(as_states(vectors, n, "tangents", names=component_names(system, n)), states.shape)
     n_times = min(_N_TIMES, samples // 2)
     stride = 2 * -(-samples // (2 * n_times))
     at_once = min(_CHUNK, len(states))
     bound_memory(8 * _ARRAYS * (at_once + 1) * stride * n_times, samples, at_once)
     fine = end * np.arange(1, stride * n_times + 1) / (stride * n_times)
-    deadline = clock.monotonic() + as_time_limit(time_limit)
     parts: list[tuple[Array, ...]] = []
     outcome: list[NDArray[np.str_]] = []
     spare = states[np.isfinite(states).all(axis=1)][:1]
     for start in range(0, max(1, len(states)), _CHUNK):  # once for no states: empty arrays of the right shapes
         chunk = states[start : start + _CHUNK]
-        if parts and clock.monotonic() > deadline:  # the first one gives the shapes
+        if parts and options.is_late:  # the first one gives the shapes
             parts.append(tuple(np.full((len(chunk), *column.shape[1:]), np.nan) for column in parts[0]))
             outcome.append(np.where(np.isfinite(chunk).all(axis=1), "time limit", "not finite"))
             continue
@@ -175,22 +158,18 @@ def megno(
             np.concatenate([chunk, spare]),
             times=fine,
             tangents=np.concatenate([vectors[start : start + _CHUNK], vectors[:1]])[: len(chunk) + len(spare)],
-            method=method,
-            threads=threads,
-            time_limit=max(deadline - clock.monotonic(), 1e-9),
-            progress=part_of(progress, start / max(1, len(states)), len(chunk) / max(1, len(states))),
+            **options.inner(start / max(1, len(states)), len(chunk) / max(1, len(states))),
         )
         parts.append(_indicators(fine, growth.exponent[: len(chunk)] * fine, stride))
         outcome.append(growth.outcome[: len(chunk)])
     values, means, logs, errors = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Megno(
-        **given(system, field_for(system, as_field(system), method), method, states),
-        seed=seed,
+        **options.given(system, states, field),
+        seed=options.seed,
         first=first,
         n_samples=samples,
         t_end=end,
         start_tangent=vectors,
-        time_limit=float(time_limit),
         time=fine[stride - 1 :: stride],
         megno=values,
         mean=means,

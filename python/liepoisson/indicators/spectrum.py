@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from time import monotonic as clock_now
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.indicators.covariant_vectors import CovariantRecord, CovariantVectors
 from liepoisson.indicators.mean_error import mean_error, mean_over_starts
 from liepoisson.indicators.structural_zeros import (
@@ -22,13 +20,13 @@ from liepoisson.indicators.structural_zeros import (
     spectrum_residuals,
 )
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_kind
 from liepoisson.io.result import labelled, part
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.outcomes import trajectories
-from liepoisson.numeric.run import IntegratedRun, given, whole
+from liepoisson.numeric.run import IntegratedRun, trajectories, whole
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import natural_duration, orbit_units
@@ -52,12 +50,7 @@ class Spectrum(IntegratedRun):
         array([ 0.13,  0.04, -0.04, -0.13])
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
         seed: Seed of the tangent frames.
-        first: Number of the first member.
         interval: Longest time between orthonormalisations, as given; a whole number of equal ones makes up each output
             interval.
         transient: Time before the averages begin.
@@ -75,15 +68,8 @@ class Spectrum(IntegratedRun):
         structure: What the bracket says about zeros and pairs, or None for a system without a Poisson tensor.
         largest_ratio: Largest ratio of two stretchings within one interval, shape (trajectory,).  The smallest
             exponents have a relative error of some 1e-16 times this in each interval: choose a shorter one above 1e8.
-        outcome: How each trajectory ended, shape (trajectory,).
         end_time: Time that each trajectory reached, shape (trajectory,), the transient included.
-        n_steps: Accepted steps of each trajectory.
-        start: Shape (trajectory, component).
-        end_state: Last good state, shape (trajectory, component).
-        order: Order of the method.
-        kernel: Instruction set used.
         covariant: The covariant Lyapunov vectors, if they were asked for.
-        time_limit: Seconds that the run was allowed to take.
     """
 
     kind = "spectrum"
@@ -208,8 +194,6 @@ def lyapunov_spectrum(
         (1, 9)
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         t_end: Averaging time, positive, in units of the system's own time.
         interval: Longest time between orthonormalisations, positive.  Within it the stretchings must not differ by more
             than some 1e8 (`Spectrum.largest_ratio`), nor exceed 1e308 ("not finite"); shorter ones cost time.  By
@@ -221,12 +205,6 @@ def lyapunov_spectrum(
             `transient` after `t_end`, and 24 N^2 bytes per interval and trajectory are kept.
         structure: The zeros and pairs to expect; by default from the bracket and the known integrals at the start.
         seed: Draws the frames; the first vector is that of `finite_time_exponents`.
-        first: Number of the first member, so that an ensemble can be computed in pieces.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it.
-        time_limit: Seconds that the run may take; trajectories that are not done by then end with the outcome
-            "time limit", and all that is done is kept.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Spectrum; a trajectory that fails is an outcome in it, not an error.
@@ -240,34 +218,23 @@ def lyapunov_spectrum(
     References:
         [benettin1980]; for covariant vectors [ginelli2007].
     """
-    t_end, deadline = as_duration(t_end, "t_end"), clock_now() + as_time_limit(time_limit)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    t_end = as_duration(t_end, "t_end")
     transient = as_duration(transient, "transient", zero=True)
     starts = given_starts(system, starts)  # once, as several runs start from it
-    units = orbit_units(system, starts, method=method, threads=threads, time_limit=time_limit)
+    units = orbit_units(system, starts, options)
     scale = units.time
     if interval is None:
         interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)
     interval = as_duration(interval, "interval")
-    frames = TangentFrames(
-        system,
-        starts,
-        units=units.of_frames(),
-        n_vectors=n_exponents,
-        seed=seed,
-        first=first,
-        method=method,
-        threads=threads,
-        time_limit=max(deadline - clock_now(), 1e-9),
-    )
+    frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=n_exponents)
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
         structure = poisson_structure(system, start, frames.unit)
-    elif not isinstance(structure, PoissonStructure):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"structure: wanted a PoissonStructure; got {shown(structure)}; leave it out")
-    elif structure.shape != (len(start),):
-        raise ShapeError(
-            f"structure: wanted arrays of shape ({len(start)},), a value for each trajectory; got {structure.shape}"
-        )
+    else:
+        check_kind(structure, PoissonStructure, "structure", "a PoissonStructure", "leave it out")
+        fits = structure.shape == (len(start),)
+        check_shape(fits, "structure", f"({len(start)},), a value for each trajectory", structure)
     before = n_intervals(transient, interval, names=("transient", "interval"))
     per_time = -(-n_intervals(t_end, interval) // N_TIMES)
     n_times = -(-n_intervals(t_end, interval) // per_time)
@@ -286,9 +253,8 @@ def lyapunov_spectrum(
         vectors.settle(clock.carry(frames, before, transient / before, per_row=before, keep=True))
     rates = growth * n_times / t_end
     return Spectrum(
-        **given(system, frames.field, frames.method, start),
-        seed=frames.seed,
-        first=frames.first,
+        **options.given(system, start, frames.field),
+        **options.drawn,
         interval=interval,
         transient=transient,
         t_end=t_end,
@@ -305,5 +271,4 @@ def lyapunov_spectrum(
         order=frames.order,
         kernel=frames.kernel,
         covariant=None if vectors is None else vectors.vectors(),
-        time_limit=float(time_limit),
     )

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from liepoisson.compile.field import Field, PiecesField
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
@@ -98,8 +98,7 @@ def _as_labels(values: Any, name: str, kind: type[np.int64] | type[np.bool_]) ->
         given = np.array(values)
     except ValueError as error:  # rows of different lengths
         raise ShapeError(f"{name}: wanted an array of shape (trajectory,); got {error}") from error
-    if given.ndim != 1:
-        raise ShapeError(f"{name}: wanted an array of shape (trajectory,); got shape {given.shape}")
+    check_shape(given.ndim == 1, name, "(trajectory,)", given)
     if given.size and given.dtype.kind not in ("b" if kind is np.bool_ else "iu"):
         wanted = "truth values" if kind is np.bool_ else "whole numbers"
         raise ParameterError(f"{name}: wanted {wanted}; got an array of {given.dtype}; take those of another spectrum")

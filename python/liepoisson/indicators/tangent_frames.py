@@ -8,9 +8,7 @@ References: [benettin1980]; Eckmann and Ruelle, Rev. Mod. Phys. 57 (1985) 617.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,14 +17,14 @@ from numpy.typing import NDArray
 from liepoisson import _core
 from liepoisson.compile.field import Field
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_number, as_threads, as_time, as_time_limit
+from liepoisson.formula.scalars import as_count, as_positive, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import outcome_names
-from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
+from liepoisson.numeric.run import outcome_names
+from liepoisson.numeric.run_options import Progress, RunOptions
+from liepoisson.numeric.sampling import BLOCK, as_first, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field, core_field
+from liepoisson.numeric.systems import HasField, core_field
 from liepoisson.streams import Purpose, stream
 
 MOST_INTERVALS = 10_000_000
@@ -55,17 +53,15 @@ class TangentFrames:
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component).
+        starts: States at time 0, shape (component,) or (trajectory, component).
+        options: How.  The first vector is the one that `finite_time_exponents` starts with.
         units: Unit of each component, in which vectors are drawn and orthonormal, shape (trajectory, component); by
             default 1.  Growth is that of lengths in these units, which in the long run are the same in any.
         n_vectors: Vectors of each frame.
-        seed: Draws the frames; the first vector is the one that `finite_time_exponents` starts with.
-        first: Number of the first member.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors.
-        time_limit: Seconds that all intervals may take together.
 
     Attributes:
+        options: How they are advanced.
+        field: The vector field.
         state: Last good states, shape (trajectory, component).
         unit: The units, shape (trajectory, component).
         frame: Orthonormal columns in these units, shape (trajectory, component, vector); meaningless where a trajectory
@@ -81,23 +77,19 @@ class TangentFrames:
         self,
         system: HasField,
         starts: StartsLike,
+        options: RunOptions,
         *,
         units: Array | None = None,
         n_vectors: int | None = None,
-        seed: int = 0,
-        first: int = 0,
-        method: Method | None = None,
-        threads: int | None = None,
-        time_limit: float,
     ) -> None:
-        self.method: Method = as_method(method, Taylor(tol=1e-13))
-        self.field: Field = field_for(system, as_field(system), self.method)
+        self.options = options
+        self.field: Field = options.field(system)
         n = self.field.n_components
         self.state: Array = as_starts(system, starts, n)
         self.unit: Array = np.ones_like(self.state) if units is None else units
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
-        self.seed, self.first = as_seed(seed), as_first(first, len(self.state))
-        self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=self.seed, first=self.first)
+        first = as_first(options.first, len(self.state))
+        self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=options.seed, first=first)
         finite = np.isfinite(self.state).all(axis=1)
         self.outcome: NDArray[np.str_] = np.where(finite, "finished", "not finite").astype("<U32")
         self.end_time: Array = np.zeros(len(self.state))
@@ -105,8 +97,6 @@ class TangentFrames:
         self.largest_ratio: Array = np.ones(len(self.state))
         self.order, self.kernel = 0, ""
         self._system = _Prepared(system.name, self.field)
-        self._threads = as_threads(threads)
-        self._deadline = time.monotonic() + as_time_limit(time_limit)
 
     def goes_on(self, only: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
         """Which of the (given) trajectories have not ended, shape (trajectory,)."""
@@ -116,7 +106,7 @@ class TangentFrames:
     def advance(
         self,
         duration: float,
-        progress: Callable[[float], Any] | None = None,
+        progress: Progress = None,
         *,
         only: NDArray[np.bool_] | None = None,
     ) -> Array:
@@ -134,18 +124,17 @@ class TangentFrames:
         n_vectors = self.frame.shape[2]
         triangles = np.full((len(self.state), n_vectors, n_vectors), np.nan)
         going = np.flatnonzero(self.goes_on(only))
-        left = self._deadline - time.monotonic()
-        if left <= 0.0:
+        if self.options.is_late:
             self.outcome[going] = "time limit"
         elif len(going):
-            triangles[going] = self._advance(going, duration, left, progress)
+            triangles[going] = self._advance(going, duration, progress)
         return triangles
 
     def carry(
         self,
         n: int,
         duration: float,
-        progress: Callable[[float], Any] | None = None,
+        progress: Progress = None,
         *,
         per_row: int = 1,
         keep: bool = False,
@@ -166,12 +155,11 @@ class TangentFrames:
         """
         members, n_vectors = len(self.state), self.frame.shape[2]
         going = np.flatnonzero(self.goes_on(only))
-        left = self._deadline - time.monotonic()
         raw: Any = None
-        if left <= 0.0 and n:
+        if self.options.is_late and n:
             self.outcome[going] = "time limit"
         elif len(going) and n:
-            raw = self._carry(going, n, duration, left, progress, per_row=per_row, keep=keep)
+            raw = self._carry(going, n, duration, progress, per_row=per_row, keep=keep)
             failed = np.zeros(members, dtype=np.bool_)
             failed[going] = (raw["n_complete"] < n) & (self.outcome[going] == "finished")
             if failed.any():  # by the way that says how
@@ -199,15 +187,14 @@ class TangentFrames:
         going: NDArray[np.intp],
         n: int,
         duration: float,
-        left: float,
-        progress: Callable[[float], Any] | None,
+        progress: Progress,
         *,
         per_row: int,
         keep: bool,
     ) -> Any:
         raw = _core.carry_frames(
             core_field(self.field),
-            self.method.core(),
+            self.options.method.core(),
             self.state[going].ravel(),
             self.frame[going].ravel(),
             self.frame.shape[2],
@@ -217,8 +204,8 @@ class TangentFrames:
             n,
             per_row,
             keep,
-            self._threads,
-            left,
+            self.options.threads,
+            self.options.left,
             progress,
         )
         self.order, self.kernel = raw["order"], raw["kernel"]
@@ -231,18 +218,13 @@ class TangentFrames:
         self.outcome[going[late]] = "time limit"
         return raw
 
-    def _advance(
-        self, going: NDArray[np.intp], duration: float, left: float, progress: Callable[[float], Any] | None
-    ) -> Array:
+    def _advance(self, going: NDArray[np.intp], duration: float, progress: Progress) -> Array:
         orbit = integrate(
             self._system,
             self.state[going],
             times=[0.0, duration],
             tangents=np.ascontiguousarray(np.swapaxes(self.frame[going] * self.unit[going, :, None], 1, 2)),
-            method=self.method,
-            threads=self._threads,
-            time_limit=left,
-            progress=progress,
+            **replace(self.options, progress=progress).inner(),
         )
         self.order, self.kernel = orbit.order, orbit.kernel
         pushed = np.swapaxes(orbit.tangent[:, -1], 1, 2) / self.unit[going, :, None]
@@ -270,7 +252,7 @@ class Clock:
         progress: Called with the fraction that is done.
     """
 
-    def __init__(self, n_intervals: int, progress: Callable[[float], Any] | None) -> None:
+    def __init__(self, n_intervals: int, progress: Progress) -> None:
         self._total, self._done, self._progress = n_intervals, 0, progress
 
     def carry(
@@ -338,12 +320,11 @@ def as_duration(value: Any, name: str, *, zero: bool = False) -> float:
     Raises:
         ParameterError: it is none.
     """
-    if not zero:
-        return as_time(value, name, example=5)
-    duration = as_number(value, name, "a finite time >= 0")
-    if not 0.0 <= duration < np.inf:
-        raise ParameterError(f"{name}: wanted a finite time >= 0; got {duration}; try {name}=0")
-    return duration
+    return (
+        as_positive(value, name, "a finite time >= 0", example=0, zero=True)
+        if zero
+        else as_time(value, name, example=5)
+    )
 
 
 def n_intervals(duration: float, interval: float, *, names: tuple[str, str] = ("t_end", "interval")) -> int:

@@ -6,16 +6,15 @@ r"""Regular, chaotic or undecided: the one rule, made of four indicators, and ho
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time
 from liepoisson.indicators.alignment import Alignment, alignment
 from liepoisson.indicators.averages import average_drift
 from liepoisson.indicators.estimates import Estimate
@@ -24,13 +23,12 @@ from liepoisson.indicators.megno import Megno, megno
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.inputs.given import listed
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, check_kind, not_a, shown
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import Method, Taylor, as_method
-from liepoisson.numeric.outcomes import trajectories
-from liepoisson.numeric.progress import part_of
-from liepoisson.numeric.run import Run, given
-from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import Run, trajectories
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
@@ -40,9 +38,6 @@ Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
 KINDS: tuple[Kind, ...] = ("regular", "chaotic", "undecided")
 INDICATORS = ("growth_power", "megno", "sali", "averages")
-
-METHOD = Taylor(tol=1e-13)
-"""Default method of the three runs that a verdict needs."""
 
 TIME = 1000.0
 """Default time of a run, in natural times of the median orbit: the thresholds of `Rule` were fixed there."""
@@ -101,10 +96,8 @@ class Rule:
                 object.__setattr__(self, name, (low, high))
         for name in ("averages", "least_time"):
             if not as_number(getattr(self, name), f"rule.{name}", "a number") >= 0.0:
-                raise ParameterError(
-                    f"rule.{name}: wanted a number >= 0; got {shown(getattr(self, name))}; "
-                    f"try {getattr(type(self), name)}"
-                )
+                usual = getattr(type(self), name)
+                raise not_a("a number >= 0", getattr(self, name), f"rule.{name}", f"try {usual}")
 
     def votes(self, growth_power: Array, mean_megno: Array, sali: Array, averages: Array) -> NDArray[np.int8]:
         """What each indicator says: -1 regular, +1 chaotic, 0 neither (or no value), shape (trajectory, indicator)."""
@@ -151,15 +144,8 @@ class Verdict(Run):
         (['regular', 'chaotic'], [[-1, -1, -1, -1], [1, 1, 1, 0]])
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        start: Shape (trajectory, component).
         t_end: Time after which it was decided.
         rule: The thresholds.
-        seed: Seed of the tangent vectors.
-        first: Number of the first member.
         verdict: "regular", "chaotic" or "undecided", shape (trajectory,); a trajectory that failed is "undecided".
         natural_time: `t_end` over the time scale of the orbit (`time_scale`), a pure number, shape (trajectory,).
         growth_power: Slope of $\ln|v|$ against $\ln t$ over [t_end/10, t_end], shape (trajectory,).
@@ -170,7 +156,6 @@ class Verdict(Run):
         exponent: Finite-time exponent at `t_end`, in inverse time, shape (trajectory,).
         votes: -1 regular, +1 chaotic, 0 neither, for growth power, MEGNO, SALI and averages, shape (trajectory,
             indicator).
-        outcome: How each trajectory ended, shape (trajectory,).
     """
 
     kind = "verdict"
@@ -206,8 +191,7 @@ class Verdict(Run):
         Raises:
             ParameterError: an unknown kind, or no trajectory finished.
         """
-        if kind not in KINDS:
-            raise ParameterError(f"kind: wanted one of {', '.join(KINDS)}; got {shown(kind)}")
+        check_choice(kind, "kind", KINDS)
         done = self.outcome == "finished"
         return proportion(int(np.sum(self.verdict[done] == kind)), int(done.sum()), confidence=confidence)
 
@@ -278,20 +262,11 @@ def decide(
         0 regular, 3 chaotic, 0 undecided  (twisted Kovalevskaya top, t = 1000)
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
-            beside good ones ends at once, with the outcome "not finite".
         t_end: Time after which it is decided, in units of the system's own time; some hundred periods at least, some
             thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".  By default 1000
             natural times of the median orbit (of the first 256), which is where the rule was fixed; give it if an
             ensemble is computed in pieces.
-        seed: Draws the tangent vectors.
-        first: Number of the first member: member k has the same verdict in whichever piece of an ensemble it is.
         rule: Other thresholds than those whose error rates were measured.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Verdict.
@@ -305,57 +280,24 @@ def decide(
         Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Skokos, J. Phys. A 34 (2001) 10029; Cincotta
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
-    end, limit = None if t_end is None else as_time(t_end, "t_end", example=1000), as_time_limit(time_limit)
-    rule, method = as_rule(rule), as_method(method, METHOD)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    end = None if t_end is None else as_time(t_end, "t_end", example=1000)
+    rule = as_rule(rule)
     starts = given_starts(system, starts)  # once, as several runs start from it
-    deadline = clock.monotonic() + limit
-    units = orbit_units(system, starts, method=method, threads=threads, time_limit=_left(deadline))
+    units = orbit_units(system, starts, options)
     end = TIME * unit_of_time(units.time) if end is None else end
     with np.errstate(divide="ignore"):
         natural_time = end / units.time
     n_all, n = units.component.shape
-    tangents = sample_tangents(n, n_all, seed=as_seed(seed), first=as_first(first, n_all))
-    growth = megno(
-        system,
-        starts,
-        t_end=end,
-        tangents=units.component * tangents,
-        seed=seed,
-        first=first,
-        method=method,
-        threads=threads,
-        time_limit=_left(deadline),
-        progress=part_of(progress, 0, 1 / 3),
-    )
+    tangents = units.component * sample_tangents(n, n_all, **options.drawn)
+    growth = megno(system, starts, t_end=end, tangents=tangents, **options.drawn, **options.inner(0, 1 / 3))
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
-    angle = alignment(
-        system,
-        starts,
-        times=end * np.arange(1, 9) / 8,
-        units=units.component,
-        seed=seed,
-        first=first,
-        method=method,
-        threads=threads,
-        time_limit=_left(deadline),
-        progress=part_of(progress, 1 / 3, 1 / 3),
-    )
-    averages = average_drift(
-        system,
-        starts,
-        t_end=end,
-        natural_time=natural_time,
-        method=method,
-        threads=threads,
-        time_limit=_left(deadline),
-        progress=part_of(progress, 2 / 3, 1 / 3),
-    )
-    return replace(_judge(growth, angle, averages, natural_time, rule), time_limit=float(time_limit))
-
-
-def _left(deadline: float) -> float:
-    """Seconds until then; a little where none are left, as a run must have some."""
-    return max(deadline - clock.monotonic(), 1e-9)
+    times = end * np.arange(1, 9) / 8
+    drawn, second = options.drawn, options.inner(1 / 3, 1 / 3)
+    angle = alignment(system, starts, times=times, units=units.component, **drawn, **second)
+    last = options.part(2 / 3, 1 / 3)
+    averages = average_drift(system, starts, t_end=end, natural_time=natural_time, options=last)
+    return _judge(growth, angle, averages, natural_time, rule=rule, options=options)
 
 
 def as_rule(rule: Any) -> Rule:
@@ -364,15 +306,19 @@ def as_rule(rule: Any) -> Rule:
     Raises:
         ParameterError: it is no `Rule`.
     """
-    if rule is None:
-        return Rule()
-    if not isinstance(rule, Rule):
-        raise ParameterError(f"rule: wanted a Rule; got {shown(rule)}; try Rule(megno=(3, 5)), or leave it out")
-    return rule
+    return (
+        Rule() if rule is None else check_kind(rule, Rule, "rule", "a Rule", "try Rule(megno=(3, 5)), or leave it out")
+    )
 
 
 def _judge(
-    growth: Megno, angle: Alignment, averages: tuple[Array, NDArray[np.str_]], natural_time: Array, rule: Rule
+    growth: Megno,
+    angle: Alignment,
+    averages: tuple[Array, NDArray[np.str_]],
+    natural_time: Array,
+    *,
+    rule: Rule,
+    options: RunOptions,
 ) -> Verdict:
     power, mean, sali = _growth_power(growth), growth.mean[:, -1], angle.sali[:, -1]
     votes = rule.votes(power, mean, sali, averages[0])
@@ -380,11 +326,10 @@ def _judge(
     for other in (angle.outcome, averages[1]):
         outcome = np.where(outcome == "finished", other, outcome)
     return Verdict(
-        **given(growth.system, growth.field, growth.method, growth.start),
+        **options.given(growth.system, growth.start, growth.field),
+        **options.drawn,
         t_end=float(growth.time[-1]),
         rule=rule,
-        seed=growth.seed,
-        first=growth.first,
         verdict=np.where(outcome == "finished", rule.kinds(votes, natural_time), "undecided"),
         natural_time=natural_time,
         growth_power=power,
@@ -471,8 +416,7 @@ def agreement(verdict: Verdict) -> Agreement:
     Raises:
         ParameterError: it is none.
     """
-    if not isinstance(verdict, Verdict):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"verdict: wanted what decide returns; got {shown(verdict)}; call decide first")
+    check_kind(verdict, Verdict, "verdict", "what decide returns", "call decide first")
     done = np.flatnonzero(verdict.outcome == "finished")
     votes = verdict.votes[done].astype(np.int64)
     same = (votes[:, :, None] == votes[:, None, :]).sum(axis=0)

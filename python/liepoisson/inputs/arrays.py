@@ -8,7 +8,7 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import MemoryLimitError
+from liepoisson.errors import MemoryLimitError, ParameterError, ShapeError
 from liepoisson.portable import linear
 
 Array: TypeAlias = NDArray[np.float64]
@@ -37,6 +37,33 @@ def too_large(n_bytes: int, name: str) -> MemoryLimitError:
     return MemoryLimitError(
         f"{name}: wanted what fits into memory; got {n_bytes:,} bytes ({n_bytes / 2**30:.3g} GiB); ask for less at once"
     )
+
+
+def check_shape(fits: bool, name: str, wanted: str, values: Any, hint: str = "") -> None:
+    """Refuse an array of another shape than the one that the docstring of a function asks for.
+
+    Args:
+        fits: Whether it has the shape.
+        name: The argument.
+        wanted: The shape in words, "(trajectory, time)".
+        values: The array.
+        hint: What to try.
+
+    Raises:
+        ShapeError: it does not fit.
+    """
+    if not fits:
+        raise ShapeError(f"{name} must have shape {wanted}; got shape {values.shape}. {hint}".rstrip())
+
+
+def check_finite(values: NDArray[Any], name: str, hint: str) -> None:
+    """Refuse numbers that are not finite.
+
+    Raises:
+        ParameterError: one of them is none.
+    """
+    if not np.isfinite(values).all():
+        raise ParameterError(f"{name}: wanted finite numbers; got a NaN or an infinity; {hint}")
 
 
 _SQUARABLE = 1e-140, 1e140

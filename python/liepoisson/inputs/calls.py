@@ -22,6 +22,7 @@ from typing import Any, Literal, ParamSpec, TypeVar, get_origin
 from liepoisson.errors import ExpressionError, LiePoissonError, MemoryLimitError, ParameterError, did_you_mean
 from liepoisson.inputs.given import is_several
 from liepoisson.inputs.refusals import not_a_whole_system, shown
+from liepoisson.inputs.shared_words import ARGUMENTS, completed
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -62,6 +63,7 @@ _inside: ContextVar[bool] = ContextVar("inside a run", default=False)
 def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     """A function, or the `__init__` of a class, whose wrong calls are explained."""
     single = _single_arguments(function)
+    function.__doc__ = completed(function.__doc__, "Args", inspect.signature(function).parameters, ARGUMENTS)
 
     @wraps(function)
     def called(*args: P.args, **options: P.kwargs) -> R:

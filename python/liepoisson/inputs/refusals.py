@@ -1,8 +1,13 @@
-"""How messages quote a wrong value."""
+"""Checks that many functions share, and how messages quote a wrong value: "NAME: wanted this; got that; try this"."""
 
 from __future__ import annotations
 
-from liepoisson.errors import ParameterError
+from collections.abc import Collection, Hashable
+from typing import TypeVar
+
+from liepoisson.errors import ParameterError, did_you_mean
+
+T = TypeVar("T")
 
 _INSTEAD = {
     "LieAlgebra": "a Lie algebra is not a system yet: write System(algebra @ trivial(), hamiltonian)",
@@ -39,6 +44,31 @@ def not_a_whole_system(value: object) -> ParameterError:
         "only; the equations dx/dt = f(x) are those of H = p1*f1(x) + p2*f2(x) + ... on canonical(names=..., "
         "momenta=...)"
     )
+
+
+def check_kind(value: object, kind: type[T], name: str, wanted: str, hint: str) -> T:
+    """The value, if it is of a class.
+
+    Raises:
+        ParameterError: it is of another.
+    """
+    if not isinstance(value, kind):
+        raise not_a(wanted, value, name, hint)
+    return value
+
+
+def check_choice(value: object, name: str, choices: Collection[object], hint: str = "") -> None:
+    """Refuse what is none of a few values; of texts the nearest one is named.
+
+    Raises:
+        ParameterError: it is none of them.
+    """
+    if isinstance(value, Hashable) and value in choices and not isinstance(value, bool):
+        return
+    said = [f'"{one}"' if isinstance(one, str) else str(one) for one in choices]
+    wanted = " or ".join(filter(None, [", ".join(said[:-1]), said[-1]]))
+    near = did_you_mean(value, map(str, choices)).strip()
+    raise not_a(wanted, value, name, hint or near.replace("Did", "did") or "take one of these")
 
 
 def not_a(wanted: str, value: object, name: str, hint: str) -> ParameterError:

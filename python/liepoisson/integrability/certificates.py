@@ -16,8 +16,7 @@ from liepoisson.inputs.given import by_name, named
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability import checker
 from liepoisson.integrability.search_problem import functions_by_name
-from liepoisson.io.files import read_text, write_atomically
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, read_text, write_atomically
 
 if TYPE_CHECKING:
     from sympy import Expr

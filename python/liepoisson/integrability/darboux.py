@@ -17,7 +17,7 @@ from liepoisson.algebra.coefficients import Coefficients, square_root_element, s
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, over, rational_integrals
@@ -175,7 +175,6 @@ class DarbouxPolynomials:
         return as_text(str(self))
 
 
-@explains_its_arguments
 @shows_progress
 def darboux_polynomials(
     system: System,

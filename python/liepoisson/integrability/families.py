@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
 from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
@@ -185,7 +185,6 @@ def _counted(n: int) -> str:
     return "1 case is" if n == 1 else f"{n} cases are"
 
 
-@explains_its_arguments
 @shows_progress
 def integrable_families(
     system: System,

@@ -19,7 +19,7 @@ from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import is_named, listed, sequence
 from liepoisson.inputs.names import check_name
-from liepoisson.inputs.refusals import not_a, shown
+from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.integrability.derivation import Exponents, n_monomials, of_degree, polynomial_terms
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
@@ -70,8 +70,7 @@ def general_system(
         ParameterError: no such polynomial is left, a change of coordinates is not linear, or the degree is too large.
         ExpressionError: a text cannot be read.
     """
-    if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise not_a("a Bracket", bracket, "bracket", "write for example so(3) @ semidirect(2)")
+    check_kind(bracket, Bracket, "bracket", "a Bracket", "write for example so(3) @ semidirect(2)")
     several = listed(degree, "degree")
     degrees = [as_count(d, "degree", least=1) for d in ([degree] if several is None else several)]
     n = len(bracket.variables)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.names import check_title
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.level import level_of, real_points
@@ -158,7 +158,6 @@ class FirstIntegrals:
         return "\n".join([*lines, *self.notes])
 
 
-@explains_its_arguments
 @shows_progress
 def first_integrals(
     system: System,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson import _core
 from liepoisson.errors import OutputError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.certificates import certificate, unknown_casimirs
@@ -218,7 +218,6 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
     }
 
 
-@explains_its_arguments
 @shows_progress
 def integrability_report(
     system: System,

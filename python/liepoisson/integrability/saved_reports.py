@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
 from liepoisson.formula.scalars import as_count, as_time_limit
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import MOST_BYTES, certificate
@@ -24,8 +24,7 @@ from liepoisson.integrability.galois.obstruction import GaloisObstruction, Verdi
 from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals, named_formulas
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
-from liepoisson.io.files import read_text
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, read_text
 from liepoisson.model.system_text import read_system_text
 
 if TYPE_CHECKING:
@@ -39,7 +38,6 @@ _KINDS = ("System", "CanonicalSystem", "Top")
 """Classes of systems that have texts."""
 
 
-@explains_its_arguments
 @shows_progress
 def load_report(
     path: str | Path,

@@ -18,8 +18,7 @@ from zlib import crc32
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.integrability.checker import number
 from liepoisson.integrability.scan_points import OUTCOMES, PointResult
-from liepoisson.io.files import write_atomically, writing
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, write_atomically, writing
 
 FORMAT = "liepoisson integral scan 2"
 _FILE = "points.jsonl"

@@ -19,8 +19,7 @@ from liepoisson import _core
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError, did_you_mean
 from liepoisson.inputs.arrays import read_only
 from liepoisson.inputs.refusals import shown
-from liepoisson.io.files import write_atomically
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, write_atomically
 from liepoisson.io.netcdf import netcdf, read_netcdf
 from liepoisson.io.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
 

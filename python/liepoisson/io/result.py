@@ -18,10 +18,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
+from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from liepoisson.inputs.arrays import ReadOnlyArrays
+from liepoisson.inputs.shared_words import ATTRIBUTES, completed
 from liepoisson.io.display import as_line
 from liepoisson.io.tables import Tabular
 
@@ -135,6 +137,12 @@ class Result(ReadOnlyArrays, Tabular):
     """Names of the places of dimensions without a label, for columns of the table."""
     system: Any
     """The system, exactly as it was given."""
+
+    def __init_subclass__(cls) -> None:
+        """Describes the attributes that its docstring leaves out as others are."""
+        super().__init_subclass__()
+        names = [name for base in reversed(cls.__mro__) for name in get_annotations(base)]
+        cls.__doc__ = completed(cls.__doc__, "Attributes", names, ATTRIBUTES)
 
     @abstractmethod
     def arguments(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import named
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.portable import elementary, linear
 
@@ -161,8 +161,7 @@ def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
     """C1 and |beta| of a leaf that a caller gives."""
     from liepoisson.leaf.leaf import Leaf
 
-    if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try Leaf.through(top, state)")
+    check_kind(leaf, Leaf, "leaf", "a Leaf", "try Leaf.through(top, state)")
     parameters = leaf.system.top_parameters
     if parameters is None or parameters.field().epsilon != field.epsilon:
         raise ParameterError(

@@ -5,19 +5,18 @@ The format is described in `liepoisson.model.system_file`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liepoisson.algebra.exact_numbers import Exact
-from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.formula.expression import check_names, evaluate
 from liepoisson.formula.grammar import MAX_DIGITS, parse
 from liepoisson.formula.parameters import Value
 from liepoisson.formula.scope import Scope, read_declaration
-from liepoisson.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
+from liepoisson.formula.toml_text import TomlReader, TomlText, in_words, parse_toml, read_toml
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.names import MAX_TITLE, check_name
 from liepoisson.model.constructors import read_algebra, read_extension
@@ -101,15 +100,13 @@ def read_tables(toml: TomlText) -> SystemFile:
     return _Reader(toml).file()
 
 
-class _Reader:
+class _Reader(TomlReader):
     """Turns the tables of a file into its meaning; every method says which key is wrong."""
-
-    def __init__(self, toml: TomlText) -> None:
-        self.toml = toml
 
     def file(self) -> SystemFile:
         tables = self.toml.tables
-        self.check_keys((), tables, _KEYS[""])
+        below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
+        self.check_keys((), tables, _KEYS[""], below)
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))
         given = self.table(("parameters",), tables.get("parameters", {}))
@@ -341,7 +338,7 @@ class _Reader:
         """Nested lists of numbers, or of formulas in the symbols."""
         if not isinstance(given, list) or len(cast("list[object]", given)) > _MAX_LIST:
             kind = ("", "a list", "a list of lists", "a list of lists of lists")[depth]
-            raise self.toml.error(keys, f"wanted {kind} of numbers; got {_shown(given)}. Put it in square brackets.")
+            raise self.toml.error(keys, f"wanted {kind} of numbers; got {in_words(given)}. Put it in square brackets.")
         items = enumerate(cast("list[object]", given))
         if depth == 1:
             scope = Scope(symbols=symbols)
@@ -354,14 +351,14 @@ class _Reader:
         if isinstance(given, Fraction):
             return given
         if isinstance(given, bool) or not isinstance(given, int):
-            raise self.toml.error(keys, f'wanted a number such as 2, 0.5 or "1/3"; got {_shown(given)}. Correct it.')
+            raise self.toml.error(keys, f'wanted a number such as 2, 0.5 or "1/3"; got {in_words(given)}. Correct it.')
         if abs(given) >= 10**MAX_DIGITS:
             raise self.toml.error(keys, f"wanted a number of at most {MAX_DIGITS} digits; got a longer one. Rescale.")
         return Fraction(given)
 
     def text(self, keys: tuple[str | int, ...], given: object) -> str:
         if not isinstance(given, str) or not given.strip():
-            raise self.toml.error(keys, f"wanted a text in quotes; got {_shown(given)}. Correct it.")
+            raise self.toml.error(keys, f"wanted a text in quotes; got {in_words(given)}. Correct it.")
         return given
 
     def optional_text(self, keys: tuple[str | int, ...], table: Mapping[str, object]) -> str | None:
@@ -369,43 +366,14 @@ class _Reader:
 
     def texts(self, keys: tuple[str | int, ...], given: object) -> list[str]:
         if not isinstance(given, list):
-            raise self.toml.error(keys, f"wanted a list of texts; got {_shown(given)}. Put it in square brackets.")
+            raise self.toml.error(keys, f"wanted a list of texts; got {in_words(given)}. Put it in square brackets.")
         return [self.text((*keys, k), item) for k, item in enumerate(cast("list[object]", given))]
-
-    def table(self, keys: tuple[str | int, ...], given: object) -> dict[str, Any]:
-        if given is None:
-            raise self.toml.error((), f"wanted a table [{keys[0]}]; there is none. Add it.")
-        if not isinstance(given, dict):
-            raise self.toml.error(keys, f"wanted a table; got {_shown(given)}. Write [{keys[0]}] on a line of its own.")
-        return cast("dict[str, Any]", given)
-
-    def check_keys(self, keys: tuple[str | int, ...], table: Mapping[str, object], known: Sequence[str]) -> None:
-        for key in table:
-            if key not in known:
-                elsewhere = next((table for table, names in _KEYS.items() if key in names and table), None)
-                belongs = (
-                    f"Write it below [{elsewhere}]." if elsewhere in ("bracket", "hamiltonian") and not keys else ""
-                )
-                hint = belongs or did_you_mean(key, known).strip() or "Remove it."
-                message = f"the key is unknown; known are {', '.join(known)}. {hint}"
-                raise self.toml.error((*keys, key), message)
 
     def one_of(self, table: Mapping[str, object], keys: Sequence[str]) -> str | None:
         present = [key for key in keys if key in table]
         if len(present) > 1:
             raise self.toml.error(("bracket", present[1]), f"{' and '.join(present)} exclude each other. Remove one.")
         return present[0] if present else None
-
-    def guarded(self, keys: tuple[str | int, ...], read: Callable[[], T]) -> T:
-        """What `read` returns; an error that it raises is told with the key and the line."""
-        try:
-            return read()
-        except SystemFileError:
-            raise
-        except ExpressionError as error:
-            raise self.toml.error(keys, error.within_formula()) from error
-        except LiePoissonError as error:
-            raise self.toml.error(keys, str(error)) from error
 
 
 def _declarations(values: Mapping[str, Value]) -> list[str]:
@@ -417,12 +385,3 @@ def _declarations(values: Mapping[str, Value]) -> list[str]:
             shape = (len(value), len(value[0])) if isinstance(value[0], tuple) else (len(value),)
         found.append(f"{name}[{','.join(map(str, shape))}]" if shape else name)
     return found
-
-
-def _shown(given: object) -> str:
-    if isinstance(given, UnreadableNumber):
-        return given.text
-    if isinstance(given, (str, bool, float)):
-        return repr(given)[:60]
-    kinds: dict[type[Any], str] = {dict: "a table", list: "a list", int: "a number", Fraction: "a number"}
-    return kinds.get(type(given), f"a {type(given).__name__}")

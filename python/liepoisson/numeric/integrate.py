@@ -11,18 +11,18 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.compile.field import TopField
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_threads, as_time, as_time_limit
-from liepoisson.inputs.arrays import Array
+from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time
+from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.io.result import labelled, pieces
 from liepoisson.numeric.invariants import KeepsInvariants
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import outcome_names, trajectories
-from liepoisson.numeric.run import IntegratedRun, given
+from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
-from liepoisson.numeric.systems import HasField, as_field, component_names, core_field, without_value
+from liepoisson.numeric.systems import HasField, component_names, core_field, without_value
 
 _N_TIMES = 1001
 """Times of a run of which only the end is given."""
@@ -42,11 +42,6 @@ class Orbit(IntegratedRun, KeepsInvariants):
         {'H': True, 'C1': True, 'C2': True, 'K': True}
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        start: Shape (trajectory, component).
         start_time: Time of the starts.
         start_tangent: Shape (trajectory, tangent, component).
         time: Times, shape (time,); the first is that of the initial states.
@@ -56,14 +51,10 @@ class Orbit(IntegratedRun, KeepsInvariants):
             "max steps", "no convergence", "time limit"; "not finite" also where the Hamiltonian or a given integral
             stops being a real number.
         end_time: Time that each trajectory reached, that of its last good state, shape (trajectory,).
-        n_steps: Accepted steps of each trajectory.
-        end_state: Last good state of each trajectory, shape (trajectory, component).
-        order: Order of the method.
         kernel: The code that advanced the trajectories: the instruction set of the kernel for many ("avx512", "avx2",
             "neon", "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
         series: Dense output of each trajectory, if it was asked for: starts of the steps, shape (step,), and
             coefficients, shape (step, order, component).
-        time_limit: Seconds that the run was allowed to take.
     """
 
     kind = "orbit"
@@ -212,10 +203,6 @@ def integrate(
         kernel: "lanes" advances trajectories side by side in registers, "components" one trajectory without tangent
             vectors, with the components of its vectors side by side, which is quicker and rounds differently; only tops
             have the latter.  By default "components" for one such trajectory, else "lanes".
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; trajectories that are not done by then end with the outcome
-            "time limit", and all that is done is kept.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Orbit; a trajectory that fails is an outcome in it, not an error.
@@ -226,8 +213,8 @@ def integrate(
             apply.
         KeyboardInterrupt: Ctrl-C.
     """
-    method = as_method(method, Taylor())
-    field = field_for(system, as_field(system), method)
+    options = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
+    method, field = options.method, options.field(system)
     n = field.n_components
     states, times = as_starts(system, starts, n), _as_orbit_times(times, t_end)
     vectors = _as_tangents(tangents, len(states), component_names(system, n))
@@ -242,7 +229,6 @@ def integrate(
             f"{kernel!r} for {len(states)} trajectories with {vectors.shape[1]} tangent vectors of a field of kind "
             f"{field.kind!r}; leave it out to have it chosen"
         )
-    limit = as_time_limit(time_limit)
     raw = _core.orbits(
         core_field(field),
         method.core(),
@@ -250,14 +236,14 @@ def integrate(
         vectors.ravel(),
         vectors.shape[1],
         times,
-        as_threads(threads),
-        limit,
+        options.threads,
+        options.time_limit,
         dense,
         alone if kernel is None else kernel == "components",
         progress,
     )
     orbit = Orbit(
-        **given(system, field, method, states),
+        **options.given(system, states, field),
         start_time=float(times[0]),
         start_tangent=vectors,
         time=times,
@@ -270,7 +256,6 @@ def integrate(
         order=raw["order"],
         kernel=raw["kernel"],
         series=tuple((begins, c.reshape(len(begins), raw["order"] + 1, n)) for begins, c in raw["series"]),
-        time_limit=limit,
     )
     overflown = in_series and not np.isfinite(orbit.end_state[orbit.n_steps > 0]).all()
     return _while_invariants_are_real(_before_overflow(orbit) if overflown else orbit)
@@ -343,10 +328,7 @@ def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, names: Sequenc
     vectors = as_array(tangents, "tangents", names)
     if vectors.ndim == 2:
         vectors = np.broadcast_to(vectors, (n_trajectories, *vectors.shape))
-    if vectors.ndim != 3 or vectors.shape[0] != n_trajectories or vectors.shape[2] != n:
-        raise ShapeError(
-            f"tangents must have shape (tangent, {n}) or ({n_trajectories}, tangent, {n}); got shape {vectors.shape}"
-        )
-    if not np.isfinite(vectors).all():
-        raise ParameterError("tangents: wanted finite numbers; got a NaN or an infinity; drop these vectors")
+    fits = vectors.ndim == 3 and vectors.shape[0] == n_trajectories and vectors.shape[2] == n
+    check_shape(fits, "tangents", f"(tangent, {n}) or ({n_trajectories}, tangent, {n})", vectors)
+    check_finite(vectors, "tangents", "drop these vectors")
     return np.ascontiguousarray(vectors)

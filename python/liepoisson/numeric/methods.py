@@ -17,7 +17,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.numeric.systems import TOP_COMPONENTS, has_pieces
 
 ROUND_OFF = 2.0**-53
@@ -448,8 +448,7 @@ def _as_step(value: Any) -> float:
 
 
 def _as_even_order(value: Any) -> int:
-    if value not in (2, 4, 6, 8):
-        raise ParameterError(f"order: wanted 2, 4, 6 or 8; got {shown(value)}; try 4")
+    check_choice(value, "order", (2, 4, 6, 8), "try 4")
     return int(value)
 
 

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson import _core
 from liepoisson.compile.field import Field, field_of, record_of
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import Result, labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, method_of, method_record
-from liepoisson.numeric.systems import HasField, component_names
+from liepoisson.numeric.systems import HasField
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +58,20 @@ def whole(time: Array, t_end: float) -> float:
     return t_end
 
 
-def given(system: Any, field: Field, method: Method, start: Array) -> dict[str, Any]:
-    """The first fields of a `Run`."""
-    names = component_names(system, field.n_components)
-    return {"system": system, "components": names, "field": field, "method": method, "start": start}
+def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:
+    """Outcomes by name."""
+    return np.array(_core.outcomes())[codes]
+
+
+def trajectories(outcome: NDArray[np.str_]) -> str:
+    """How many there are, and how many of them failed, as a `repr` says it."""
+    failed = int(np.sum(outcome != "finished"))
+    return f"{outcome.size} trajector{'y' if outcome.size == 1 else 'ies'}" + (f" ({failed} failed)" if failed else "")
+
+
+def typical(quantity: str, values: Array) -> str:
+    """The median of the finite ones among the values, as a `repr` says it: the value itself if there is one."""
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return f"no {quantity}"
+    return f"{'median ' if finite.size > 1 else ''}{quantity} {np.median(finite):.4g}"

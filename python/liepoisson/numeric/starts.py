@@ -10,9 +10,11 @@ from numpy.typing import ArrayLike
 
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.numbers import as_array
-from liepoisson.inputs.arrays import Array
+from liepoisson.formula.scalars import as_time
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
+from liepoisson.portable import elementary
 
 StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
 """States as arrays, or by the names of vectors and components, the others being zero."""
@@ -150,11 +152,8 @@ def as_states(
     """
     states = as_array(starts, name, names)
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
-        hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
-        raise ShapeError(
-            f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}."
-            f"{hint or _component_hint(names)}"
-        )
+        hint = "Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else _component_hint(names)
+        check_shape(False, name, f"({n_components},) or (trajectory, {n_components})", states, hint)
     states = np.atleast_2d(states)
     bad = ~np.isfinite(states).all(axis=1)
     if bad.any() and (bad.all() or not some_may_fail):
@@ -167,14 +166,14 @@ def as_states(
 
 def _component_hint(names: Sequence[str]) -> str:
     few = names if len(names) <= 9 else (*names[:6], "...", *names[-3:])
-    return f" The components are {', '.join(few)}." if names else ""
+    return f"The components are {', '.join(few)}." if names else ""
 
 
 def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
     """A copy of finite, strictly monotone times, at least `least` of them."""
     times = np.atleast_1d(as_values(times, name))
-    if times.ndim != 1 or len(times) < least:
-        raise ShapeError(f"{name} must have shape (time,) with {least} or more times; got shape {times.shape}")
+    fits = times.ndim == 1 and len(times) >= least
+    check_shape(fits, name, f"(time,) with {least} or more times", times)
     steps = np.diff(times)
     if not np.isfinite(times).all() or not (np.all(steps > 0) or np.all(steps < 0)):
         raise ParameterError(
@@ -182,6 +181,27 @@ def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
             "sort them and drop repeated ones"
         )
     return times
+
+
+def as_forward_times(t_end: float | None, times: ArrayLike | None, n: int) -> Array:
+    """A copy of positive increasing times; or n times spaced evenly in the logarithm, from `t_end`/1000 to `t_end`.
+
+    Raises:
+        ParameterError: both or neither are given, or they are no such times.
+    """
+    if (t_end is None) == (times is None):
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
+    if times is None:
+        end = as_time(t_end, "t_end", example=1000)
+        wanted = elementary.geomspace(end / 1000.0, end, n)
+        wanted[-1] = end
+        return wanted
+    wanted = as_times(times, "times", least=1)
+    if wanted[0] <= 0.0 or wanted[-1] < wanted[0]:
+        raise ParameterError(
+            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
+        )
+    return wanted
 
 
 def as_values(values: ArrayLike, name: str) -> Array:

@@ -14,18 +14,19 @@ component in units of its own root mean square along the stretch.
 from __future__ import annotations
 
 import math
-import time as clock
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import Field, PiecesField
-from liepoisson.formula.scalars import TIME_LIMIT, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.portable import elementary, linear
@@ -70,10 +71,7 @@ def time_scale(
         array([0.33333333])
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         method: How; needed for a field that is given by its pieces, else power series are used.
-        threads: By default all processors.  Results do not depend on it, bit for bit.
         time_limit: Seconds that it may take.
 
     Returns:
@@ -84,7 +82,7 @@ def time_scale(
         ShapeError: `starts` has another shape than stated.
         ParameterError: no start is finite.
     """
-    return orbit_units(system, starts, method=method, threads=threads, time_limit=time_limit).time
+    return orbit_units(system, starts, RunOptions.read(method, threads, time_limit)).time
 
 
 class OrbitUnits(NamedTuple):
@@ -113,17 +111,8 @@ class OrbitUnits(NamedTuple):
 
 
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
-def orbit_units(
-    system: HasField,
-    starts: StartsLike,
-    *,
-    method: Method | None = None,
-    threads: int | None = None,
-    time_limit: float = TIME_LIMIT,
-) -> OrbitUnits:
-    """Natural units of time and of each component along orbits.
-
-    Arguments and errors are those of `time_scale`.
+def orbit_units(system: HasField, starts: StartsLike, options: RunOptions) -> OrbitUnits:
+    """Natural units of time and of each component along orbits, before the deadline of the options.
 
     Raises:
         ShapeError: `starts` has another shape than stated.
@@ -131,14 +120,14 @@ def orbit_units(
     """
     field = as_field(system)
     # whatever the caller's method, but a field that is given by its pieces knows no other
-    how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
+    how = options.method if isinstance(field, PiecesField) else ENSEMBLE_METHOD
     states = as_starts(system, starts, field.n_components)
-    run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
+    run = _Run(system.name, field, replace(options, method=how, progress=None))
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     slopes = np.full((*states.shape, states.shape[1]), np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     for start in range(0, len(good), _CHUNK):
-        if run.is_late():
+        if options.is_late:
             break
         chunk = good[start : start + _CHUNK]
         rate[chunk], size[chunk], slopes[chunk] = _rates(run, states[chunk])
@@ -190,18 +179,14 @@ def unit_of_time(scale: Array) -> float:
 class _Run:
     """Short integrations of a system before a deadline."""
 
-    def __init__(self, name: str, field: Field, method: Method | None, threads: int | None, deadline: float) -> None:
+    def __init__(self, name: str, field: Field, options: RunOptions) -> None:
         self.name = name
-        self._field, self._method, self._threads, self._deadline = field, method, threads, deadline
+        self._field, self._options = field, options
         # Steps of power series do not depend on the wanted times; those of a splitting end there.
         self.together = 1 if isinstance(field, PiecesField) else _TOGETHER
 
     def field(self) -> Field:
         return self._field
-
-    def is_late(self) -> bool:
-        """Whether no time is left."""
-        return clock.monotonic() > self._deadline
 
     def states(self, starts: Array, times: Array) -> Array:
         """States of each member at its own times, shape (trajectory, time); NaN at times that it did not reach."""
@@ -222,10 +207,8 @@ class _Run:
             starts,
             times=times,
             tangents=tangents,
-            method=self._method,
             kernel="lanes",  # the same bits however the ensemble is cut
-            threads=self._threads,
-            time_limit=max(self._deadline - clock.monotonic(), 1e-9),
+            **self._options.inner(),
         )
 
 

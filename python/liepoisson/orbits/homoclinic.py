@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import has_passed
-from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.homoclinic_orbits import (
     AMPLITUDE,
     HomoclinicOrbit,
@@ -107,7 +107,6 @@ def symmetric_homoclinic_orbits(
         threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.
         time_limit: Seconds after which nothing more is looked for; what was found by then is described to the end, and
             `is_cut_short` is true.
-        progress: Called with the fraction that is done.
 
     Returns:
         The orbits by increasing time of flight; that there are no others is not proved.
@@ -117,8 +116,8 @@ def symmetric_homoclinic_orbits(
         LeafError: the leaf of an equilibrium is not regular.
         MemoryLimitError: the states up to `t_end` do not fit into memory.
     """
-    n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
-    deadline = as_deadline(time_limit)
+    run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
+    n_starts = as_count(n_starts, "n_starts", least=1)
     space = unstable_space(origin)
     level = space.level
     chosen = reversers_of(level, reversers)
@@ -128,15 +127,14 @@ def symmetric_homoclinic_orbits(
             raise ParameterError("origin: wanted an equilibrium in the fixed set of a reverser; none keeps this one")
     usual = float((elementary.log(1 / AMPLITUDE) + _EXCURSION) / space.rate)
     longest = usual if t_end is None else as_time(t_end, "t_end", example=usual)
-    search = _Search(space, Flow(level.system, threads), float(longest))
-    amplitudes = search.drawn(n_starts, seed)
+    search = _Search(space, Flow(level.system, run.threads), float(longest))
+    amplitudes = search.drawn(n_starts, run.seed)
     solved: list[Solution] = []
-    with deadline.running():
-        left = max(deadline.left, LEAST_LEFT)
+    with run.deadline.running():
+        left = max(run.deadline.left, LEAST_LEFT)
         guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts, left)
         for k, one in enumerate(chosen):
-            if progress is not None:
-                progress(0.2 + 0.7 * k / len(chosen))
+            run.tell(0.2 + 0.7 * k / len(chosen))
             solved += [(one, *found) for found in search.solved(one, *guesses[k])]
         is_cut_short = has_passed()
     path = _points_of(origin, space)

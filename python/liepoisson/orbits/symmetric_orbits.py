@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import checkpoint, has_passed
@@ -24,7 +24,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.time_scale import natural_duration
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits, loop_spectrum
@@ -102,7 +102,6 @@ def symmetric_periodic_orbits(
             do not depend on it, bit for bit.
         time_limit: Seconds after which nothing more is looked for; what was found by then is described to the end, and
             `is_cut_short` is true.
-        progress: Called with the fraction that is done.
 
     Returns:
         The orbits by decreasing growth rate; that there are no others is not proved.
@@ -115,11 +114,11 @@ def symmetric_periodic_orbits(
 
     References: [devogelaere1958], for the method; [lamb1998].
     """
-    n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
-    deadline = as_deadline(time_limit)
+    run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
+    n_starts, seed = as_count(n_starts, "n_starts", least=1), run.seed
     level = level_of(system, leaf, energy)
     chosen = reversers_of(level, reversers)
-    flow = Flow(level.system, threads)
+    flow = Flow(level.system, run.threads)
     starts = [_starts(level, one, n_starts, seed, k) for k, one in enumerate(chosen)]
     if not any(len(x) for x in starts):
         raise LeafError(
@@ -136,15 +135,14 @@ def symmetric_periodic_orbits(
     n_families = 0
     pairs = list(combinations_with_replacement(range(len(chosen)), 2))
     n_times = max(16, n_times_of(_TIMES_PER_UNIT * longest, unit))
-    with deadline.running():
+    with run.deadline.running():
         for k, (i, j) in enumerate(pairs):
             if has_passed():
                 break
-            if progress is not None:
-                progress(0.9 * k / len(pairs))
+            run.tell(0.9 * k / len(pairs))
             if len(starts[i]):
                 shooting = Shooting(level, chosen[i], chosen[j], flow)
-                left = max(deadline.left, LEAST_LEFT)
+                left = max(run.deadline.left, LEAST_LEFT)
                 guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n_starts, left)
                 solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
                 isolated = solved.of(solved.regularity > _SINGULAR)

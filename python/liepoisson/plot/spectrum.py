@@ -8,7 +8,7 @@ import numpy as np
 
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.plot.labels import plain
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style, new_figure
@@ -46,8 +46,7 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
     """
     from liepoisson.indicators.spectrum import Spectrum
 
-    if not isinstance(result, Spectrum):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"result: wanted what lyapunov_spectrum returns; got {shown(result)}; call it first")
+    check_kind(result, Spectrum, "result", "what lyapunov_spectrum returns", "call it first")
     n = len(result.outcome)
     if not isinstance(trajectory, int | np.integer) or not -n <= trajectory < n:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"trajectory: wanted a number from 0 to {n - 1}; got {shown(trajectory)}")

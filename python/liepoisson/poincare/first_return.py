@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from liepoisson.compile.field import TapeFunction
 from liepoisson.errors import ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import typical
-from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.run import Run, typical
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.numeric.systems import HasField
 from liepoisson.poincare.section import Section, section
 from liepoisson.poincare.section_arguments import (
     Function,
@@ -52,16 +52,11 @@ class FirstReturn(Run):
         ('returned', True)
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of its components.
-        field: Its vector field.
-        method: How it was integrated.
         start: The states that were mapped, shape (..., component).
         surface: The function $s$ as it was written, for labels.
         tape: It as data.
         direction: In which direction it was passed.
         t_end: Longest time that was waited.
-        time_limit: Seconds that the run was allowed to take.
         state: Where each orbit returned, shape (..., component); NaN where it did not.
         time: When, shape (...).
         outcome: "returned"; "no return" until `t_end`; "none seen", where the surface function could not be followed
@@ -127,9 +122,6 @@ def first_return(
         t_end: Longest time that is waited; negative: backwards.
         direction: +1, -1 or 0, as for `section`.
         method: `Taylor()`, as for `section`.
-        threads: By default all processors.
-        time_limit: Seconds that the run may take, as for `section`.
-        progress: As for `section`.
 
     Returns:
         `state`, `time` and `outcome`, which says why the first two are NaN where they are.
@@ -137,19 +129,17 @@ def first_return(
     Raises:
         As `section`.
     """
-    states = given_starts(system, starts)
-    n = as_field(system).n_components
+    run = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
+    states, field = given_starts(system, starts), run.field(system)
+    n = field.n_components
     if states.ndim == 0 or states.shape[-1] != n:
         raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")
-    options: dict[str, Any] = {
-        "surface": surface_alone(surface), "t_end": t_end, "direction": direction, "method": method,
-        "threads": threads, "time_limit": time_limit, "progress": progress,
-    }  # fmt: skip
-    returned, times, outcome = _arrivals(system, states.reshape(-1, n), options)
-    shape, method = states.shape[:-1], as_method(method, Taylor())
+    options: dict[str, Any] = {"surface": surface_alone(surface), "t_end": t_end, "direction": direction}
+    returned, times, outcome = _arrivals(system, states.reshape(-1, n), run, options)
+    shape = states.shape[:-1]
     label = "s" if isinstance(surface, TapeFunction) else str(as_formula(surface, "surface"))
     return FirstReturn(
-        **given(system, field_for(system, as_field(system), method), method, states),
+        **run.given(system, states, field),
         surface=label,
         tape=as_surface(system, options["surface"], None)[0],
         direction=as_direction(direction),
@@ -157,13 +147,14 @@ def first_return(
         state=returned.reshape(states.shape),
         time=times.reshape(shape),
         outcome=outcome.reshape(shape),
-        time_limit=as_time_limit(time_limit),
     )
 
 
-def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:
+def _arrivals(
+    system: HasField, starts: Array, run: RunOptions, options: dict[str, Any]
+) -> tuple[Array, Array, NDArray[np.str_]]:
     """State and time of the first crossing of each trajectory that is not its start, and the outcomes."""
-    found = section(system, starts, n_crossings=1, **options)
+    found = section(system, starts, n_crossings=1, **options, **run.inner())
     returned, times = np.full(starts.shape, np.nan), np.full(len(starts), np.nan)
     returned[found.trajectory], times[found.trajectory] = found.state, found.time
     outcome = _outcome_without_crossing(found)
@@ -174,7 +165,7 @@ def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple
     early = (found.n_steps <= 1) & (np.abs(times) <= _SAME_TIME * found.first_step)
     again = np.flatnonzero(near & early)
     if again.size:
-        second = section(system, starts[again], n_crossings=2, **options)
+        second = section(system, starts[again], n_crossings=2, **options, **run.inner())
         last = np.cumsum(second.count) - 1
         there = second.count == 2
         returned[again], times[again] = np.nan, np.nan

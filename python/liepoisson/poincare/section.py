@@ -13,20 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson import _core
 from liepoisson.compile.field import TapeFunction
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.io.result import labelled, names_along, recorded
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import outcome_names
-from liepoisson.numeric.run import IntegratedRun, given
+from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.run import IntegratedRun, outcome_names
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import (
-    HasField,
-    as_field,
-    component_names,
-    core_field,
-)
+from liepoisson.numeric.systems import HasField, component_names, core_field
 from liepoisson.poincare.section_arguments import (
     Function,
     as_direction,
@@ -57,18 +52,13 @@ class Section(IntegratedRun):
         (('x', 'y', 'p_x', 'p_y'), (16, 4))
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the phase space.
         coordinates: Names of what is kept of each crossing: the components, or the functions in `keep`.
         surface: The function $s$ as it was written, for labels.
         tape: It and the kept functions as data.
-        field: The vector field of the system.
-        method: How it was integrated.
         direction: Which crossings were wanted: +1 where $s$ increases in the order of travel, -1 where it decreases,
             0 both.
         n_crossings: After how many a trajectory was ended, or None.
         start_side: The sign of $s$ before each start, as it was given; 0: not known.  Shape (trajectory,).
-        start: Starts, shape (trajectory, component).
         t_end: Time at which a trajectory ended at the latest.
         crossing_trajectory: Trajectory of each crossing, shape (crossing,); `trajectory` for short.
         time: Its time, shape (crossing,).
@@ -89,14 +79,10 @@ class Section(IntegratedRun):
         end_time: Time that each trajectory reached, shape (trajectory,).  After `n_crossings` crossings it is that of
             the last one, but for the round-off by which the trajectory has left the surface, so that the sign of $s$
             is known: later than the last crossing, and earlier than any further one.
-        n_steps: Accepted steps of each trajectory.
         first_step: Length of its first step, NaN if it took none, shape (trajectory,).
         end_state: Last good state of each trajectory, at `end_time`, shape (trajectory, component).
         end_side: The last known sign of $s$ of each trajectory, 0 if there is none.  Where a trajectory ends within the
             error of the surface, it is the side that it came from.  Shape (trajectory,).
-        order: Order of the method.
-        kernel: The instruction set that was used; all give the same bits.
-        time_limit: Seconds that the run was allowed to take.
     """
 
     kind = "section"
@@ -388,7 +374,6 @@ def section(
 
     Args:
         system: What is integrated.
-        starts: States at time 0, shape (component,) or (trajectory, component).
         surface: The function $s$: a text like that of a Hamiltonian ("dot(l, beta)"), a SymPy expression in the
             variables of the system, a function of `System.functions`, or a `TapeFunction`, whose first output is $s$
             and whose further ones are kept.
@@ -402,9 +387,6 @@ def section(
         keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
             `TapeFunction`, the names of its further outputs.
         method: `Taylor()`, in double precision, by default to round-off.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; what is done by then is kept, with the outcome "time limit".
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Section; without any crossing if the orbits meet none.
@@ -418,13 +400,14 @@ def section(
             motion, which is in involution with H).
         KeyboardInterrupt: Ctrl-C.
     """
-    method = as_method(method, Taylor())
+    options = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
+    method = options.method
     if not isinstance(method, Taylor) or method.precision != "double":
         raise ParameterError(
             f"method: wanted Taylor() in double precision, whose series sections are made from; got {method}; leave "
             "it out"
         )
-    field = field_for(system, as_field(system), method)
+    field = options.field(system)
     n = field.n_components
     states = as_starts(system, starts, n)
     tape, names = as_surface(system, surface, keep)
@@ -432,7 +415,7 @@ def section(
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
     coordinates = component_names(system, n) if names is None else names
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
-    end, sense, limit = as_end(t_end), as_direction(direction), as_time_limit(time_limit)
+    end, sense = as_end(t_end), as_direction(direction)
     sides = as_sides(start_side, len(states))
     raw = _core.sections(
         core_field(field),
@@ -443,8 +426,8 @@ def section(
         sense,
         wanted,
         sides.tolist() if sides.any() else [],
-        as_threads(threads),
-        limit,
+        options.threads,
+        options.time_limit,
         progress,
     )
     width, members = len(coordinates), np.arange(len(states))
@@ -452,7 +435,7 @@ def section(
     _warn_of_orbits_in_the_surface(label, raw["in_surface"])
     _warn_of_gaps(label, _share(raw["unresolved_time"], raw["end_time"]), int(raw["lost_changes"].sum()))
     return Section(
-        **given(system, field, method, states),
+        **options.given(system, states, field),
         coordinates=coordinates,
         surface=label,
         tape=tape,
@@ -480,7 +463,6 @@ def section(
         end_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
-        time_limit=limit,
     )
 
 

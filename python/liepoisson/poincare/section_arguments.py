@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import TapeFunction
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_time
+from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
 
 if TYPE_CHECKING:
@@ -129,10 +130,9 @@ def as_end(t_end: Any) -> float:
 def as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:
     """The sign of the surface function before each start."""
     given = as_array(sides, "start_side")
-    if given.shape not in ((), (n_trajectories,)):
-        raise ShapeError(
-            f"start_side: wanted one sign or one for each of {n_trajectories} trajectories; got shape {given.shape}"
-        )
+    check_shape(
+        given.shape in ((), (n_trajectories,)), "start_side", f"() or ({n_trajectories},), a sign for each", given
+    )
     if not np.isin(given, (-1, 0, 1)).all():
         raise ParameterError(f"start_side: wanted +1, -1 or 0; got {shown(sides)}; try the end_side of a section")
     return np.broadcast_to(given, n_trajectories).astype(np.int8)
@@ -140,8 +140,7 @@ def as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:
 
 def as_direction(direction: Any) -> int:
     """Which crossings are wanted."""
-    if isinstance(direction, bool) or not np.isscalar(direction) or direction not in (-1, 0, 1):
-        raise ParameterError(
-            f"direction: wanted +1 (the surface function increases), -1 (it decreases) or 0; got {shown(direction)}"
-        )
+    check_choice(
+        direction, "direction", (-1, 0, 1), "write +1 where the surface function increases, -1 where it decreases"
+    )
     return int(direction)

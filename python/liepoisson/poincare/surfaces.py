@@ -19,7 +19,7 @@ from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, named
-from liepoisson.inputs.refusals import not_a, shown
+from liepoisson.inputs.refusals import check_choice, check_kind
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, solve
@@ -123,9 +123,7 @@ def as_leaf(leaf: Any) -> Leaf:
     """
     from liepoisson.leaf.leaf import Leaf
 
-    if not isinstance(leaf, Leaf):
-        raise not_a("a Leaf", leaf, "leaf", "try Leaf.through(system, state)")
-    return leaf
+    return check_kind(leaf, Leaf, "leaf", "a Leaf", "try Leaf.through(system, state)")
 
 
 @explains_its_arguments
@@ -173,8 +171,7 @@ def section_starts(
         ParameterError: the energy is no finite number, the direction is none, or n or seed is no whole number.
     """
     n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
-    if np.ndim(direction) or direction not in (-1, 0, 1):
-        raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
+    check_choice(direction, "direction", (-1, 0, 1))
     view = as_leaf(leaf).in_units(as_energy(energy))
     equations = view.constraints(energy, surface)
     if spread:

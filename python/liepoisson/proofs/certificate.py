@@ -29,8 +29,7 @@ from typing import Any, cast
 from liepoisson.errors import DamagedFileError, EnclosureError, MissingFileError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
-from liepoisson.io.files import read_text
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, read_text
 
 FORMAT = "liepoisson certificate of covering relations/1"
 

@@ -152,12 +152,9 @@ def enclose_flow(
         system: A system whose equations are polynomials with rational coefficients.
         box: A `Box`, a tuple of lower and upper bounds, or one state, shape (N,).
         time: How long the orbits run, exactly this double; not negative.
-        arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
         order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
-        precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the set has become too wide, or the time limit has passed.
@@ -270,12 +267,9 @@ def enclose_section_map(
         direction: +1 for a crossing where $s$ increases, -1 where it decreases, 0 for either.
         time: When the orbits cross, about; by default the first crossing of the midpoint of the box after it has left
             the section, found without proof.
-        arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
         order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
-        precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the set has become too wide, it is not certain that every orbit crosses once and transversally

@@ -164,10 +164,7 @@ def prove_equilibrium(
         system: A system whose equations and Casimirs are polynomials with rational coefficients.
         guess: A state near it, shape (N,).
         level: Exact values of the Casimirs, by name; by default the doubles nearest to those of the guess.
-        arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
-        precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: no box is mapped into itself: there is no equilibrium nearby, or it is not isolated on its
@@ -225,9 +222,7 @@ def enclose_equilibria(
         level: Exact values of the Casimirs, by name; must be given if there are any.
         max_boxes: How many boxes are looked at before the rest is left undecided.
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb, which is slow.
-        precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the time limit has passed.

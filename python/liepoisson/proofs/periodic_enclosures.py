@@ -145,12 +145,9 @@ def prove_periodic_orbit(
         period: Its period, about.
         level: Exact values of H and the Casimirs, by name; by default the doubles nearest to those of `start`.
         n_sections: How many sections; by default one for each factor of ten by which perturbations grow.
-        arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
         order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
-        precision: Bits of the balls, 53 to 10,000.
         time_limit: Seconds that the run may take.
-        progress: Called with the fraction that is done.
 
     Raises:
         EnclosureError: the orbit does not close, no box is mapped into itself, the enclosures have become too wide, or

@@ -8,7 +8,7 @@ import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import as_count, as_number, as_time_limit
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.given import as_scalar, by_name
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.leaf._checks import as_system
 from liepoisson.proofs.balls.lohner import How
 from liepoisson.proofs.box import Box, BoxLike, as_box
@@ -82,12 +82,9 @@ class Means:
         Raises:
             ParameterError: an arithmetic has another name, or a number is out of range.
         """
-        if not isinstance(arithmetic, str) or arithmetic not in ARITHMETICS:
-            raise ParameterError(
-                f'arithmetic: wanted "intervals" or "balls"; got {shown(arithmetic)}; intervals are the faster ones'
-            )
+        check_choice(arithmetic, "arithmetic", ARITHMETICS, "intervals are the faster ones")
         longest = None if step is None else positive(step, "step", "leave it out for steps that fit to the series")
-        chosen: Arithmetic = arithmetic
+        chosen = cast("Arithmetic", arithmetic)
         return cls(
             chosen,
             ORDERS[chosen] if order is None else as_count(order, "order", least=2, most=60, hint="try order=20"),

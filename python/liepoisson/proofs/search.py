@@ -19,7 +19,7 @@ from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.calls import explains_its_methods, shows_progress
 from liepoisson.io.files import write_json
 from liepoisson.leaf._checks import as_system
-from liepoisson.numeric.progress import part_of
+from liepoisson.numeric.run_options import part_of
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import reversers_of, symmetric_periodic_orbits
@@ -123,7 +123,6 @@ def find_certificate(
         t_end: The longest segment of a periodic orbit.
         seed: Draws them.
         threads: How many.
-        progress: Called with the fraction that is done.
 
     Raises:
         LeafError: the leaf is not regular, or the level has an equilibrium.

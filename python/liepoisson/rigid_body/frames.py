@@ -22,7 +22,7 @@ from liepoisson.compile.field import Field
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array, read_only
+from liepoisson.inputs.arrays import Array, check_shape, read_only
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import not_a_system, shown
 from liepoisson.io.result import Result, labelled, part
@@ -149,8 +149,7 @@ class Attitude(Result, KeepsInvariants):
             ShapeError: the times do not have shape (time,).
         """
         times = as_values(times, "times")
-        if times.ndim != 1:
-            raise ShapeError(f"times must have shape (time,); got shape {times.shape}. Give a list of times.")
+        check_shape(times.ndim == 1, "times", "(time,)", times, "Give a list of times.")
         values = self.orbit.at(times)
         return replace(self, time=times, **_parts(values, self.system))
 
@@ -210,9 +209,6 @@ def attitude(
             points along the third axis of space.  By default the two frames coincide at `t[0]`.
         method: How; by default `Taylor()`.  Methods that need a top or pieces of a Hamiltonian do not apply.
         dense: Keep the power series, so that `.at(t)` answers for any time.
-        threads: By default all processors.
-        time_limit: Seconds that the run may take.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Attitude; a trajectory that fails is an outcome in it, not an error.
@@ -226,16 +222,8 @@ def attitude(
     carried = FrameSystem(system)
     states = as_starts(system, starts, len(system.component_names))
     start = np.hstack([states, initial_quaternions(system, states, attitude)])
-    orbit = integrate(
-        carried,
-        start,
-        times=times,
-        method=method,
-        dense=dense,
-        threads=threads,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    run: dict[str, Any] = {"method": method, "threads": threads, "time_limit": time_limit, "progress": progress}
+    orbit = integrate(carried, start, times=times, dense=dense, **run)
     return attitude_of(system, orbit)
 
 

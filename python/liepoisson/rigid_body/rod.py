@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import Result, labelled, part
 from liepoisson.numeric.integrate import integrate
@@ -167,9 +167,6 @@ def rod(
         attitude: Directors at the first arclength, as in `attitude`; "beta" puts the magnetic field upright.
         origin: Beginning of the centre line, shape (3,) or (trajectory, 3).
         method: How; by default `Taylor()`.
-        threads: By default all processors.
-        time_limit: Seconds that the run may take.
-        progress: Called a few times a second with the fraction that is done.
 
     Returns:
         Rod; a trajectory that fails is an outcome in it, not an error.
@@ -183,15 +180,8 @@ def rod(
     n = len(system.component_names)
     states = as_starts(system, starts, n)
     start = np.hstack([states, initial_quaternions(system, states, attitude), _origins(origin, len(states))])
-    orbit = integrate(
-        carried,
-        start,
-        times=_arclengths(length, n_points, arclengths),
-        method=method,
-        threads=threads,
-        time_limit=time_limit,
-        progress=progress,
-    )
+    run: dict[str, Any] = {"method": method, "threads": threads, "time_limit": time_limit, "progress": progress}
+    orbit = integrate(carried, start, times=_arclengths(length, n_points, arclengths), **run)
     frames = attitude_of(system, orbit)
     fields = frames.state.reshape(*frames.state.shape[:-1], -1, 3)
     in_space = [
@@ -269,8 +259,6 @@ def _arclengths(length: float | None, n_points: int, given: ArrayLike | None) ->
 
 def _origins(origin: ArrayLike, n: int) -> Array:
     values = as_array(origin, "origin")
-    if values.shape not in ((3,), (n, 3)):
-        raise ShapeError(f"origin must have shape (3,) or ({n}, 3); got shape {values.shape}. One point for each rod.")
-    if not np.isfinite(values).all():
-        raise ParameterError("origin: wanted finite numbers; got a NaN or an infinity; leave it out")
+    check_shape(values.shape in ((3,), (n, 3)), "origin", f"(3,) or ({n}, 3)", values, "One point for each rod.")
+    check_finite(values, "origin", "leave it out")
     return np.broadcast_to(values, (n, 3))

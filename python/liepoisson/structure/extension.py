@@ -21,7 +21,7 @@ from liepoisson.formula.tensors import Tensor3, read_names, read_tensor
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import is_named
 from liepoisson.inputs.names import check_title
-from liepoisson.inputs.refusals import not_a
+from liepoisson.inputs.refusals import check_kind, not_a
 
 if TYPE_CHECKING:
     from liepoisson.structure.classification import Classification
@@ -213,8 +213,7 @@ class Extension:
 
         The fields keep their names when these are distinct.
         """
-        if not isinstance(other, Extension):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("an extension to add", other, "+", "write for example trivial() + trivial()")
+        check_kind(other, Extension, "+", "an extension to add", "write for example trivial() + trivial()")
         n = self.dimension
         shifted = {(i + n, j + n): {k + n: value for k, value in row.items()} for (i, j), row in other.products.items()}
         names = (*self.field_names, *other.field_names)

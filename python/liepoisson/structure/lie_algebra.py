@@ -28,7 +28,7 @@ from liepoisson.formula.tensors import (
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_title
-from liepoisson.inputs.refusals import not_a
+from liepoisson.inputs.refusals import check_kind
 
 if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
@@ -271,8 +271,7 @@ class LieAlgebra:
 
     def __add__(self, other: LieAlgebra) -> LieAlgebra:
         r"""The direct sum $g \oplus h$, the basis of g first."""
-        if not isinstance(other, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("a Lie algebra to add", other, "+", "write for example so(3) + so(3)")
+        check_kind(other, LieAlgebra, "+", "a Lie algebra to add", "write for example so(3) + so(3)")
         n, m = self.dimension, other.dimension
         moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.brackets.items()}
         names = joined_names(self.basis_names, other.basis_names)

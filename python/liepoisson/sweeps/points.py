@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from liepoisson import __version__
 from liepoisson.errors import ParameterError
-from liepoisson.indicators.verdict import as_rule
 from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, system_and_starts
 
@@ -27,21 +25,8 @@ def orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
             f"orbit {member} of point {point} ({point_in_words(sweep, point)}) cannot be computed again: "
             f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
         )
-    piece = Piece(
-        index=0,
-        family=sweep.system,
-        targets=evaluate_targets(spec, sweep.system, sweep.points[[point]]),
-        n_points=1,
-        starts=spec.starts,
-        n=spec.n_starts,
-        t_end=float(spec.t_end),
-        quantity=spec.quantity,
-        rule=as_rule(spec.rule),
-        method=spec.method,
-        seed=spec.seed,
-        version=__version__,
-    )
-    system, states = system_and_starts(piece)
+    targets = evaluate_targets(spec, sweep.system, sweep.points[[point]])
+    system, states = system_and_starts(Piece.of(spec, sweep.system, targets, 1))
     return system, states[member]
 
 

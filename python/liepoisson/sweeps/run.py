@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
-from dataclasses import fields
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing, nullcontext
+from dataclasses import dataclass, field, fields
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
-from liepoisson import __version__
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import MOST_THREADS, as_count, as_number
-from liepoisson.indicators.verdict import as_rule
+from liepoisson.formula.scalars import MOST_THREADS, as_count, as_positive
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import labelled
@@ -118,17 +116,8 @@ def sweep(
     with nullcontext() if path is None else exclusive(path):
         kept = None if path is None else SweepStore(path, spec, fresh=fresh)
         where = _Where(scheduler, processes, threads, patience)
-        with _closing(where):
-            return _Run(
-                spec,
-                family,
-                lattice,
-                store=kept,
-                where=where,
-                points_per_piece=points_per_piece,
-                progress=progress,
-                meaning=meaning,
-            ).result()
+        with closing(where):
+            return _Run(spec, family, lattice, kept, where, points_per_piece, progress, meaning).result()
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -142,8 +131,7 @@ def read_sweep(path: str | Path) -> Sweep:
     store, _ = SweepStore.as_found(Path(path))
     spec = store.spec
     family = as_family(spec.system)
-    run = _Run(spec, family, Lattice(spec), store=store, where=None, points_per_piece=None, progress=None, meaning=None)
-    return run.result()
+    return _Run(spec, family, Lattice(spec), store).result()
 
 
 def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
@@ -181,8 +169,7 @@ def _check_options(store: Any, scheduler: Any, patience: Any) -> None:
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}. Write FILE.zarr.")
     if scheduler is not None and not isinstance(scheduler, str):
         raise ParameterError(f"scheduler: wanted an address; got {shown(scheduler)}. Write tcp://node1:8786.")
-    if not 0 <= as_number(patience, "patience", "a number of seconds") < math.inf:
-        raise ParameterError(f"patience: wanted a number of seconds, not negative; got {shown(patience)}; try 60")
+    as_positive(patience, "patience", "a number of seconds, not negative", example=60, zero=True)
 
 
 def _columns(axes: object) -> dict[Any, Any] | None:
@@ -238,37 +225,22 @@ class _Where:
             self._executor.close()
 
 
-@contextmanager
-def _closing(where: _Where) -> Generator[None]:
-    try:
-        yield
-    finally:
-        where.close()
-
-
+@dataclass
 class _Run:
     """A sweep under way, level by level."""
 
-    def __init__(
-        self,
-        spec: SweepSpec,
-        family: Family,
-        lattice: Lattice,
-        *,
-        store: SweepStore | None,
-        where: _Where | None,
-        points_per_piece: int | None,
-        progress: Progress | None,
-        meaning: Meaning | None,
-    ) -> None:
-        self.spec, self.family, self.lattice, self.store = spec, family, lattice, store
-        self.meaning = meaning
-        self.where, self.progress = where, progress
-        self.points_per_piece = points_per_piece
-        self.places: list[Place] = []
-        self.levels: list[Level] = []
-        self.reports: list[Report] = []
-        self.n_reused = 0
+    spec: SweepSpec
+    family: Family
+    lattice: Lattice
+    store: SweepStore | None
+    where: _Where | None = None
+    points_per_piece: int | None = None
+    progress: Progress | None = None
+    meaning: Meaning | None = None
+    places: list[Place] = field(default_factory=list[Place])
+    levels: list[Level] = field(default_factory=list[Level])
+    reports: list[Report] = field(default_factory=list[Report])
+    n_reused: int = 0
 
     def result(self) -> Sweep:
         cells, places, statistic = self.lattice.cells(), self.lattice.grid(), dict[Place, float]()
@@ -327,25 +299,13 @@ class _Run:
         return report
 
     def _pieces(self, level: Level, missing: Sequence[int]) -> list[Piece]:
-        spec, targets = self.spec, evaluate_targets(self.spec, self.family, level.points)
-        return [
-            Piece(
-                index=index,
-                family=self.family,
-                targets=targets.rows(level.rows(index)),
-                n_points=len(level.points[level.rows(index)]),
-                starts=spec.starts,
-                n=spec.n_starts,
-                t_end=float(spec.t_end),
-                quantity=spec.quantity,
-                rule=as_rule(spec.rule),
-                method=spec.method,
-                seed=spec.seed,
-                version=__version__,
-                meaning=self.meaning,
-            )
-            for index in missing
-        ]
+        targets = evaluate_targets(self.spec, self.family, level.points)
+        pieces: list[Piece] = []
+        for index in missing:
+            rows = level.rows(index)
+            n = len(level.points[rows])
+            pieces.append(Piece.of(self.spec, self.family, targets.rows(rows), n, index=index, meaning=self.meaning))
+        return pieces
 
     def _sweep(self) -> Sweep:
         counts = [len(level.points) for level in self.levels]

@@ -24,7 +24,7 @@ from liepoisson.indicators.verdict import Rule, as_rule, rule_of
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import as_scalar, listed, named
 from liepoisson.inputs.names import check_name, check_title
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_choice, not_a, shown
 from liepoisson.model.system_file_reader import parse_system_file
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
@@ -153,8 +153,7 @@ class Starts:
     def __post_init__(self) -> None:
         if not isinstance(self.ensemble, str) or self.ensemble not in ENSEMBLES:  # pyright: ignore[reportUnnecessaryIsInstance]
             raise unknown_ensemble(self.ensemble)
-        if self.sampling not in ("projection", "liouville"):
-            raise ParameterError(f'sampling: wanted "projection" or "liouville"; got {shown(self.sampling)}')
+        check_choice(self.sampling, "sampling", ("projection", "liouville"))
         if (casimirs := named(self.casimirs, "casimirs")) is None:
             raise ParameterError(f'casimirs: wanted a mapping, such as {{"C1": 1}}; got {shown(self.casimirs)}.')
         if self.energy is not None:
@@ -192,7 +191,7 @@ class Refinement:
     def __post_init__(self) -> None:
         as_count(self.levels, "refine levels", least=1, most=12, hint="try 2")
         if not as_number(self.difference, "refine difference", "a positive number") > 0:
-            raise ParameterError(f"refine difference: wanted a positive number; got {self.difference}; try 0.1")
+            raise not_a("a positive number", self.difference, "refine difference", "try 0.1")
 
 
 @explains_its_methods

@@ -34,14 +34,13 @@ A path of a system file is looked for beside the sweep file.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
-from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
-from liepoisson.formula.toml_text import TomlText, read_toml
+from liepoisson.formula.toml_text import TomlReader, TomlText, read_toml
 from liepoisson.indicators.verdict import Rule
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import METHODS, Method
@@ -52,6 +51,7 @@ _KEYS = (
     "refine",
 )  # fmt: skip
 _PLAIN = ("name", "n_starts", "quantity", "seed")
+_TABLES = ("parameters", "starts", "method", "refine", "rule")
 _AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
 _STARTS_KEYS = ("ensemble", "energy", "sampling")
 
@@ -76,11 +76,11 @@ def read_sweep_file(source: str | Path | Mapping[str, Any], *, allow_code: bool 
     return _Reader(text, folder, allow_code=allow_code).spec()
 
 
-class _Reader:
+class _Reader(TomlReader):
     """Turns tables into a spec; every error names the key."""
 
     def __init__(self, toml: TomlText, folder: Path | None, *, allow_code: bool) -> None:
-        self.toml = toml
+        super().__init__(toml)
         self.folder = folder
         self.allow_code = allow_code
 
@@ -98,16 +98,17 @@ class _Reader:
         self.check_quantity(tables.get("quantity"))
         settings: dict[str, Any] = {key: self.number((key,), tables[key]) for key in _PLAIN if key in tables}
         settings["t_end"] = self.real(("t_end",), tables["t_end"])
-        return self.made(
+        parts = {key: self.table((key,), tables.get(key, {})) for key in _TABLES}
+        return self.guarded(
             (),
             lambda: SweepSpec(
                 system=self.system(tables["system"]),
                 axes=self.axes(tables["axes"]),
-                parameters=self.table("parameters"),
-                starts=self.starts(self.table("starts")),
-                method=self.method(self.table("method")),
-                refine=self.refinement(self.table("refine")),
-                rule=self.rule(self.table("rule")),
+                parameters=parts["parameters"],
+                starts=self.starts(parts["starts"]),
+                method=self.method(parts["method"]),
+                refine=self.refinement(parts["refine"]),
+                rule=self.rule(parts["rule"]),
                 **settings,
             ),
         )
@@ -119,13 +120,6 @@ class _Reader:
                 f"{shown(given)} is code, and a sweep file is data. If you trust it, allow it: --allow-code, or "
                 "sweep(..., allow_code=True).",
             )
-
-    def made(self, keys: Sequence[str | int], make: Any) -> Any:
-        """What `make` returns; what it refuses is told with the key and the line."""
-        try:
-            return make()
-        except (ParameterError, UnknownNameError) as error:
-            raise self.toml.error(keys, str(error)) from error
 
     def system(self, given: object) -> Any:
         if isinstance(given, str) and (given.endswith(".toml") or "/" in given) and self.folder is not None:
@@ -152,7 +146,7 @@ class _Reader:
                 raise self.toml.error((*keys, "values"), f"wanted a list of numbers; got {shown(values)}.")
             items = cast("list[Any]", values)
             numbers = tuple(self.real((*keys, "values"), value) for value in items)
-            return self.made(keys, lambda: Axis(cast("str", name), numbers, label))
+            return self.guarded(keys, lambda: Axis(cast("str", name), numbers, label))
         missing = [key for key in ("from", "to", "count") if key not in axis]
         if missing:
             raise self.toml.error(keys, f"wanted values, or from, to and count; {missing[0]} is missing. Add it.")
@@ -161,7 +155,7 @@ class _Reader:
             raise self.toml.error((*keys, "spacing"), f'wanted "linear" or "logarithmic"; got {shown(spacing)}.')
         make = Axis.linear if spacing == "linear" else Axis.logarithmic
         start, stop = (self.real((*keys, key), axis[key]) for key in ("from", "to"))
-        return self.made(keys, lambda: make(cast("str", name), start, stop, axis["count"], label))
+        return self.guarded(keys, lambda: make(cast("str", name), start, stop, axis["count"], label))
 
     def starts(self, table: dict[str, Any]) -> Starts:
         known = {key: value for key, value in table.items() if key in _STARTS_KEYS}
@@ -169,7 +163,7 @@ class _Reader:
         for key in casimirs:
             if not (key[:1] == "C" and key[1:].isdigit()):
                 self.check_keys(("starts",), {key: None}, (*_STARTS_KEYS, "C1", "C2", "C3"))
-        return self.made(("starts",), lambda: Starts(**known, casimirs=casimirs))
+        return self.guarded(("starts",), lambda: Starts(**known, casimirs=casimirs))
 
     def method(self, table: dict[str, Any]) -> Method | None:
         if not table:
@@ -178,7 +172,7 @@ class _Reader:
         name = options.pop("name", None)
         if name not in METHODS:
             raise self.toml.error(("method", "name"), f"wanted one of {', '.join(METHODS)}; got {shown(name)}.")
-        return self.made(("method",), lambda: METHODS[name](**options))
+        return self.guarded(("method",), lambda: METHODS[name](**options))
 
     def refinement(self, table: dict[str, Any]) -> Refinement | None:
         if not table:
@@ -187,32 +181,26 @@ class _Reader:
         if "levels" not in table or "difference" not in table:
             raise self.toml.error(("refine",), "wanted levels and difference. Add what is missing.")
         difference = self.real(("refine", "difference"), table["difference"])
-        return self.made(("refine",), lambda: Refinement(table["levels"], difference))
+        return self.guarded(("refine",), lambda: Refinement(table["levels"], difference))
 
     def rule(self, table: dict[str, Any]) -> Rule | None:
         if not table:
             return None
         self.check_keys(("rule",), table, tuple(entry.name for entry in fields(Rule)))
-        return self.made(("rule",), lambda: Rule(**{key: self.numbers(("rule", key), table[key]) for key in table}))
+        return self.guarded(("rule",), lambda: Rule(**{key: self.numbers(("rule", key), table[key]) for key in table}))
 
-    def numbers(self, keys: Sequence[str | int], given: object) -> Any:
+    def numbers(self, keys: tuple[str | int, ...], given: object) -> Any:
         """A number, or a list of them as a tuple."""
         if isinstance(given, list):
             return tuple(self.real(keys, value) for value in cast("list[Any]", given))
         return self.real(keys, given)
 
-    def table(self, name: str) -> dict[str, Any]:
-        given = self.toml.tables.get(name, {})
-        if not isinstance(given, dict):
-            raise self.toml.error((name,), f"wanted a table; got {shown(given)}. Write [{name}] on a line of its own.")
-        return cast("dict[str, Any]", given)
-
-    def real(self, keys: Sequence[str | int], given: object) -> float:
+    def real(self, keys: tuple[str | int, ...], given: object) -> float:
         """A number, or a formula without names, such as "pi/2"."""
         from liepoisson.formula.expression import constant
 
         if isinstance(given, str):
-            return self.made(keys, lambda: float(constant(given)))
+            return self.guarded(keys, lambda: float(constant(given)))
         if isinstance(given, bool) or not isinstance(given, (int, float, Fraction)):
             raise self.toml.error(keys, f"wanted a number; got {shown(given)}. Correct it.")
         try:
@@ -222,12 +210,6 @@ class _Reader:
                 keys, "the number must fit into a double, up to 1.8e308. Write a smaller one."
             ) from None
 
-    def number(self, keys: Sequence[str | int], given: Any) -> Any:
+    def number(self, keys: tuple[str | int, ...], given: Any) -> Any:
         """A decimal as a double; anything else as it is."""
         return self.real(keys, given) if isinstance(given, Fraction) else given
-
-    def check_keys(self, keys: Sequence[str | int], table: Mapping[str, object], known: Sequence[str]) -> None:
-        for key in table:
-            if key not in known:
-                hint = did_you_mean(key, known).strip() or "Remove it."
-                raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")

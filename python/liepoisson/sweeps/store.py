@@ -33,8 +33,7 @@ from numpy.typing import NDArray
 from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, LiePoissonError, OutputError
 from liepoisson.inputs.arrays import Array
-from liepoisson.io.files import writing
-from liepoisson.io.formats import another_format
+from liepoisson.io.files import another_format, writing
 from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, PieceResult
 

@@ -16,11 +16,11 @@ from liepoisson.compile.field import QuadraticField, TopField
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.indicators.finite_time_exponents import exponents_of_many, finite_time_exponents
-from liepoisson.indicators.verdict import METHOD as DEFAULT_OF_VERDICTS
-from liepoisson.indicators.verdict import Rule, decide
+from liepoisson.indicators.verdict import Rule, as_rule, decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
@@ -28,7 +28,7 @@ from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
 if TYPE_CHECKING:
-    from liepoisson.sweeps.spec import Starts
+    from liepoisson.sweeps.spec import Starts, SweepSpec
     from liepoisson.sweeps.targets import Targets
 
 OUTCOMES: tuple[str, ...] = (*_core.outcomes(), "no start", "not computed", "no system", "failed")
@@ -78,6 +78,34 @@ class Piece:
     rule: Rule = field(default_factory=Rule)
     threads: int | None = 1
     meaning: Meaning | None = None
+
+    @classmethod
+    def of(
+        cls,
+        spec: SweepSpec,
+        family: Family,
+        targets: Targets,
+        n_points: int,
+        *,
+        index: int = 0,
+        meaning: Meaning | None = None,
+    ) -> Piece:
+        """The task that a spec makes of some points."""
+        return cls(
+            index=index,
+            family=family,
+            targets=targets,
+            n_points=n_points,
+            starts=spec.starts,
+            n=spec.n_starts,
+            t_end=float(spec.t_end),
+            quantity=spec.quantity,
+            rule=as_rule(spec.rule),
+            method=spec.method,
+            seed=spec.seed,
+            version=__version__,
+            meaning=meaning,
+        )
 
 
 @dataclass(frozen=True)
@@ -215,7 +243,7 @@ class _Points:
         for rows in groups:
             system, points = systems[rows[0]], [chosen[row] for row in rows]
             if piece.quantity == "chaotic_fraction":
-                self.method = str(piece.method or DEFAULT_OF_VERDICTS)
+                self.method = str(piece.method or ENSEMBLE_METHOD)
                 for row, point in zip(rows, points, strict=True):
                     self.value[point], self.outcome[point] = _verdicts(piece, system, x0[row], found[row], self.listen)
                 continue
@@ -344,10 +372,7 @@ def _exponents_of_many(
             x0[found],
             t_end=piece.t_end,
             tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
-            method=cast("Taylor", _method(piece, fields[0])),
-            threads=piece.threads,
-            time_limit=_TIME_LIMIT,
-            progress=listen,
+            options=RunOptions.read(_method(piece, fields[0]), piece.threads, _TIME_LIMIT, listen),
         )
         outcome[found] = _ORDER[np.searchsorted(_SORTED, ended)]
     return value, outcome

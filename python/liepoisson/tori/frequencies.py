@@ -2,7 +2,6 @@ r"""Frequency analysis after Laskar: the main frequency of an orbit in two windo
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
@@ -11,19 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_time, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_time
 from liepoisson.indicators.alignment import bound_memory
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import at_interval, listed, ordered
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import trajectories, typical
-from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import Run, trajectories, typical
+from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
+from liepoisson.numeric.systems import HasField, component_names, has_functions
 from liepoisson.portable import elementary, linear
 
 Signal: TypeAlias = NDArray[np.complex128]
@@ -63,11 +62,6 @@ class FrequencyDrift(Run):
         (array([[-1.7776, -1.7776]]), True)
 
     Attributes:
-        system: The system, as it was given.
-        components: Names of the components of the state.
-        field: Its vector field.
-        method: How it was integrated.
-        start: Shape (trajectory, component).
         observable: The signal, as it was given; the name of a function of the caller.
         n_samples: Samples in each window.
         window_order: Power of the Hanning window.
@@ -78,7 +72,6 @@ class FrequencyDrift(Run):
         nyquist: $\pi$ over the time between samples: lines beyond it would be taken for others.
         high_power: Share of the power of the signal at frequencies beyond half of `nyquist`, shape (trajectory,).  If
             it is not small, the signal has parts that are sampled too coarsely: raise `n_samples`.
-        outcome: How each trajectory ended, shape (trajectory,).
     """
 
     kind = "frequency drift"
@@ -150,9 +143,6 @@ def frequency_drift(
         (-1.7776, True)
 
     Args:
-        system: The system.
-        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
-            beside good ones ends at once, with the outcome "not finite".
         observable: The signal f: two names or formulas for real and imaginary part, such as ("beta1", "beta2"); one for
             a real signal; or a function of states, shape (..., component),
             with values of shape (...).  Formulas need a system with a bracket.
@@ -160,10 +150,6 @@ def frequency_drift(
         n_samples: Samples per window, at least 16.
         window_order: Power p of the Hanning window, 1 to 8.  More suppresses neighbouring lines faster and resolves
             them worse.
-        method: How; by default `Taylor(tol=1e-13)`.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
-        progress: Called after each 64 trajectories with the fraction that is done.
 
     Returns:
         FrequencyDrift; a trajectory that fails is an outcome in it, not an error.
@@ -177,8 +163,9 @@ def frequency_drift(
     References:
         Laskar, Icarus 88 (1990) 266; Laskar, Physica D 67 (1993) 257.
     """
-    method, observable = as_method(method, Taylor(tol=1e-13)), _texts_of(observable)
-    n = as_field(system).n_components
+    options, observable = RunOptions.read(method, threads, time_limit, progress), _texts_of(observable)
+    field = options.field(system)
+    n = field.n_components
     states, window = as_starts(system, starts, n), as_time(t_end, "t_end", example=1000) / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
     at_once = min(_CHUNK, len(states))
@@ -187,7 +174,6 @@ def frequency_drift(
     evaluate = _as_observable(system, n, observable)
     spare = states[np.isfinite(states).all(axis=1)][:1]
     times = window * np.arange(2 * samples + 1) / samples
-    deadline = clock.monotonic() + as_time_limit(time_limit)
     lines, high = np.full((2, 2, len(states)), np.nan), np.full(len(states), np.nan)
     outcome = np.full(len(states), "finished", dtype="<U16")
     for start in range(0, len(states), _CHUNK):
@@ -196,10 +182,8 @@ def frequency_drift(
             system,
             np.concatenate([states[here], spare]),  # a chunk may have bad rows only; the good one is dropped below
             times=times,
-            method=method,
             kernel="lanes",  # the same bits however the ensemble is cut
-            threads=threads,
-            time_limit=max(deadline - clock.monotonic(), 1e-9),
+            **options.inner(start / len(states), (here.stop - start) / len(states)),
         )
         outcome[here] = orbit.outcome[:-1]
         good = np.flatnonzero(orbit.outcome[:-1] == "finished")
@@ -207,14 +191,12 @@ def frequency_drift(
             signal, real = evaluate(orbit.state[good])
             halves = np.stack([signal[:, : samples + 1], signal[:, samples:]])
             lines[:, :, start + good], high[start + good] = _common_line(halves, window / samples, order, real)
-        if progress is not None:
-            progress(here.stop / len(states))
+        options.tell(here.stop / len(states))
     return FrequencyDrift(
-        **given(system, field_for(system, as_field(system), method), method, states),
+        **options.given(system, states, field),
         observable=observable,
         n_samples=samples,
         window_order=order,
-        time_limit=float(time_limit),
         window=window,
         frequency=lines[0].T.copy(),
         amplitude=lines[1].T.copy(),
@@ -243,17 +225,12 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
         ParameterError: The signal is not finite, the interval is not positive, or the signal has times as labels that
             do not differ by it.
     """
-    step = as_number(interval, "interval", "a positive time")
-    if not 0.0 < step < np.inf:
-        raise ParameterError(f"interval: wanted a positive time; got {step}; give the time between two samples")
+    step = as_positive(interval, "interval", "a positive time between two samples", example=0.1)
     values = np.atleast_2d(np.array(ordered(at_interval(signal, "signal", step), "signal")))
-    if values.ndim != 2 or values.shape[1] < 17 or values.dtype.kind not in "iufc":
-        raise ShapeError(
-            f"signal must have shape (sample,) or (trajectory, sample), numbers, 17 samples or more; got shape "
-            f"{values.shape} of {values.dtype}. Sample it for longer."
-        )
-    if not np.isfinite(values).all():
-        raise ParameterError("signal: wanted finite numbers; got a NaN or an infinity; leave these trajectories out")
+    fits = values.ndim == 2 and values.shape[1] >= 17 and values.dtype.kind in "iufc"
+    wanted = "(sample,) or (trajectory, sample), numbers, 17 samples or more"
+    check_shape(fits, "signal", wanted, values, f"They are of {values.dtype}. Sample it for longer.")
+    check_finite(values, "signal", "leave these trajectories out")
     order = as_count(window_order, "window_order", least=1, most=_MOST_ORDER)
     real = values.dtype.kind != "c"
     lines, _ = _common_line(values.astype(np.complex128)[None], step, order, real)
@@ -370,8 +347,7 @@ def _from_function(function: Callable[[Array], ArrayLike]) -> Callable[[Array], 
                 f"observable: a function of states of shape {states.shape} must give numbers of shape "
                 f"{states.shape[:-1]}; got shape {signal.shape} of {signal.dtype}. Index the last axis?"
             )
-        if not np.isfinite(signal).all():
-            raise ParameterError("observable: wanted finite values; got a NaN or an infinity; choose another function")
+        check_finite(signal, "observable", "choose another function")
         return signal.astype(np.complex128), signal.dtype.kind != "c"
 
     return values

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.errors import EnclosureError, TimeLimitError
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import not_a
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
 from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS, root_text
@@ -99,7 +99,6 @@ class GaloisObstruction:
         return as_text(str(self))
 
 
-@explains_its_arguments
 @shows_progress
 def galois_obstruction(
     system: System,

@@ -16,7 +16,7 @@ from liepoisson.algebra.ideals.polynomial_system import polynomial
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, whole_expression
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair
@@ -123,7 +123,6 @@ class LaxFamilies:
         return "\n".join(lines)
 
 
-@explains_its_arguments
 @shows_progress
 def lax_families(
     system: System,

@@ -32,7 +32,7 @@ from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.formula.scalars import as_count, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
@@ -93,7 +93,6 @@ class LaxSearch:
         return "\n".join(lines)
 
 
-@explains_its_arguments
 @shows_progress
 def search_lax_pairs(
     system: System,

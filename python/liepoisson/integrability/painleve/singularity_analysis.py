@@ -23,7 +23,7 @@ from liepoisson.algebra.matrices import characteristic_polynomial
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import MOST, as_deadline
-from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
@@ -169,7 +169,6 @@ def _words(variables: Sequence[Symbol], weights: Sequence[Fraction]) -> str:
     return "; ".join(f"{w} for {', '.join(names)}" for w, names in groups.items())
 
 
-@explains_its_arguments
 @shows_progress
 def painleve_test(
     system: System,

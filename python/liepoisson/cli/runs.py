@@ -1,0 +1,235 @@
+"""Commands that follow orbits: the method by name, limits, progress, what is written, and how they end."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Generator, Sequence
+from contextlib import contextmanager
+from dataclasses import MISSING, dataclass, fields
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import typer
+
+from liepoisson.cli.ending import INTERRUPTED
+from liepoisson.cli.output import write_figure, write_result
+from liepoisson.cli.progress import listening
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
+from liepoisson.numeric.methods import METHODS, Method, Taylor, precisions
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import numpy as np
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+DEFAULT_STEP = 0.1
+"""In natural times of the orbits (`time_scale`)."""
+
+N_STARTS = 64
+"""Default number of random starts."""
+
+NO_RUN = 1
+"""Exit code of a command that has nothing to report, as no run finished."""
+
+_TOLERANCES = {"taylor": 1e-13}
+"""Where many orbits need another tolerance than the one that is the method's own default."""
+
+_KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is done by then."
+
+
+def _words(names: list[str], last: str) -> str:
+    return f" {last} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def _options_of(kind: type[Method]) -> dict[str, Any]:
+    """The options of the commands that a method has, with its defaults."""
+    return {field.name: field.default for field in fields(kind) if field.name in ("tol", "step", "order", "precision")}
+
+
+def _with(option: str) -> list[str]:
+    return [name for name, kind in METHODS.items() if option in _options_of(kind)]
+
+
+def _precisions_help() -> str:
+    takers: dict[str, list[str]] = {}
+    for name in _with("precision"):
+        for precision in precisions(METHODS[name])[1:]:
+            takers.setdefault(precision, []).append(name)
+    return "; ".join(["double", *(f"{precision} ({', '.join(names)})" for precision, names in takers.items())]) + "."
+
+
+_HELP = {
+    "method": _words(list(METHODS), "or") + ".",
+    "tol": f"Tolerance of {_words(_with('tol'), 'and')}.",
+    "step": "Step of the methods with equal steps.  [default: a tenth of a natural time of the orbits]",
+    "order": "Order of the method, where it has several.",
+    "precision": _precisions_help(),
+    "threads": "Worker threads.  [default: all cores]",
+    "time limit": "Seconds that the runs may take, all together.",
+    "t_end": "Time of each run, the t of the system's equations.  [default: 1000 times the natural time of the median "
+    "orbit]",
+    "starts": f"Random starts.  [default: {N_STARTS}]",
+    "ensemble": "How starts are drawn where no leaf is asked for: unit-vectors, cube or gaussian.  "
+    "[default: unit-vectors]",
+}
+"""What `--help` says of each."""
+
+PrecisionOption: TypeAlias = Annotated[str, typer.Option(help=_HELP["precision"])]
+EndTimeOption: TypeAlias = Annotated[float | None, typer.Option(help=_HELP["t_end"])]
+StartsOption: TypeAlias = Annotated[int | None, typer.Option(help=_HELP["starts"])]
+EnsembleOption: TypeAlias = Annotated[str | None, typer.Option(help=_HELP["ensemble"])]
+TimeLimitOption: TypeAlias = Annotated[float, typer.Option(help=_HELP["time limit"])]
+
+
+@dataclass(frozen=True)
+class How:
+    """The method of integration by name, with its options; None stands for an option that was not given."""
+
+    method: Annotated[str, typer.Option(help=_HELP["method"])] = "taylor"
+    tol: Annotated[float | None, typer.Option(help=f"{_HELP['tol']}  [default: 1e-13, 1e-8]")] = None
+    step: Annotated[float | None, typer.Option(help=_HELP["step"])] = None
+    order: Annotated[int | None, typer.Option(help=_HELP["order"])] = None
+
+    def named(self, unit: float = 1.0, **more: Any) -> Method:
+        """The method, as `named_method` makes it."""
+        options = {"tol": self.tol, "step": self.step, "order": self.order} | more
+        return named_method(self.method, unit=unit, **options)
+
+
+@dataclass(frozen=True)
+class HowToRoundOff(How):
+    """The same for one orbit, which costs little: to round-off where nothing else is said."""
+
+    tol: Annotated[float | None, typer.Option(help=f"{_HELP['tol']}  [default: 1e-15, 1e-8]")] = None
+
+    def named(self, unit: float = 1.0, **more: Any) -> Method:
+        """The method, as `named_method` makes it."""
+        is_exact = self.tol is None and self.method == "taylor"
+        return super().named(unit, **({"tol": Taylor().tol} if is_exact else {}), **more)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much of the machine a run may take."""
+
+    threads: Annotated[int | None, typer.Option(help=_HELP["threads"])] = None
+    time_limit: TimeLimitOption = TIME_LIMIT
+
+
+def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
+    """The method of this name with the options that were given; None stands for an option that was not.
+
+    Args:
+        name: Its name.
+        unit: Natural unit of time of the orbits, of which a default step is a tenth.
+        **options: Its options.
+
+    Raises:
+        UnknownNameError: no method has this name.
+        ParameterError: an option is not one of this method, or outside its range.
+    """
+    if name not in METHODS:
+        hint = did_you_mean(name, METHODS).strip() or "Try taylor."
+        raise UnknownNameError(f"--method must be one of {', '.join(METHODS)}; got {name!r:.60}. {hint}")
+    known = _options_of(METHODS[name])
+    given = {key: value for key, value in options.items() if value is not None}
+    if given.get("precision") == "double":
+        del given["precision"]
+    if foreign := sorted(given.keys() - known.keys()):
+        allowed = ", ".join(f"--{key}" for key in known)
+        raise ParameterError(f"--{foreign[0]} is not an option of {name}, which has {allowed}. Leave it out.")
+    if name in _TOLERANCES:
+        given.setdefault("tol", _TOLERANCES[name])
+    if known.get("step") is MISSING:
+        given.setdefault("step", float(f"{DEFAULT_STEP * unit:.1e}"))
+    return METHODS[name](**given)
+
+
+def check_limits(*, seed: int = 0, time_limit: float = TIME_LIMIT, threads: int | None = None) -> None:
+    """Refuse a seed, a number of threads or a time limit that no run can have.
+
+    Raises:
+        ParameterError: one of them is out of its range.
+    """
+    as_count(seed, "--seed", most=2**128 - 1)
+    as_time_limit(time_limit, "--time-limit")
+    as_threads(threads, "--threads")
+
+
+def check_end_time(t_end: float | None, *, forwards: bool = True) -> None:
+    """Refuse an end time that is not finite and positive, or not 0 if not `forwards`; None stands for the default.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    if t_end is None or (math.isfinite(t_end) and (t_end > 0 or (t_end < 0 and not forwards))):
+        return
+    wanted = "a positive finite time" if forwards else "a finite time other than 0"
+    raise ParameterError(f"--t-end must be {wanted}; got {t_end:g}. Leave it out.")
+
+
+def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:
+    """The natural time of the median orbit, in which commands take their default times and steps."""
+    from liepoisson.numeric.time_scale import N_MEDIAN, time_scale
+    from liepoisson.numeric.time_scale import unit_of_time as unit
+
+    return unit(time_scale(system, states[:N_MEDIAN]))
+
+
+@contextmanager
+def running(activity: str, total: float, *, quiet: bool) -> Generator[Callable[[float], None] | None]:
+    """The block of a run, with a listener for its progress; Ctrl-C ends the command and says that nothing was written.
+
+    Args:
+        activity: What is done, in words.
+        total: Trajectories times their time, for the rate.
+        quiet: Whether nobody listens.
+    """
+    try:
+        with listening(activity, total, quiet=quiet) as listen:
+            yield listen
+    except KeyboardInterrupt:
+        print(f"interrupted; nothing was written. {_KEEP_HINT}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def write_and_print(
+    result: Any, data: Path | None, stem: Path | None, *, draw: Callable[[], Figure], lines: Callable[[], Sequence[str]]
+) -> None:
+    """Write the files that are wanted and print the lines, whatever becomes of the files."""
+    written: list[Path] = []
+    try:  # first, as nobody may read what is printed
+        if data is not None:
+            written.append(write_result(result, data))
+        if stem is not None:
+            written += write_figure(draw(), stem)
+    finally:
+        print("\n".join(lines()), flush=True)
+    for path in written:
+        print(f"wrote    {path}")
+
+
+def check_that_some_finished(outcome: NDArray[Any]) -> None:
+    """End the command where no run finished, with the reason on standard error.
+
+    Args:
+        outcome: How each run ended, shape (trajectory,).
+
+    Raises:
+        Exit: no run finished.
+    """
+    names = sorted({str(name) for name in outcome})
+    if "finished" in names:
+        return
+    if names == ["step too small"]:
+        reason = (
+            "all orbits left every bounded region, or ran into a singularity (step too small): take a lower energy, "
+            "other starts, or an earlier --t-end"
+        )
+    else:
+        reason = f"no run finished ({', '.join(names)})"
+    print(f"liepoisson: {reason}.", file=sys.stderr)
+    raise typer.Exit(NO_RUN)
