@@ -17,9 +17,14 @@ from collections.abc import Callable
 from typing import Any
 
 import liepoisson as lp
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.gradings import gradings, positive_grading
-from liepoisson.integrability.monomials import in_blocks, of_degree, of_weight
+from liepoisson.integrability.derivation import (
+    derivation_of,
+    gradings,
+    in_blocks,
+    of_degree,
+    of_weight,
+    positive_grading,
+)
 
 REPEATS = 5
 MANY_COLUMNS = 2500

@@ -30,7 +30,7 @@ HOMES = {
     "loads": {"sweeps/family.py", "sweeps/remote.py"},
     "Unpickler": set[str](),
     "pickle": {
-        *("sweeps/family.py", "sweeps/remote.py", "integrability/scan_processes.py"),
+        *("sweeps/family.py", "sweeps/remote.py", "integrability/scan_points.py"),
         "algebra/flint_pickles.py",  # how numbers of FLINT are pickled; it reads none
     },
     "cloudpickle": {"sweeps/remote.py"},

@@ -6,10 +6,8 @@ import sympy as sp
 import liepoisson as lp
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.cofactors import CofactorCases, cofactor_monomials
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.gradings import gradings
+from liepoisson.integrability.derivation import derivation_of, gradings, of_degree
 from liepoisson.integrability.level import Level, order
-from liepoisson.integrability.monomials import of_degree
 
 
 def cases_of(hamiltonian, field="complex"):

@@ -12,7 +12,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.integrability import integral_scan, scan_processes
+from liepoisson.integrability import integral_scan, scan_points
 from liepoisson.integrability.integral_scan import scan_integrals
 from liepoisson.integrability.scan_points import PointSearch
 
@@ -222,13 +222,13 @@ def test_errors_in_a_process_are_raised_here():
     broken = replace(search, n="six")
     pieces = [{0: [1, 1, 1]}, {1: [2, 1, 1]}]
     with pytest.raises(TypeError):
-        list(scan_processes.results(broken, pieces, 2, Deadline(np.inf)))
+        list(scan_points.results(broken, pieces, 2, Deadline(np.inf)))
 
 
 def test_a_process_that_ends_is_an_outcome(monkeypatch):
     search, _ = integral_scan._search(TOP, 1, ())
-    monkeypatch.setattr(scan_processes.sys, "executable", "/bin/false")
-    found = [f for f in scan_processes.results(search, [{0: [1, 1, 1]}, {1: [2, 1, 1]}], 2, Deadline(np.inf)) if f]
+    monkeypatch.setattr(scan_points.sys, "executable", "/bin/false")
+    found = [f for f in scan_points.results(search, [{0: [1, 1, 1]}, {1: [2, 1, 1]}], 2, Deadline(np.inf)) if f]
     assert sorted((k, r.outcome) for f in found for k, r in f.items()) == [(0, "failed"), (1, "failed")]
 
 
@@ -239,7 +239,7 @@ def test_what_a_process_does():
     for sent in (search, {3: [0, 0, 1]}):
         pickle.dump(sent, source)
     source.seek(0)
-    scan_processes.serve(source, sink)
+    scan_points.serve(source, sink)
     sink.seek(0)
     assert pickle.load(sink)[3].n_further == 2
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, dense, eliminated, null_vectors, sparse
+from liepoisson.algebra.function_fields import AlgebraicFunctions, AlgebraicNumbers, RationalFunctions, Rationals
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank, rank_mod, solve
 from liepoisson.algebra.matrices import characteristic_polynomial, determinant, product
 from liepoisson.algebra.number_fields import PrimeField
@@ -25,8 +26,6 @@ from liepoisson.algebra.sparse_polynomials import (
     of_factors,
     value_at,
 )
-from liepoisson.integrability.painleve.coefficient_fields import AlgebraicNumbers, RationalFunctions, Rationals
-from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 
 EPSILON = sp.Symbol("epsilon")
 

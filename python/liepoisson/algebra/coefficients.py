@@ -17,7 +17,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
+from itertools import combinations
+from math import isqrt, prod
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.cyclotomic import CyclotomicField, cyclotomic_images
@@ -127,10 +129,6 @@ class Coefficients(NumberField):
 
         return self.domain.convert_from(QQ(int(value.numerator), int(value.denominator)), QQ)
 
-    def inverse(self, element: Element) -> Element:
-        """One over an element that is not zero."""
-        return self.one / element
-
     def write(self, element: Element, degree: int = 0) -> Exact:
         r"""The exact value of an element that is homogeneous of a degree in the given values; a Fraction over Q."""
         if self.is_rational:
@@ -209,3 +207,69 @@ def _domain(expressions: list[Any]) -> tuple[Any, list[Element]]:
         return functions, [functions.from_sympy(expression) for expression in expressions]
     except (CoercionFailed, ValueError):  # one of both, after the kind of expression that does not fit
         return constructed
+
+
+def quadratic_roots(a: Fraction, b: Fraction, c: Fraction) -> tuple[Expr, Expr]:
+    r"""The zeros of $a x^2 + b x + c$, with the square root of a squarefree number."""
+    from sympy import sqrt
+
+    step: Any = sqrt(to_sympy(b * b - 4 * a * c)) / to_sympy(2 * a)
+    centre = to_sympy(-b / (2 * a))
+    return centre + step, centre - step
+
+
+def square_root_field(values: Iterable[Expr]) -> Coefficients:
+    """The field that the square roots in some numbers generate."""
+    independent: list[int] = []
+    for d in sorted({d for value in values for d in _radicands(value)}, key=lambda d: (abs(d), d)):
+        subsets = (s for n in range(len(independent) + 1) for s in combinations(independent, n))
+        if not any(_is_square(d * prod(s)) for s in subsets):
+            independent.append(d)
+    return _field(tuple(independent))
+
+
+def square_root_element(value: Expr, field: Coefficients) -> Any:
+    """A number with these square roots as an element of the field."""
+    from sympy import Add, I, Mul
+
+    total = field.zero
+    for term in Add.make_args(value.expand()):
+        product = field.one
+        for factor in Mul.make_args(term):
+            number: Any = factor
+            if number.is_Rational:
+                product = product * field.number(Fraction(int(number.p), int(number.q)))
+            elif number == I:
+                product = product * _root(-1, field.domain)
+            else:
+                product = product * _root(int(number**2), field.domain)  # SymPy has sqrt(2/3) as sqrt(6)/3
+        total = total + product
+    return total
+
+
+@cache
+def _field(independent: tuple[int, ...]) -> Coefficients:
+    """The field of some square roots, none of which is a product of others."""
+    from sympy import QQ, sqrt
+
+    return Coefficients(QQ.algebraic_field(*map(sqrt, independent))) if independent else Coefficients()
+
+
+@cache
+def _root(d: int, domain: Any) -> Any:
+    """The square root of an integer as an element of a field, for which SymPy factors a polynomial over it."""
+    from sympy import sqrt
+
+    return domain.from_sympy(sqrt(d))
+
+
+def _radicands(value: Expr) -> set[int]:
+    """The integers under the square roots of a number, -1 for i."""
+    from sympy import I, Pow
+
+    found = {-1} if value.has(I) else set[int]()
+    return found | {int(p.base) for p in value.atoms(Pow) if p.base.is_Integer and not p.exp.is_Integer}
+
+
+def _is_square(d: int) -> bool:
+    return d >= 0 and isqrt(d) ** 2 == d

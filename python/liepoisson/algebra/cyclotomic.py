@@ -48,10 +48,6 @@ class CyclotomicField(NumberField):
 
         return AlgebraicNumber(fmpq_poly([as_fmpq(value)]), self)
 
-    def inverse(self, element: AlgebraicNumber) -> AlgebraicNumber:
-        """One over a number that is not zero."""
-        return self.one / element
-
     def root(self, power: int) -> AlgebraicNumber:
         r"""The root of unity $\zeta_n^p$."""
         from flint import fmpq_poly

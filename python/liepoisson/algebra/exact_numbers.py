@@ -251,11 +251,6 @@ def as_coefficient(value: Exact, name: str) -> float:
     return number
 
 
-def display(value: Exact) -> str:
-    """The parameter as text, as short as possible."""
-    return str(value)
-
-
 def _read_float(value: float | Real, name: str) -> Fraction:
     number = float(value)
     if not math.isfinite(number):

@@ -39,7 +39,7 @@ class NumberField(Protocol):
 
     def inverse(self, element: Element) -> Element:
         """One over an element that is not zero."""
-        ...
+        return self.one / element
 
     @cached_property
     def zero(self) -> Element:
@@ -83,10 +83,6 @@ class PrimeField(NumberField):
         if isinstance(value, Fraction):
             return self._residue(value.numerator, self.p) / self._residue(value.denominator, self.p)
         return self._residue(value, self.p)
-
-    def inverse(self, element: Element) -> Element:
-        """One over an element."""
-        return 1 / element
 
 
 class AlgebraicNumber:

@@ -7,7 +7,6 @@ as nonzero, and the field remembers which ones an answer relied on.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import isqrt
@@ -27,70 +26,15 @@ Scalar: TypeAlias = Any
 _FACTOR_BITS = 128  # larger integers lose their small square factors only: factoring them may take minutes
 
 
-class RealField(NumberField, ABC):
-    """A field inside the real numbers (symbols stand for real numbers)."""
-
-    name: str
-
-    @abstractmethod
-    def read(self, value: Exact) -> Scalar:
-        """The element for an exact value."""
-
-    @abstractmethod
-    def write(self, value: Scalar) -> Exact:
-        """The exact value of an element."""
-
-    @abstractmethod
-    def is_constant(self, value: Scalar) -> bool:
-        """Whether no symbol occurs in the element."""
-
-    @abstractmethod
-    def sign(self, value: Scalar) -> int:
-        """The sign of a nonzero element, 1 or -1.
-
-        Raises:
-            ParameterError: it depends on symbols.
-        """
-
-    @abstractmethod
-    def extract_square(self, value: Scalar) -> tuple[Scalar, Scalar]:
-        r"""Elements (r, d) with value = $r^2 d$; d = 1 if the value is a square."""
-
-    @abstractmethod
-    def factors(self, polynomial: Sequence[Scalar]) -> list[list[Scalar]]:
-        """The distinct monic irreducible factors of a polynomial, coefficients from the leading one down."""
-
-    @abstractmethod
-    def rely_on(self, value: Scalar) -> None:
-        """Note that an answer holds where this element does not vanish."""
-
-    @property
-    @abstractmethod
-    def conditions(self) -> tuple[Expr, ...]:
-        """Expressions in the symbols which must not vanish for the answers so far to hold."""
-
-    @abstractmethod
-    def real_roots(self, polynomial: Sequence[Scalar]) -> int:
-        """Number of distinct real roots of a polynomial.
-
-        Raises:
-            ParameterError: the field is not Q.
-        """
-
-    def number(self, value: Rational) -> Scalar:
-        """The element for a rational number."""
-        return self.read(Fraction(int(value.numerator), int(value.denominator)))
-
-    def inverse(self, element: Scalar) -> Scalar:
-        """One over an element that is not zero."""
-        return self.one / element
-
-
 @final
-class RealRationals(RealField):
+class RealRationals(NumberField):
     r"""The field $\mathbb Q$."""
 
     name = "Q"
+
+    def number(self, value: Rational) -> Scalar:
+        """A rational number as a Fraction."""
+        return Fraction(int(value.numerator), int(value.denominator))
 
     def read(self, value: Exact) -> Scalar:
         """The Fraction itself."""
@@ -109,12 +53,15 @@ class RealRationals(RealField):
         return 1 if value > 0 else -1
 
     def extract_square(self, value: Scalar) -> tuple[Scalar, Scalar]:
-        r"""$p/q = (s/q)^2\, d$ with $pq = s^2 d$, d square-free (for numbers of more than 128 bits: nearly)."""
+        r"""Elements (r, d) with value = $r^2 d$; d = 1 if the value is a square.
+
+        $p/q = (s/q)^2\, d$ with $pq = s^2 d$, d square-free (for numbers of more than 128 bits: nearly).
+        """
         root, radicand = _integer_square(value.numerator * value.denominator)
         return Fraction(root, value.denominator), Fraction(radicand)
 
     def factors(self, polynomial: Sequence[Scalar]) -> list[list[Scalar]]:
-        """Factors over the rationals, by python-flint."""
+        """The distinct monic irreducible factors of a polynomial, from the leading coefficient down, by FLINT."""
         from flint import fmpq_poly
 
         given = fmpq_poly([as_fmpq(c) for c in reversed(polynomial)])
@@ -156,7 +103,7 @@ def _integer_square(number: int) -> tuple[int, int]:
 
 
 @final
-class ExtendedField(RealField):
+class ExtendedField(NumberField):
     """Rational numbers with other real numbers or symbols adjoined, as a SymPy domain.
 
     Raises:
@@ -183,6 +130,10 @@ class ExtendedField(RealField):
         self._relied: dict[Expr, None] = {}
         self.name = f"Q({', '.join(map(str, symbols))})" if symbols else _number_field_name(self._domain)
 
+    def number(self, value: Rational) -> Scalar:
+        """The element for a rational number."""
+        return self.read(Fraction(int(value.numerator), int(value.denominator)))
+
     def read(self, value: Exact) -> Scalar:
         """The element of the domain; a denominator that contains symbols is noted as nonzero."""
         element = self._domain.from_sympy(to_sympy(value))
@@ -200,7 +151,11 @@ class ExtendedField(RealField):
         return not self._has_symbols or not self._domain.to_sympy(value).free_symbols
 
     def sign(self, value: Scalar) -> int:
-        """The sign of a nonzero element, for all real values of the symbols."""
+        """The sign of a nonzero element, for all real values of the symbols.
+
+        Raises:
+            ParameterError: it depends on symbols.
+        """
         from sympy import factor
 
         expression = factor(self._domain.to_sympy(value))
@@ -215,7 +170,7 @@ class ExtendedField(RealField):
         )
 
     def extract_square(self, value: Scalar) -> tuple[Scalar, Scalar]:
-        """Even powers of the factors are taken out; in a number field a square is recognised."""
+        """Elements (r, d) with value = r^2 d, from even powers of factors; in a number field a square is recognised."""
         if not self._has_symbols:
             roots = [-f[1] for f in self.factors([self.one, self.zero, -value]) if len(f) == 2]
             if roots:
@@ -242,7 +197,7 @@ class ExtendedField(RealField):
         return root, left
 
     def factors(self, polynomial: Sequence[Scalar]) -> list[list[Scalar]]:
-        """Factors over the domain, by SymPy."""
+        """The distinct monic irreducible factors of a polynomial, from the leading coefficient down, by SymPy."""
         from sympy import Dummy, Poly
 
         found = Poly.from_list(list(polynomial), Dummy("x"), domain=self._domain).factor_list()[1]
@@ -258,11 +213,15 @@ class ExtendedField(RealField):
 
     @property
     def conditions(self) -> tuple[Expr, ...]:
-        """The factors relied on, each once."""
+        """The factors relied on, each once: they must not vanish for the answers so far to hold."""
         return tuple(sorted(self._relied, key=str))
 
     def real_roots(self, polynomial: Sequence[Scalar]) -> int:
-        """Not known here."""
+        """Not known here.
+
+        Raises:
+            ParameterError: in any case.
+        """
         raise ParameterError(
             f"real roots of a polynomial of degree {len(polynomial) - 1} are counted for rational coefficients; "
             f"got coefficients in {self.name}. Use rational entries."
@@ -300,6 +259,10 @@ def real_field(values: Iterable[Exact]) -> RealField:
         return RealRationals()
     expressions = [to_sympy(value) for value in given]
     return RealRationals() if all(e.is_Rational for e in expressions) else ExtendedField(expressions)
+
+
+RealField = RealRationals | ExtendedField
+"""A field inside the real numbers; symbols stand for real numbers."""
 
 
 @final

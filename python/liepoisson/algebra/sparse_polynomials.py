@@ -139,3 +139,10 @@ def expression(
     from sympy import Add, Mul
 
     return Add(*(Mul(number(c), *(x ** int(k) for x, k in zip(variables, m, strict=True) if k)) for m, c in terms))
+
+
+def whole_expression(terms: Iterable[tuple[Sequence[int], Any]], variables: Sequence[Any]) -> Expr:
+    """A polynomial with rational coefficients up to a factor: whole coefficients without a common one, a sign fixed."""
+    read: Any = expression(terms, variables)
+    whole = read.as_numer_denom()[0].primitive()[1]
+    return -whole if whole.could_extract_minus_sign() else whole

@@ -29,8 +29,7 @@ def integrals(
 
     What is found is proved, and so is that there are no others.  Parameters without a value count as generic.
     """
-    from liepoisson.integrability.polynomial_integrals import first_integrals
-    from liepoisson.integrability.records import search_record
+    from liepoisson.integrability.polynomial_integrals import first_integrals, search_record
 
     chosen = read_system(system, common.values)
     with listening("searching", quiet=common.quiet) as listen:

@@ -13,7 +13,7 @@ from liepoisson.integrability.galois.variational import variational_equations as
 from liepoisson.integrability.hamiltonian_forms import general_system as general_system
 from liepoisson.integrability.integral_scan import scan_integrals as scan_integrals
 from liepoisson.integrability.lax.families import lax_families as lax_families
-from liepoisson.integrability.lax.known import known_lax_pair as known_lax_pair
+from liepoisson.integrability.lax.pair import known_lax_pair as known_lax_pair
 from liepoisson.integrability.lax.pair import lax_pair as lax_pair
 from liepoisson.integrability.lax.search import search_lax_pairs as search_lax_pairs
 from liepoisson.integrability.painleve.singularity_analysis import painleve_test as painleve_test

@@ -15,7 +15,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, named
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability import checker
-from liepoisson.integrability.polynomial_integrals import functions_by_name
+from liepoisson.integrability.search_problem import functions_by_name
 from liepoisson.io.files import another_format, read_text, write_atomically
 
 if TYPE_CHECKING:

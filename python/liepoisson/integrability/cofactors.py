@@ -20,6 +20,7 @@ from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
 from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
@@ -27,12 +28,9 @@ from liepoisson.algebra.residues import primes
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.monomials import of_degree
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
-from liepoisson.integrability.square_roots import element, field_of, roots
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -241,22 +239,15 @@ class CofactorCases(CaseSplitting):
         if not self._is_finite(case) or any(q.degrees()[v] != 2 for v, q in equations.items()):
             return None
         choices = {v: self._roots(q, v) for v, q in equations.items()}
-        field = field_of(root for pair in choices.values() for root in pair)
+        field = square_root_field(root for pair in choices.values() for root in pair)
         found: list[Values] = []
         for chosen in product(*choices.values()):
             values = [field.zero] * self.n
             for v, root in zip(choices, chosen, strict=True):
-                values[v] = element(root, field)
-            solved = {
-                v: (value_at(a.terms(), values, field.number), value_at(b.terms(), values, field.number))
-                for v, a, b in case.solved
-            }
-            if not all(b for _, b in solved.values()):
-                continue
-            for v, (a, b) in solved.items():
-                values[v] = a / b
-            if not any(value_at(q.terms(), values, field.number) for q in case.unsolved):
-                found.append(tuple(field.to_sympy(value) for value in values))
+                values[v] = square_root_element(root, field)
+            point = case.completed(values, field.number)
+            if point is not None and not any(value_at(q.terms(), point, field.number) for q in case.unsolved):
+                found.append(tuple(map(field.to_sympy, point)))
         return found
 
     def _has_none(self, case: Case, block: Sequence[Exponents]) -> bool:
@@ -292,17 +283,11 @@ class CofactorCases(CaseSplitting):
     def _nullity(self, given: Mapping[int, Element], case: Case, block: Sequence[Exponents], p: int) -> int:
         """The dimension modulo a prime of the Darboux polynomials with the cofactor that some coefficients give."""
         number = PrimeField(p).number
-        values = [given.get(v, number(0)) for v in range(self.n)]
-        solved = {
-            v: (value_at(a.terms(), values, number), value_at(b.terms(), values, number)) for v, a, b in case.solved
-        }
-        if not all(b for _, b in solved.values()):
-            # a denominator that does not vanish may do so modulo the prime
+        point = case.completed([given.get(v, number(0)) for v in range(self.n)], number)
+        if point is None:  # a denominator that does not vanish may do so modulo the prime
             return len(block)
-        for v, (a, b) in solved.items():
-            values[v] = a / b
         rows = [
-            {c: x for c, q in row.items() if (x := value_at(q.terms(), values, number))} for row in self._rows(block)
+            {c: x for c, q in row.items() if (x := value_at(q.terms(), point, number))} for row in self._rows(block)
         ]
         return len(nullspace_mod(rows, len(block), p))
 
@@ -310,7 +295,9 @@ class CofactorCases(CaseSplitting):
         coefficients = [Fraction(0)] * 3
         for monomial, c in q.terms():
             coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
-        return roots(*reversed(coefficients))  # real if that is wanted: `_has_real_zero` has excluded the others
+        return quadratic_roots(
+            *reversed(coefficients)
+        )  # real if that is wanted: `_has_real_zero` has excluded the others
 
     def _text(self, case: Case) -> str:
         return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"

@@ -8,33 +8,33 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, count
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
-from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
-from liepoisson.integrability.darboux_search import DarbouxSearch, over
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading, positive_grading
-from liepoisson.integrability.level import level_of, order
-from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
-from liepoisson.integrability.polynomial_integrals import (
-    Equations,
-    gradings_of_known,
-    gradings_of_level,
-    read_search,
-    tidied,
+from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, over, rational_integrals
+from liepoisson.integrability.derivation import (
+    Exponents,
+    in_blocks,
 )
-from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
-from liepoisson.integrability.square_roots import element, field_of
+from liepoisson.integrability.level import order
+from liepoisson.integrability.search import tidied
+from liepoisson.integrability.search_problem import (
+    Equations,
+    SearchProblem,
+    SizeAsked,
+    functions_by_name,
+    known_functions,
+    zeros_on_level,
+)
 from liepoisson.io.display import as_text
 from liepoisson.report.printing import Formula
 
@@ -222,31 +222,37 @@ def darboux_polynomials(
         raise ParameterError(f"field: wanted 'complex', 'real' or 'rational'; got {shown(field)}")
     deadline = as_deadline(time_limit)
     with deadline.running():
-        given, zeros, derivation, known_polynomials, zero_polynomials = read_search(system, known, on)
+        given = known_functions(system)
+        if known is not None:
+            given = {name: system.expression(f) for name, f in functions_by_name(known).items()}
+        zeros = zeros_on_level(system, on)
+        problem = SearchProblem.of(system, given, zeros)
+        problem.check(given)
+    derivation = problem.derivation
     if not derivation.field.is_rational:
         raise ParameterError(
             f"darboux_polynomials: wanted rational numbers in the equations; got {system.name} with "
             f"{', '.join(map(str, derivation.field.parameters)) or 'irrational ones'}; give rational values"
         )
     with deadline.running():
-        level = level_of(derivation, zero_polynomials)
-        gradings = tuple(g for g in gradings_of_level(derivation, zero_polynomials) if not g.modulus)
-        asked, size, weights = _asked(derivation, gradings, degree, weight)
+        level, size_asked = problem.level, SizeAsked.of(degree, weight)
+        gradings = tuple(g for g in problem.gradings if not g.modulus)
+        asked, size, weights = size_asked.monomials(derivation, gradings, MOST_MONOMIALS, up_to=True)
         monomials = cofactor_monomials(derivation, gradings, level)
-    gradings = gradings_of_known(gradings, known_polynomials, weights)
+    gradings = problem.gradings_of_known(gradings, weights)
     blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
     ordered = sorted(blocks.items(), key=lambda item: len(item[1]))
     listen = progress or (lambda _: None)
     cases = CofactorCases(derivation, level, monomials, field)
     with deadline.running():
         values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
-    numbers = field_of(v for of_block in values for one in of_block for v in one)
-    equations = tuple(zero for zero in zero_polynomials if zero)
+    numbers = square_root_field(v for of_block in values for one in of_block for v in one)
+    equations = tuple(zero for zero in problem.zeros if zero)
     search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
-    for polynomial in known_polynomials:
+    for polynomial in problem.known.values():
         search.add_known(over(numbers, [polynomial])[0])
     n_known = len(search.factors)
-    elements = [[tuple(element(v, numbers) for v in one) for one in of_block] for of_block in values]
+    elements = [[tuple(square_root_element(v, numbers) for v in one) for one in of_block] for of_block in values]
     search.run(
         [(label, block, of_block) for (label, block), of_block in zip(ordered, elements, strict=True)],
         lambda f: listen(0.7 + 0.3 * f),
@@ -259,7 +265,7 @@ def darboux_polynomials(
     )
     return DarbouxPolynomials(
         system=system,
-        degree=None if weight is not None else (2 if degree is None else degree),
+        degree=size_asked.degree,
         weight=weight,
         weights=weights,
         on=tuple(zeros),
@@ -273,40 +279,6 @@ def darboux_polynomials(
         n_cases=n_cases,
         left=left,
     )
-
-
-def _asked(
-    derivation: Derivation, gradings: Sequence[Grading], degree: int | None, weight: int | None
-) -> tuple[Iterator[Exponents], int, tuple[int, ...]]:
-    """The monomials of the search, the number of those that are not constant, and the weights of the coordinates."""
-    n = len(derivation.variables)
-    if weight is None:
-        d = 2 if degree is None else as_count(degree, "degree", least=1)
-        size = n_monomials(n, d) - 1
-        if size > MOST_MONOMIALS:
-            fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
-            raise ParameterError(
-                f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
-                f"with {size:,}. Take degree={fits}, or search by weight where the equations are homogeneous"
-            )
-        return chain.from_iterable(of_degree(n, k) for k in range(d + 1)), size, ()
-    if degree is not None:
-        raise ParameterError(f"wanted a degree or a weight; got both, {degree} and {weight}; leave one out")
-    w = as_count(weight, "weight", least=1)
-    grading = positive_grading(gradings)
-    if grading is None:
-        raise ParameterError(
-            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
-            "give a degree instead"
-        )
-    size = 0
-    for k in range(1, w + 1):
-        if (more := size + n_of_weight(grading.weights, k)) > MOST_MONOMIALS:
-            raise ParameterError(
-                f"weight: wanted at most {k - 1}, with {size:,} of {MOST_MONOMIALS:,} monomials; got {w}"
-            )
-        size = more
-    return chain.from_iterable(of_weight(grading.weights, k) for k in range(w + 1)), size, grading.weights
 
 
 def _cofactors(

@@ -11,29 +11,22 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
-from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
-from liepoisson.integrability.case_points import CasePoints
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
+from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
-from liepoisson.integrability.further_integrals import Block, IntegralsAtPoints
-from liepoisson.integrability.level import level_of, order
-from liepoisson.integrability.monomials import in_blocks, n_monomials, of_degree
+from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
+from liepoisson.integrability.level import order
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
-from liepoisson.integrability.polynomial_integrals import (
-    Equations,
-    first_integrals,
-    gradings_of_level,
-    known_functions,
-    zeros_on_level,
-)
-from liepoisson.integrability.search import Generator, Search
+from liepoisson.integrability.polynomial_integrals import first_integrals
+from liepoisson.integrability.search import Search
+from liepoisson.integrability.search_problem import Equations, SearchProblem, known_functions, zeros_on_level
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
@@ -228,7 +221,8 @@ def integrable_families(
     d, deadline = as_count(degree, "degree", least=1), as_deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
     check_numbers(system, "integrable_families", zeros)
-    derivation, polynomials = derivation_of(system, *known.values(), *zeros)
+    problem = SearchProblem.of(system, known, zeros)
+    derivation = problem.derivation
     check_parameters(system, derivation, "integrable_families")
     names = [str(s) for s in derivation.field.parameters]
     positive = names_among(names, positive, "positive")
@@ -237,18 +231,8 @@ def integrable_families(
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
         )
-    zero_polynomials = polynomials[len(known) :]
-    search = Search(
-        derivation,
-        gradings_of_level(derivation, zero_polynomials),
-        level_of(derivation, zero_polynomials),
-        tuple(z for z in zero_polynomials if z),
-        [],
-    )
-    for name, polynomial in zip(known, polynomials[: len(known)], strict=True):
-        if any(map(any, remainder := search.level.remainder(polynomial))):
-            search.generators.append(Generator(name, remainder, is_new=False))
-    matrix = ParameterMatrix(derivation, zero_polynomials, search.level)
+    search = problem.search()
+    matrix = ParameterMatrix(derivation, problem.zeros, search.level)
     search.run(_monomials(len(system.variables), d))
     splitting = CaseSplitting(
         matrix.context,
@@ -260,7 +244,7 @@ def integrable_families(
         matrix.scalings(),
     )
     h, *casimirs = (
-        matrix.without_denominators(search.level.remainder(polynomial)) for polynomial in polynomials[: len(known)]
+        matrix.without_denominators(search.level.remainder(polynomial)) for polynomial in problem.known.values()
     )
     cases = FamilyCases(
         splitting,
@@ -451,29 +435,7 @@ def _example(
 ) -> dict[Any, Any] | None:
     """Values of the parameters in a case; None if none is found."""
     from flint import fmpq
-    from sympy import Rational
 
-    if case.unsolved:
-        return None
-    bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
-    n, random = len(matrix.symbols), Random(1)
-    for _ in range(_MOST_EXAMPLES):
-        values = [fmpq(1)] * n
-        for v in set(range(n)) - bound:
-            values[v] = fmpq(
-                random.randint(1, 9) * (1 if v in positive else random.choice((-1, 1))), random.randint(1, 4)
-            )
-        at = dict(zip(matrix.names, values, strict=True))
-        for v, a, b in case.solved:
-            if not (below := _value(b, at)):
-                break
-            values[v] = _value(a, at) / below
-        else:
-            at = dict(zip(matrix.names, values, strict=True))
-            if all(values[v] > 0 for v in positive) and all(_value(q, at) for q in (*case.nonzero.values(), *excepted)):
-                return {s: Rational(int(x.p), int(x.q)) for s, x in zip(matrix.symbols, values, strict=True)}
-    return None
-
-
-def _value(polynomial: Poly, at: Mapping[str, Any]) -> Any:
-    return polynomial.subs(dict(at)).leading_coefficient() if polynomial else 0
+    points = CasePoints(case, matrix.context, positive).rational(_MOST_EXAMPLES)
+    found = next((p for p in points if all(value_at(q.terms(), p, fmpq) for q in excepted)), None)
+    return None if found is None else dict(zip(matrix.symbols, map(rational_to_sympy, found), strict=True))

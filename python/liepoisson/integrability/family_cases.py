@@ -17,8 +17,7 @@ from typing import Any
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.matrices import determinant
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.integrability.case_points import CasePoints
-from liepoisson.integrability.further_integrals import Comparison, IntegralsAtPoints, ParameterPolynomial
+from liepoisson.integrability.further_integrals import CasePoints, Comparison, IntegralsAtPoints, ParameterPolynomial
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly
 from liepoisson.integrability.search import Label
 

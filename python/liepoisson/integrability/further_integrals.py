@@ -1,7 +1,11 @@
-r"""Whether the integrals at a point of the parameters are polynomials in known ones: in H, the Casimirs, and others.
+r"""Integrals at points of a case of parameters: whether they are polynomials in known ones, in H, Casimirs and others.
 
-The known integrals $f_1,\dots,f_r$ generate an algebra A, and the null space N of D up to a degree d is compared with
-the part of A up to that degree. Three arguments decide it:
+**Points.** The free parameters of a case are drawn; where equations are left that no parameter is solved for, so many
+of their parameters are drawn that finitely many solutions are left, of which one is a point of the case. Modulo a prime
+it is a root of the equation for a linear form (`liepoisson.algebra.ideals.solutions`).
+
+**Integrals.** The known integrals $f_1,\dots,f_r$ generate an algebra A, and the null space N of D up to a degree d is
+compared with the part of A up to that degree. Three arguments decide it:
 
 1. An element of N whose gradient is no combination of theirs is functionally independent of them.
 2. If the leading forms of the $f_i$ are algebraically independent, nothing cancels in a polynomial in the $f_i$, and
@@ -16,22 +20,31 @@ All of it at random points modulo a prime of 61 bits.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from math import prod
+from operator import not_
+from random import Random
 from typing import Any
 
+from flint import arb, fmpq, fmpq_poly, nmod_poly
+
 from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+from liepoisson.algebra.ideals.limits import NotDecidedError
+from liepoisson.algebra.ideals.operations import in_context
+from liepoisson.algebra.ideals.solutions import Solutions, solutions
 from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element, PrimeField
-from liepoisson.algebra.residues import Residues
-from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
+from liepoisson.algebra.residues import Residues, primes
+from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, value_at
 from liepoisson.integrability.derivation import Exponents
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.modular import random_point
-from liepoisson.integrability.parameter_cases import Poly, SparseRow
+from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly, SparseRow
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
-from liepoisson.integrability.search import Label, point_on_level
+from liepoisson.integrability.search import Label, point_on_level, products
 
 _MOST_PRODUCTS = 1500
 """Products of known integrals of one comparison; beyond them it is not decided."""
@@ -176,19 +189,10 @@ class _Algebra:
 
     def _products(self, weight: int) -> list[Polynomial]:
         """The products of the functions whose degrees have this sum."""
-        found: list[Polynomial] = []
-
-        def extend(start: int, left: int, product: Polynomial | None) -> None:
-            if not left and product is not None:
-                remainder = self.level.remainder(product)
-                found.append({m: c for m, c in remainder.items() if any(m)})
-            for k in range(start, len(self.functions)):
-                f = self.functions[k]
-                if (size := _degree(f)) <= left and len(found) <= _MOST_PRODUCTS:
-                    extend(k, left - size, f if product is None else multiply(product, f))
-
-        extend(0, weight, None)
-        return found
+        factors = [(_degree(f), f) for f in self.functions]
+        whole = (product for _, left, product in products(factors, weight) if not left)
+        remainders = (self.level.remainder(product) for product in islice(whole, _MOST_PRODUCTS + 1))
+        return [{m: c for m, c in f.items() if any(m)} for f in remainders]
 
     def _independent(self, functions: Sequence[Polynomial], place: list[Element]) -> list[Polynomial]:
         """Functions whose gradients at a point are independent of each other and of those of the level."""
@@ -210,3 +214,130 @@ def _by_degree(f: Polynomial) -> Polynomial:
 
 def _degree(f: Mapping[Exponents, Any]) -> int:
     return max(map(sum, f))
+
+
+_MOST_DRAWS = 60
+_PRIMES = tuple(islice(primes(), 10))
+
+
+class CasePoints:
+    """Points of one case.
+
+    Args:
+        case: The case.
+        context: FLINT's context of the parameters.
+        positive: Indices of parameters that are positive.
+        seed: Of the random numbers.
+    """
+
+    def __init__(self, case: Case, context: Any, positive: frozenset[int], seed: int = 1) -> None:
+        self.case, self.context, self.positive = case, context, positive
+        self.names = tuple(context.names())
+        self._random = Random(seed)
+        bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
+        self._free = [v for v in range(len(self.names)) if v not in bound]
+        occurring = {v for q in case.unsolved for v, k in enumerate(q.degrees()) if k}
+        self._tied = [v for v in self._free if v in occurring]
+
+    def modular(self) -> tuple[int, list[Element]] | None:
+        """A prime and the parameters modulo it, at a random point of the case; None if none was found.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        for _ in range(_MOST_DRAWS):
+            p = self._random.choice(_PRIMES)
+            number = PrimeField(p).number
+            values = {v: number(self._random.randrange(2, p)) for v in self._free}
+            if self.case.unsolved:
+                rational, rest, found = self._finitely_many()
+                t = _root(found, p, self._random)
+                if t is None:
+                    continue
+
+                def at_root(q: fmpq_poly, t: Element = t, number: Callable[[Any], Element] = number) -> Element:
+                    return value_at((((k,), c) for k, c in enumerate(q.coeffs())), [t], number)
+
+                below = at_root(found.numerator(found.quotient.ideal.context.constant(1)))
+                gens = dict(zip(rest, found.quotient.ideal.context.gens(), strict=True))
+                if not below:
+                    continue
+                for v, x in gens.items():
+                    values[v] = at_root(found.numerator(x)) / below
+                for v, x in rational.items():
+                    values[v] = number(x)
+            if (point := self._completed(values, number)) is not None:
+                return p, point
+        return None
+
+    def _completed(
+        self, values: Mapping[int, Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
+    ) -> list[Any] | None:
+        """All parameters, from the free ones; None where something vanishes that must not."""
+        point = [values.get(v, number(1)) for v in range(len(self.names))]
+        return self.case.completed(point, number, vanishes) if self.case.admits(point, number, vanishes) else None
+
+    def rational(self, most: int) -> Iterator[list[fmpq]]:
+        """So many random points with rational coordinates, or fewer; none of a case that is not solved for all."""
+        for _ in range(0 if self.case.unsolved else most):
+            drawn = {
+                v: fmpq(self._random.randint(1, 9) * self._sign(v), self._random.randint(1, 4)) for v in self._free
+            }
+            if (point := self._completed(drawn, fmpq)) is not None and self._is_positive(point):
+                yield point
+
+    def is_real(self) -> bool:
+        """Whether a real point was found, with positive values where this is demanded (proved if True)."""
+        try:
+            return any(self._has_real_point() for _ in range(_MOST_DRAWS))
+        except NotDecidedError:
+            return False
+
+    def _has_real_point(self) -> bool:
+        drawn = {v: fmpq(self._random.randint(1, 12) * self._sign(v), self._random.randint(1, 6)) for v in self._free}
+        if not self.case.unsolved:
+            return self._is_admissible({v: arb(x) for v, x in drawn.items()})
+        rational, rest, found = self._finitely_many(drawn)
+        known = {v: arb(x) for v, x in (drawn | rational).items()}
+        return any(
+            self._is_admissible(known | dict(zip(rest, solution.values, strict=True))) for solution in found.real(60)
+        )
+
+    def _is_admissible(self, known: Mapping[int, arb]) -> bool:
+        """Whether nothing vanishes that must not, and positive parameters are positive, at balls (proved if True)."""
+        point = self._completed(known, arb, lambda x: x.contains(0))
+        return point is not None and self._is_positive(point)
+
+    def _is_positive(self, point: Sequence[Any]) -> bool:
+        return all(bool(point[v] > 0) for v in self.positive)
+
+    def _sign(self, v: int) -> int:
+        return 1 if v in self.positive else self._random.choice((-1, 1))
+
+    def _finitely_many(self, drawn: dict[int, fmpq] | None = None) -> tuple[dict[int, fmpq], list[int], Solutions]:
+        """Values for some of the parameters of the equations, the others, and their finitely many solutions."""
+        budget = LIMITS.budget()
+        rational: dict[int, fmpq] = {}
+        rest = list(self._tied)
+        self._random.shuffle(rest)
+        while True:
+            context = rational_context([self.names[v] for v in rest])
+            at = {self.names[v]: x for v, x in rational.items()}
+            left = [in_context(q.subs(at) if at else q, context) for q in self.case.unsolved]
+            basis = groebner_basis(left, budget)
+            if basis.dimension <= 0:
+                return rational, rest, solutions(basis, budget)
+            v = rest.pop()
+            rational[v] = drawn[v] if drawn else fmpq(self._random.randint(-50, 50), self._random.randint(1, 20))
+
+
+def _root(found: Solutions, p: int, random: Random) -> Element | None:
+    """A root modulo p of the equation of some solutions, if it has one."""
+    numbers = list(range(len(found.factors)))
+    random.shuffle(numbers)
+    for k in numbers:
+        polynomial = nmod_poly([int(c) % p for c in found.factors[k].polynomial.coeffs()], p)
+        roots = [-f[0] / f[1] for f, multiplicity in polynomial.factor()[1] if f.degree() == multiplicity == 1]
+        if roots:
+            return random.choice(roots)
+    return None

@@ -20,8 +20,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import is_named, listed, sequence
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import check_kind, shown
-from liepoisson.integrability.derivation import Exponents, polynomial_terms
-from liepoisson.integrability.monomials import n_monomials, of_degree
+from liepoisson.integrability.derivation import Exponents, n_monomials, of_degree, polynomial_terms
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.bracket import Bracket

@@ -24,22 +24,19 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_thr
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import Derivation, derivation_of
+from liepoisson.integrability.derivation import Derivation, n_monomials
 from liepoisson.integrability.families import check_parameters
-from liepoisson.integrability.level import level_of
-from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
-from liepoisson.integrability.polynomial_integrals import (
-    MOST_MONOMIALS,
+from liepoisson.integrability.polynomial_integrals import MOST_MONOMIALS
+from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family, results
+from liepoisson.integrability.scan_store import ScanStore
+from liepoisson.integrability.search_problem import (
     Equations,
+    SearchProblem,
     equations_of,
-    gradings_of_level,
     known_functions,
     zeros_on_level,
 )
-from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family
-from liepoisson.integrability.scan_processes import results
-from liepoisson.integrability.scan_store import ScanStore
 from liepoisson.io.files import exclusive
 from liepoisson.io.result import Result, labelled, names_along, recorded
 from liepoisson.report.printing import Formula
@@ -231,27 +228,25 @@ def _rationals() -> Any:
 
 def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, list[str]]:
     """The search as plain data, and the names of its parameters."""
-    known, zeros = known_functions(system), zeros_on_level(system, on)
-    derivation, polynomials = derivation_of(system, *known.values(), *zeros)
+    problem = SearchProblem.of(system, known_functions(system), zeros_on_level(system, on))
+    derivation = problem.derivation
     check_parameters(system, derivation, "scan_integrals")
     if (size := n_monomials(len(system.variables), degree)) > MOST_MONOMIALS:
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {degree} has {size:,}; take a smaller one"
         )
-    zero_polynomials = polynomials[len(known) :]
-    level = level_of(derivation, zero_polynomials)
-    matrix = ParameterMatrix(derivation, zero_polynomials, level)
-    remainders = [level.remainder(polynomial) for polynomial in polynomials[: len(known)]]
+    level = problem.level
+    matrix = ParameterMatrix(derivation, problem.zeros, level)
     search = PointSearch(
         n=len(system.variables),
         degree=degree,
-        gradings=gradings_of_level(derivation, zero_polynomials),
+        gradings=problem.gradings,
         components=tuple(map(plain_family, matrix.components)),
         denominator=plain(matrix.denominator),
         zeros=tuple(map(plain_family, matrix.zeros)),
         basis=tuple((lead, plain_family(generator)) for lead, generator in matrix.level.basis),
         known=tuple(
-            (name, plain_family(matrix.without_denominators(r))) for name, r in zip(known, remainders, strict=True)
+            (name, plain_family(matrix.without_denominators(level.remainder(f)))) for name, f in problem.known.items()
         ),
     )
     return search, matrix.names

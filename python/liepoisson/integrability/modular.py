@@ -1,15 +1,27 @@
-"""Polynomials modulo a prime. What is independent there is independent exactly."""
+r"""Polynomials, and the matrix of D on monomials, modulo a prime.  What is independent there is independent exactly.
+
+A term $c\,x^e\,\partial_k$ of D sends $x^m$ to $c\,m_k\,x^{m + e - 1_k}$: one entry of the matrix for each term and
+each monomial with $m_k > 0$.  All entries of a term are made at once, as the compiled elimination takes them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from math import inf
 from random import Random
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
+from liepoisson.integrability.derivation import Derivation, Exponents
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 _MOST_PRIMES = 20
 
@@ -52,3 +64,97 @@ def random_point(n: int, residues: Residues, seed: int = 1) -> list[Element]:
     """Numbers of the field of the prime; the same for the same seed."""
     random = Random(seed)
     return [residues.field.number(random.randrange(1, residues.p)) for _ in range(n)]
+
+
+_LARGEST_KEY = 2**62
+
+
+@dataclass(frozen=True)
+class ModularDerivation:
+    """The terms of D modulo a prime.
+
+    Attributes:
+        terms: Coordinate k, exponents e and residue of c of each term.
+        p: The prime.
+    """
+
+    terms: tuple[tuple[int, Exponents, int], ...]
+    p: int
+
+    @classmethod
+    def of(cls, derivation: Derivation, residues: Residues) -> ModularDerivation:
+        """The terms of a derivation whose coefficients do not vanish modulo the prime."""
+        terms = [
+            (k, factor, residue)
+            for k, component in enumerate(derivation.components)
+            for factor, coefficient in component.items()
+            if (residue := residues(coefficient) % residues.p)
+        ]
+        return cls(tuple(terms), residues.p)
+
+    def nullity(
+        self,
+        monomials: Sequence[Exponents],
+        enough_rank: int | None = None,
+        progress: Callable[[float], Any] | None = None,
+    ) -> int:
+        """Dimension of the null space of D on some monomials.
+
+        The elimination costs least if those of low degree come first.
+
+        Args:
+            monomials: The columns.
+            enough_rank: The rank, if it is known to be at most this, at which the elimination may end.
+            progress: Told the fraction of the elimination that is done.
+        """
+        import numpy as np
+
+        from liepoisson import _core
+
+        parts = list(self._entries(np.array(sorted(monomials, key=lambda m: (sum(m), m)), dtype=np.int64)))
+        if not parts:
+            return len(monomials)
+        columns, images, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+        rows = _numbered(images)
+        order = np.lexsort((columns, rows))
+        starts = np.searchsorted(rows[order], np.arange(rows.max() + 2))
+        found = _core.modular_null_space(
+            starts.astype(np.uint64),
+            columns[order].astype(np.uint32),
+            values[order],
+            len(monomials),
+            self.p,
+            enough_rank,
+            inf,
+            progress,
+        )
+        return len(monomials) - found["rank"]
+
+    def _entries(self, monomials: NDArray[np.int64]) -> Any:
+        """For each term the columns, the monomials of the rows and the residues of its entries."""
+        import numpy as np
+
+        for k, factor, coefficient in self.terms:
+            columns = np.flatnonzero(monomials[:, k])
+            if not len(columns):
+                continue
+            powers = monomials[columns, k]
+            # residues of 61 bits times powers would overflow: a table of Python's integers
+            table = np.array([coefficient * m % self.p for m in range(int(powers.max()) + 1)], dtype=np.uint64)
+            images = monomials[columns] + np.array(factor)
+            images[:, k] -= 1
+            yield columns, images, table[powers]
+
+
+def _numbered(monomials: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A number for each monomial from 0, the same for equal ones."""
+    import numpy as np
+
+    base = int(monomials.max(initial=0)) + 1
+    keys, size = np.zeros(len(monomials), dtype=np.int64), 1
+    for exponents in monomials.T:
+        if size * base > _LARGEST_KEY:
+            keys = np.unique(keys, return_inverse=True)[1]
+            size = int(keys.max()) + 1
+        keys, size = keys * base + exponents, size * base
+    return np.unique(keys, return_inverse=True)[1]

@@ -17,19 +17,21 @@ written down.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import not_
 from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
 from liepoisson.algebra.ideals.buchberger import remainder
 from liepoisson.algebra.ideals.certified_roots import real_roots
-from liepoisson.algebra.ideals.components import Assumptions, components
+from liepoisson.algebra.ideals.components import Assumptions, components, irreducible_factors
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.ideals.signs import vanishing_parts
+from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint, has_passed
 
@@ -63,13 +65,50 @@ class Case:
     scaled: tuple[tuple[int, tuple[int, ...]], ...] = ()
     nonzero: Mapping[str, Poly] = field(default_factory=dict[str, Poly])
 
+    def admits(
+        self, point: Sequence[Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
+    ) -> bool:
+        """Whether nothing vanishes at a point that must not."""
+        return not any(vanishes(value_at(q.terms(), point, number)) for q in self.nonzero.values())
+
+    def completed(
+        self, point: Sequence[Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
+    ) -> list[Any] | None:
+        """A point with the parameters that are solved for; None where a denominator vanishes.
+
+        Args:
+            point: Numbers for all parameters, those of parameters that are solved for without a meaning.
+            number: Maps rational numbers to such numbers.
+            vanishes: Whether a number is zero, or may be.
+        """
+        found = list(point)
+        for v, a, b in self.solved:
+            below = value_at(b.terms(), point, number)
+            if vanishes(below):
+                return None
+            found[v] = value_at(a.terms(), point, number) / below
+        return found
+
 
 @dataclass
-class _State:
+class State:
+    """A case with the rows that are left of the matrix.
+
+    Attributes:
+        case: The case.
+        rows: The rows.
+        rank: The rank of those that were eliminated.
+        pending: Equations that wait.
+    """
+
     case: Case
     rows: list[SparseRow]
     rank: int
     pending: list[Poly] = field(default_factory=list)
+
+    def copy(self, case: Case, pending: Sequence[Poly]) -> State:
+        """A copy with another case and other equations that wait."""
+        return State(case, [dict(row) for row in self.rows], self.rank, list(pending))
 
 
 @dataclass
@@ -96,6 +135,8 @@ class CaseSplitting:
         nonzero: Polynomials that do not vanish.
         scalings: Weights of the parameters, one row for each independent scaling.
     """
+
+    factors = staticmethod(irreducible_factors)
 
     def __init__(
         self,
@@ -129,7 +170,7 @@ class CaseSplitting:
             into: Cases found before, of other systems; those inside of them are not looked at again.
             equations: Polynomials that vanish on all parameters that are looked at.
         """
-        stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
+        stack = [State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
         n_cases = 0
         while stack:
             state = stack.pop()
@@ -180,7 +221,7 @@ class CaseSplitting:
         Raises:
             NotDecidedError: the limits were reached.
         """
-        stack, found = [_State(case, [], 0, list(equations))], list[Case]()
+        stack, found = [State(case, [], 0, list(equations))], list[Case]()
         while stack:
             further = self._impose(state := stack.pop())
             if further is not None:
@@ -207,14 +248,14 @@ class CaseSplitting:
         left = {tuple(map(str, self.conditions(case))): case for case in cases.left}
         cases.left = [case for case in left.values() if not any(self.lies_in(case, other) for other in cases.found)]
 
-    def _left(self, state: _State) -> Case:
+    def _left(self, state: State) -> Case:
         """The case of a state that is not decided, with the equations that wait."""
         waiting = (p for q in state.pending if (p := self.reduced(q, state.case)))
         return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
 
-    def _impose(self, state: _State) -> list[_State] | None:
+    def _impose(self, state: State) -> list[State] | None:
         """The cases in which the next equation that waits holds; None if none waits."""
         while state.pending:
             p = self.reduced(state.pending[0], state.case)
@@ -224,23 +265,23 @@ class CaseSplitting:
                 continue
             if self._is_unit(p, state.case):
                 return []
-            found: list[_State] = []
+            found: list[State] = []
             nonzero = state.case.nonzero
             for q in self.factors(p):
                 if self._is_unit(q, state.case):
                     continue
                 case = replace(state.case, nonzero=nonzero)
-                found += self._vanishing(q, replace_state(state, case, rest))
+                found += self._vanishing(q, state.copy(case, rest))
                 nonzero = {**nonzero, str(q): q}
             return found
         return None
 
-    def _vanishing(self, q: Poly, state: _State) -> list[_State]:
+    def _vanishing(self, q: Poly, state: State) -> list[State]:
         """The cases in which an irreducible polynomial vanishes."""
         if (terms := self._definite_terms(q)) is not None:
             if any(term.is_constant() for term in terms):
                 return []
-            return [replace_state(state, state.case, [*terms, *state.pending])]
+            return [state.copy(state.case, [*terms, *state.pending])]
         equation = self.homogeneous(q, state.case)
         is_known = any(equation == known for known in state.case.equations)
         case = state.case if is_known else replace(state.case, equations=(*state.case.equations, equation))
@@ -255,15 +296,15 @@ class CaseSplitting:
             rest, slope = parts[v][0], parts[v][1]
             unequal = replace(case, nonzero={**case.nonzero, **{str(f): f for f in self.factors(slope)}})
             return [
-                replace_state(state, state.case, [slope, rest, *state.pending]),
+                state.copy(state.case, [slope, rest, *state.pending]),
                 self._with_solved(state, unequal, v, -rest, slope),
             ]
         if not self._has_real_zero(q):
             return []
-        new = replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending)
+        new = state.copy(replace(case, unsolved=(*case.unsolved, q)), state.pending)
         return [self._reduced_state(new)] if len(new.case.unsolved) == 1 else self._components(new)
 
-    def _components(self, state: _State) -> list[_State]:
+    def _components(self, state: State) -> list[State]:
         """The cases into which several equations fall that were not solved, each with a Gröbner basis of them.
 
         An element of a basis may be of degree one in a parameter: then they wait to be solved.
@@ -271,15 +312,15 @@ class CaseSplitting:
         Raises:
             NotDecidedError: the limits were reached.
         """
-        case, found = state.case, list[_State]()
+        case, found = state.case, list[State]()
         assumptions = Assumptions(tuple(case.nonzero.values()), self.positive, is_real=True)
         for component in components(case.unsolved, assumptions, LIMITS.budget()):
             basis = sorted(component.equations, key=lambda p: 1 not in p.degrees())
             if any(1 in p.degrees() for p in basis):
-                found.append(replace_state(state, replace(case, unsolved=()), [*basis, *state.pending]))
+                found.append(state.copy(replace(case, unsolved=()), [*basis, *state.pending]))
             else:
                 settled = replace(case, unsolved=component.equations)
-                found.append(self._reduced_state(replace_state(state, settled, state.pending)))
+                found.append(self._reduced_state(state.copy(settled, state.pending)))
         return found
 
     # scalings
@@ -296,7 +337,7 @@ class CaseSplitting:
             ]
         return [tuple(row) for row in rows if any(row)]
 
-    def _scaled(self, state: _State) -> _State:
+    def _scaled(self, state: State) -> State:
         """The state with parameters that do not vanish set to 1 where a scaling allows it."""
         while True:
             done = {v for v, _ in state.case.scaled} | {v for v, _, _ in state.case.solved}
@@ -359,7 +400,7 @@ class CaseSplitting:
             p = self.context.from_dict(terms)
         return p
 
-    def _with_solved(self, state: _State, case: Case, v: int, numerator: Poly, denominator: Poly) -> _State:
+    def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
         """The state with a parameter expressed by the others, in everything."""
         common = numerator.gcd(denominator)
         numerator, denominator = numerator // common, denominator // common
@@ -375,9 +416,9 @@ class CaseSplitting:
         # what was not solved for has other factors now, or a parameter of degree one
         again = [insert(p) for p in case.unsolved if p.degrees()[v]]
         if any(not insert(p) for p in case.nonzero.values()) or any(map(self._is_negative, new.solved)):
-            return _State(new, [], 0, [self._one])  # contradicts itself
+            return State(new, [], 0, [self._one])  # contradicts itself
         rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
-        return self._reduced_state(_State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
+        return self._reduced_state(State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
     def _inserted_row(self, row: Mapping[Any, Poly], v: int, numerator: Poly, denominator: Poly) -> dict[Any, Poly]:
         power = max((p.degrees()[v] for p in row.values()), default=0)
@@ -410,13 +451,13 @@ class CaseSplitting:
         """What is left of a polynomial modulo the equations of a case that were not solved."""
         return remainder(p, (q for q in case.unsolved if q))
 
-    def _reduced_state(self, state: _State) -> _State:
+    def _reduced_state(self, state: State) -> State:
         state.rows = [{c: r for c, p in row.items() if (r := self.reduced(p, state.case))} for row in state.rows]
         return state
 
     # elimination
 
-    def _eliminate(self, state: _State, enough: int) -> None:
+    def _eliminate(self, state: State, enough: int) -> None:
         """Eliminate by entries that do not vanish, as long as there are any.
 
         Raises:
@@ -478,7 +519,7 @@ class CaseSplitting:
         leading = next(iter(row.values())).leading_coefficient()
         return {c: (p // divisor) / leading for c, p in row.items()}
 
-    def _pivot(self, state: _State) -> tuple[int, int] | None:
+    def _pivot(self, state: State) -> tuple[int, int] | None:
         """The row and column of an entry that does not vanish, with little fill-in; constants first."""
         counts: dict[int, int] = {}
         for row in state.rows:
@@ -497,7 +538,7 @@ class CaseSplitting:
                 return best[1], best[2]
         return None
 
-    def _split(self, state: _State) -> list[_State]:
+    def _split(self, state: State) -> list[State]:
         """Two kinds of cases: the simplest entry vanishes, by one of its factors, or it does not (looked at first)."""
         candidates: dict[str, tuple[Poly, int]] = {}
         for row in state.rows:
@@ -510,11 +551,11 @@ class CaseSplitting:
             key=lambda found: (found[0].total_degree(), len(found[0].coeffs()), -found[1], str(found[0])),
         )[0]
         copy = [dict(row) for row in state.rows]
-        zero = _State(state.case, copy, state.rank, [q])
+        zero = State(state.case, copy, state.rank, [q])
         if len(state.case.unsolved) > 1 and self._vanishes_everywhere(q, state.case):
             return [zero]
         other = replace(state.case, nonzero={**state.case.nonzero, str(q): q})
-        return [zero, _State(other, state.rows, state.rank)]
+        return [zero, State(other, state.rows, state.rank)]
 
     # what vanishes
 
@@ -527,12 +568,6 @@ class CaseSplitting:
         for p in case.nonzero.values():
             q = q * p
         return radical_contains(GroebnerBasis(self.context, case.unsolved), q, LIMITS.budget())
-
-    def factors(self, p: Poly) -> list[Poly]:
-        """The irreducible factors, monic; none of a constant."""
-        if not p or p.is_constant():
-            return []
-        return [q / q.leading_coefficient() for q, _ in p.factor()[1]]
 
     def without_units(self, p: Poly, case: Case) -> Poly:
         """The product of the irreducible factors of a polynomial that may vanish."""
@@ -607,12 +642,3 @@ class CaseSplitting:
         for v, numerator, denominator in reversed(case.solved):
             p = self._inserted(p, v, numerator, denominator)
         return self.reduced(p, case)
-
-
-def replace_state(state: _State, case: Case, pending: Sequence[Poly]) -> _State:
-    """A copy with another case and other equations that wait."""
-    return _State(case, [dict(row) for row in state.rows], state.rank, list(pending))
-
-
-State = _State
-"""A case with the rows that are left of the matrix, for other ways to split."""

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
-from liepoisson.algebra.sparse_polynomials import Polynomial, expression, of_exponents
+from liepoisson.algebra.function_fields import over_common_denominator
+from liepoisson.algebra.sparse_polynomials import Polynomial, expression, of_exponents, whole_expression
 from liepoisson.errors import ParameterError
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import gradings
+from liepoisson.integrability.derivation import Derivation, Exponents, gradings
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.parameter_cases import Poly, SparseRow
 
@@ -44,16 +44,7 @@ class ParameterMatrix:
         self.names = [str(s) for s in self.symbols]
         self.context: Any = fmpq_mpoly_ctx.get(self.names, "degrevlex")
         self._zero, self._one = self.context.constant(0), self.context.constant(1)
-        read = [
-            {m: (self._read(c.numer), self._read(c.denom)) for m, c in part.items()} for part in derivation.components
-        ]
-        self.denominator: Poly = self._one
-        for part in read:
-            for _, b in part.values():
-                self.denominator = self.denominator * (b // self.denominator.gcd(b))
-        self.components: list[dict[Exponents, Poly]] = [
-            {m: a * (self.denominator // b) for m, (a, b) in part.items()} for part in read
-        ]
+        self.components, self.denominator = self._cleared(derivation.components)
         self.zeros = [self.without_denominators(zero) for zero in zeros if zero]
         self.level = self._level(level or Level())
 
@@ -65,11 +56,14 @@ class ParameterMatrix:
 
     def without_denominators(self, polynomial: Polynomial) -> dict[Exponents, Poly]:
         """A polynomial times the common denominator of its coefficients."""
-        pairs = {m: (self._read(c.numer), self._read(c.denom)) for m, c in polynomial.items()}
-        common = self._one
-        for _, b in pairs.values():
-            common = common * (b // common.gcd(b))
-        return {m: a * (common // b) for m, (a, b) in pairs.items()}
+        return self._cleared([polynomial])[0][0]
+
+    def _cleared(self, polynomials: Sequence[Polynomial]) -> tuple[list[dict[Exponents, Poly]], Poly]:
+        """Polynomials times the common denominator of the coefficients of all, and that."""
+        pairs = [(self._read(c.numer), self._read(c.denom)) for p in polynomials for c in p.values()]
+        tops, common = over_common_denominator(pairs, self._one)
+        left = iter(tops)
+        return [{m: next(left) for m in p} for p in polynomials], common
 
     def read(self, function: Expr, variables: Sequence[Symbol]) -> dict[Exponents, Poly]:
         """A function, a polynomial whose coefficients are rational functions of the parameters, without denominators.
@@ -142,5 +136,4 @@ class ParameterMatrix:
 
     def sympy(self, polynomial: Poly) -> Expr:
         """A polynomial in the parameters as an expression with whole coefficients without a common factor."""
-        whole = cast("Any", self.fraction(polynomial, self._one)).as_numer_denom()[0].primitive()[1]
-        return -whole if whole.could_extract_minus_sign() else whole
+        return whole_expression(polynomial.terms(), self.symbols)

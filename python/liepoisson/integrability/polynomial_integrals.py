@@ -2,38 +2,30 @@ r"""First integrals of a system: all polynomials up to a degree or of a weight t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import chain, count
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.exact_numbers import is_sympy, to_sympy
-from liepoisson.algebra.sparse_polynomials import Polynomial
-from liepoisson.errors import ParameterError
-from liepoisson.formula.parameters import read_parameter
-from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.names import check_title
-from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
-from liepoisson.integrability.gradings import Grading, gradings, positive_grading
-from liepoisson.integrability.level import level_of, real_points, squarefree
-from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
-from liepoisson.integrability.search import BlockCount, Generator, Search
+from liepoisson.integrability.level import level_of, real_points
+from liepoisson.integrability.search import BlockCount, tidied
+from liepoisson.integrability.search_problem import (
+    Equations,
+    SearchProblem,
+    SizeAsked,
+    functions_by_name,
+    known_functions,
+    zeros_on_level,
+)
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.formula.parameters import Parameter
     from liepoisson.model.system import System
 
-Equations: TypeAlias = "str | Expr | Sequence[str | Expr] | Mapping[str, Parameter]"
-"""Equations of a level set: texts or functions that vanish, one or several, or values by name."""
-
-_LARGEST_WEIGHT = 10_000
 MOST_MONOMIALS = 100_000
 """Monomials of the largest search that is begun; 92 000 of a top without gradings take half a minute and 0.5 GB."""
 
@@ -213,38 +205,31 @@ def first_integrals(
             check_title(name, "known: the name of an integral"): system.expression(f)
             for name, f in functions_by_name(known).items()
         }
-    zeros = zeros_on_level(system, on)
+    zeros, size_asked = zeros_on_level(system, on), SizeAsked.of(degree, weight)
     if weight is None and degree is not None:  # before anything is written out
-        _n_up_to(len(system.variables), as_count(degree, "degree", least=1))
-    used = _of_degree(given, as_count(*_size_asked(degree, weight), least=1))
+        size_asked.n_up_to_degree(len(system.variables), MOST_MONOMIALS)
+    used = _of_degree(given, size_asked.value)
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
     slopes: list[Expr] = []
     if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
         used = {name: f for name, f in used.items() if f != system.hamiltonian}
         slopes = [system.hamiltonian.diff(x) for x in system.variables]
     equations, functions = algebraic_equations(system, *used.values(), *zeros, *slopes)
-    derivation, known_polynomials = equations.derivation, functions[: len(used)]
-    slope = tuple(functions[len(used) + len(zeros) :])
-    relations = level_of(derivation, equations.relations)
-    for (name, expression), polynomial in zip(used.items(), known_polynomials, strict=True):
-        if rate := relations.remainder(derivation(polynomial)):
-            raise ParameterError(
-                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
-                f"{shown(equations.expression(rate))} is not zero"
-            )
-    zero_polynomials = [*equations.relations, *functions[len(used) : len(used) + len(zeros)]]
-    level = level_of(derivation, zero_polynomials)
-    found = gradings_of_level(derivation, zero_polynomials)
-    monomials, size, weights = _asked(derivation, found, degree, weight)
-    found = gradings_of_known(found, known_polynomials, weights)
-    remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
-    generators = [Generator(n, r, is_new=False) for n, r in zip(used, remainders, strict=True) if any(map(any, r))]
-    search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators, slope)
+    n, derivation = len(used), equations.derivation
+    problem = SearchProblem(
+        derivation,
+        dict(zip(used, functions[:n], strict=True)),
+        [*equations.relations, *functions[n : n + len(zeros)]],
+    )
+    problem.check(used, level_of(derivation, equations.relations), equations.expression)
+    monomials, size, weights = size_asked.monomials(derivation, problem.gradings, MOST_MONOMIALS)
+    search = problem.search(problem.gradings_of_known(problem.gradings, weights))
+    search.slope = tuple(functions[n + len(zeros) :])
     search.run(monomials, progress, weights)
     new = [g for g in search.generators if g.is_new]
     return FirstIntegrals(
         system=system,
-        degree=None if weight is not None else (2 if degree is None else degree),
+        degree=size_asked.degree,
         weight=weight,
         weights=weights,
         on=tuple(zeros),
@@ -263,93 +248,6 @@ def first_integrals(
     )
 
 
-def read_search(
-    system: System, known: Mapping[str, str | Expr] | None, on: Equations
-) -> tuple[dict[str, Expr], list[Expr], Derivation, list[Polynomial], list[Polynomial]]:
-    """The known integrals and the functions that vanish on the level, the equations, and both as polynomials.
-
-    Raises:
-        ParameterError: the equations are no polynomials, or a known integral is none.
-    """
-    given = (
-        known_functions(system)
-        if known is None
-        else {name: system.expression(f) for name, f in functions_by_name(known).items()}
-    )
-    zeros = zeros_on_level(system, on)
-    derivation, functions = derivation_of(system, *given.values(), *zeros)
-    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
-    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
-        if derivation(polynomial):
-            raise ParameterError(
-                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
-                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
-            )
-    return given, zeros, derivation, known_polynomials, zero_polynomials
-
-
-def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
-    """Functions of the state by name.
-
-    Raises:
-        ParameterError: they have no names.
-    """
-    return by_name(known, what, "functions", '{"K": "l3"}')
-
-
-def known_functions(system: System) -> dict[str, Expr]:
-    """H and the Casimirs."""
-    return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
-
-
-def _size_asked(degree: int | None, weight: int | None) -> tuple[Any, str]:
-    """The weight or the degree, and its name; degree 2 if neither is given."""
-    return (weight, "weight") if weight is not None else (2 if degree is None else degree, "degree")
-
-
-def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
-    """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made.
-
-    Raises:
-        ParameterError: they are none of these, or a value is not exact.
-    """
-    if isinstance(on, str) or is_sympy(on):
-        return (cast("str | Expr", on),)
-    if (values := named(on, "on")) is None:
-        if (items := listed(on, "on")) is None:
-            name = "C1" if system.bracket.casimirs() else "H"
-            raise not_a("a sequence of equations", on, "on", f'write on="{name} = 0" or on={{"{name}": 0}}')
-        return tuple(items)
-    exact = {name: read_parameter(value, f"on: {name}") for name, value in values.items()}
-    return tuple(
-        f"{name} = {value}" if isinstance(name, str) else name - to_sympy(value) for name, value in exact.items()
-    )
-
-
-def zeros_on_level(system: System, on: Equations) -> list[Expr]:
-    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name.
-
-    Raises:
-        ParameterError: an equation holds everywhere.
-        ExpressionError: a text cannot be read.
-    """
-    zeros: list[Expr] = []
-    for equation in equations_of(system, on):
-        if isinstance(equation, str):
-            left, sign, right = equation.partition("=")
-            zero: Any = system.function_of_invariants(left)
-            zero = zero - system.function_of_invariants(right) if sign else zero
-        else:
-            zero = system.expression(equation)
-        if zero.expand() == 0:
-            raise ParameterError(
-                f"on: wanted equations of a level set; {shown(equation)} holds everywhere; leave it out"
-            )
-        real_points(zero, system.variables)
-        zeros.append(squarefree(zero, system.variables))
-    return zeros
-
-
 def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
     """The known integrals, traces of products of matrices written out; those of a higher degree are not needed."""
     from liepoisson.structure.trace import traces_in
@@ -362,75 +260,37 @@ def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
     return used
 
 
-def gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
-    """The gradings in which the equations of the level are homogeneous."""
-    return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
+def named_formulas(functions: Mapping[str, Expr]) -> list[dict[str, str]]:
+    """Names and expressions, as plain data."""
+    return [{"name": name, "expression": Formula(f).plain} for name, f in functions.items()]
 
 
-def gradings_of_known(
-    found: Sequence[Grading], known: Sequence[Polynomial], weights: tuple[int, ...]
-) -> tuple[Grading, ...]:
-    """The gradings in which the known integrals are homogeneous, and that of the weights by which is searched, if any.
-
-    In others the parts of an integral are integrals, too, but need not be polynomials in the known ones.
-    """
-    kept = tuple(g for g in found if all(len({g.of(m) for m in f}) <= 1 for f in known))
-    return (*kept, Grading(weights, 0)) if weights else kept
-
-
-def _asked(
-    derivation: Derivation, found: Sequence[Grading], degree: int | None, weight: int | None
-) -> tuple[Iterator[Exponents], int, tuple[int, ...]]:
-    """The monomials of the search, their number, and the weights of the coordinates."""
-    n = len(derivation.variables)
-    if weight is None:
-        d = 2 if degree is None else as_count(degree, "degree", least=1)
-        size = _n_up_to(n, d)
-        return chain.from_iterable(of_degree(n, k) for k in range(1, d + 1)), size, ()
-    if degree is not None:
-        raise ParameterError(f"wanted a degree or a weight; got both, {degree} and {weight}; leave one out")
-    w = as_count(weight, "weight", least=1)
-    grading = positive_grading(found)
-    if grading is None:
-        raise ParameterError(
-            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
-            "give a degree instead"
-        )
-    size = n_of_weight(grading.weights, w) if w <= _LARGEST_WEIGHT else None
-    if size is None or size > MOST_MONOMIALS:
-        raise ParameterError(
-            f"weight: wanted at most {MOST_MONOMIALS:,} monomials, of a weight up to {_LARGEST_WEIGHT:,}; got {w}"
-            f"{'' if size is None else f', with {size:,}'}; take a smaller weight"
-        )
-    return of_weight(grading.weights, w), size, grading.weights
-
-
-def _n_up_to(n: int, degree: int) -> int:
-    """How many monomials of n coordinates have at most this degree, without 1.
-
-    Raises:
-        ParameterError: more than are searched.
-    """
-    size = n_monomials(n, degree) - 1
-    if size > MOST_MONOMIALS:
-        fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
-        raise ParameterError(
-            f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {degree}, "
-            f"with {size:,}. Take degree={fits}, or search by weight where the equations are homogeneous"
-        )
-    return size
-
-
-def tidied(polynomial: Polynomial) -> Polynomial:
-    """With whole coefficients without a common factor, the leading one positive, where they are rational."""
-    from fractions import Fraction
-    from math import gcd, lcm
-
-    values = list(polynomial.values())
-    if not all(isinstance(v, Fraction) for v in values):
-        return polynomial
-    scale = Fraction(lcm(*(v.denominator for v in values)))
-    whole = {m: v * scale for m, v in polynomial.items()}
-    common = gcd(*(int(v) for v in whole.values()))
-    sign = -1 if whole[max(whole, key=lambda m: (sum(m), m))] < 0 else 1
-    return {m: v * sign / common for m, v in whole.items()}
+def search_record(found: FirstIntegrals) -> dict[str, Any]:
+    """What a search found and proves, as plain data that JSON can write; expressions as in system files."""
+    size = {"degree": found.degree} if found.weight is None else {"weight": found.weight, "weights": found.weights}
+    return {
+        "system": found.system.name,
+        **size,
+        "functions": [Formula(f).plain for f in found.functions],
+        "on": [Formula(f).plain for f in found.on],
+        "generic_parameters": list(found.parameters),
+        "known": named_formulas(found.known),
+        "found": [
+            {
+                "name": f.name,
+                "expression": Formula(f.expression).plain,
+                "degree": f.degree,
+                "independent": f.is_independent,
+            }
+            for f in found.found
+        ],
+        "complete": found.complete,
+        "modulo_ideal": found.modulo_ideal,
+        "notes": list(found.notes),
+        "proof": {
+            "monomials": found.n_monomials,
+            "blocks": found.n_blocks,
+            "integrals": found.n_integrals,
+            "prime": found.prime,
+        },
+    }

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations, count
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,16 +16,16 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.certificates import certificate, unknown_casimirs
-from liepoisson.integrability.commuting_combinations import commuting_combinations
 from liepoisson.integrability.completeness import (
     ClosedIntegrals,
     closed_integrals,
+    commuting_combinations,
     commuting_integrals,
     fields_rank,
 )
-from liepoisson.integrability.monomials import n_monomials
-from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
-from liepoisson.integrability.records import named, search_record
+from liepoisson.integrability.derivation import n_monomials
+from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals, named_formulas, search_record
+from liepoisson.integrability.search import next_name
 from liepoisson.io.files import write_atomically
 from liepoisson.model.system_text import system_text
 from liepoisson.report.printing import Formula
@@ -192,8 +192,8 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
         "verdict": report.verdict,
         "rank": report.rank,
         "degree": report.degree,
-        "integrals": named(report.integrals),
-        "dependent": named(report.dependent),
+        "integrals": named_formulas(report.integrals),
+        "dependent": named_formulas(report.dependent),
         "commuting": list(report.commuting),
         "closed": closed
         and {
@@ -285,7 +285,7 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
         last = left - deadline.left
         searches.append(found)
         for f in found.found:
-            (integrals if f.is_independent else dependent)[_next_name(system.component_names, integrals, dependent)] = (
+            (integrals if f.is_independent else dependent)[next_name(system.component_names, integrals, dependent)] = (
                 f.expression
             )
         if found.found:
@@ -407,16 +407,11 @@ def _found_enough(
     for function, formula in commuting_combinations(system, integrals | dependent, rank):
         name = str(formula)
         if name not in integrals | dependent:
-            name = _next_name(system.component_names, integrals, dependent)
+            name = next_name(system.component_names, integrals, dependent)
             dependent[name] = function
             notes.append(f"{name} = {Formula(formula).plain}")
         chosen.append(name)
     return tuple(chosen), closed
-
-
-def _next_name(*known: Collection[str]) -> str:
-    """F1, F2, ..., the first that is neither a coordinate nor taken."""
-    return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
 
 
 def _add_brackets(system: System, integrals: dict[str, Expr], dependent: Mapping[str, Expr], rank: int) -> list[str]:
@@ -428,7 +423,7 @@ def _add_brackets(system: System, integrals: dict[str, Expr], dependent: Mapping
             if bracket == 0 or len(integrals) >= rank - 1:
                 continue
             if fields_rank(system, [*integrals.values(), bracket]) > len(integrals):
-                name = _next_name(system.component_names, integrals, dependent)
+                name = next_name(system.component_names, integrals, dependent)
                 integrals[name] = bracket
                 notes.append(f"{name} = {{{a}, {b}}}, by Poisson's theorem")
                 break

@@ -22,8 +22,7 @@ from liepoisson.integrability.completeness import (
 )
 from liepoisson.integrability.galois.obstruction import GaloisObstruction, Verdict, galois_obstruction
 from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
-from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
-from liepoisson.integrability.records import named
+from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals, named_formulas
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
 from liepoisson.io.files import another_format, read_text
 from liepoisson.model.system_text import read_system_text
@@ -236,7 +235,9 @@ class _Reader:
         """A search as the file says, or made again and compared."""
         casimirs = {f"C{k}": c for k, c in enumerate(self.system.bracket.casimirs(), start=1)}
         of_leaves = [entry for entry in data["known"] if entry["name"] in casimirs]
-        _agree("the Casimirs", of_leaves, named({entry["name"]: casimirs[entry["name"]] for entry in of_leaves}))
+        _agree(
+            "the Casimirs", of_leaves, named_formulas({entry["name"]: casimirs[entry["name"]] for entry in of_leaves})
+        )
         others = self._expressions([entry for entry in data["known"] if entry["name"] not in casimirs])
         both = casimirs | others
         known: dict[str, Expr] = {entry["name"]: both[entry["name"]] for entry in data["known"]}

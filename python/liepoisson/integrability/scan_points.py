@@ -1,21 +1,33 @@
-"""The search for integrals at one point of a grid of parameters, from plain data that other processes can read."""
+"""The search for integrals at points of a grid of parameters, on all cores.
+
+A search is plain data. Where there are many points it is read by processes of their own, which read points and write
+what was found. They do not run the script of the user again, as those of `multiprocessing` would, and end when this
+process has ended: nobody writes to them any more.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.sparse_polynomials import Polynomial, value_at
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading
+from liepoisson.errors import TimeLimitError
+from liepoisson.inputs.deadline import Deadline
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.monomials import of_degree
-from liepoisson.integrability.polynomial_integrals import tidied
-from liepoisson.integrability.search import Generator, Search
+from liepoisson.integrability.search import Generator, Search, tidied
 
 if TYPE_CHECKING:
     from liepoisson.integrability.parameter_cases import Poly
@@ -105,3 +117,134 @@ def plain_family(family: Mapping[Exponents, Poly]) -> Family:
 
 def _at(family: Family, values: Sequence[Fraction]) -> Polynomial:
     return {m: value for m, terms in family.items() if (value := value_at(terms, values))}
+
+
+Piece: TypeAlias = "Mapping[int, Sequence[Fraction]]"
+"""Some points: values of the parameters by the number of the point."""
+Results: TypeAlias = "dict[int, PointResult]"
+
+
+def results(
+    search: PointSearch, pieces: Sequence[Piece], processes: int, deadline: Deadline
+) -> Iterator[Results | None]:
+    """What is found at the points of each piece, in the order in which they are done, until the deadline.
+
+    None stands for a while in which nothing was done, so that Ctrl-C comes through.
+    """
+    if processes == 1:
+        for piece in pieces:
+            done: Results = {}
+            for point, values in piece.items():
+                if not deadline.lasts():
+                    break
+                with deadline.running(), suppress(TimeLimitError):
+                    done[point] = search.at(values)
+            yield done
+        return
+    workers, pool = _Workers(search), ThreadPoolExecutor(processes)
+    try:
+        waiting = {pool.submit(workers.found, piece) for piece in pieces}
+        while waiting and deadline.lasts():
+            ready, waiting = wait(waiting, timeout=0.2, return_when=FIRST_COMPLETED)
+            for one in ready:
+                yield one.result()
+            if not ready:
+                yield None
+    finally:
+        workers.end()
+        pool.shutdown(cancel_futures=True)
+
+
+class _Workers:
+    """Processes, one for each thread that asks."""
+
+    def __init__(self, search: PointSearch) -> None:
+        self._search, self._lock, self._own = pickle.dumps(search), threading.Lock(), threading.local()
+        self._running: list[subprocess.Popen[bytes]] = []
+        self._is_over = False
+
+    def found(self, piece: Piece) -> Results:
+        """What the process of this thread finds; a new one begins where it has ended, as for want of memory.
+
+        An error in the process is raised here.
+        """
+        try:
+            if getattr(self._own, "process", None) is None:
+                self._own.process = self._start()
+            found = _ask(self._own.process, piece)
+        except (OSError, EOFError, pickle.UnpicklingError):
+            if (ended := self._own.__dict__.pop("process", None)) is not None:
+                _end(ended)
+            return dict.fromkeys(piece, PointResult("failed"))
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        folder = str(Path(__file__).parents[2])
+        paths = os.pathsep.join(filter(None, (folder, os.environ.get("PYTHONPATH", ""))))
+        with self._lock:
+            if self._is_over:
+                raise EOFError
+            process = subprocess.Popen(
+                [sys.executable, "-c", "from liepoisson.integrability.scan_points import serve_parent; serve_parent()"],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                env=os.environ | {"PYTHONPATH": paths},
+                start_new_session=True,  # Ctrl-C is for this process, which ends the others
+            )
+            self._running.append(process)
+        assert process.stdin is not None
+        process.stdin.write(self._search)
+        return process
+
+    def end(self) -> None:
+        """End all processes, at once."""
+        with self._lock:
+            self._is_over = True
+            for process in self._running:
+                _end(process)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    process.kill()
+    process.wait()
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            with suppress(OSError):  # what it did not read is lost with it
+                stream.close()
+
+
+def _ask(process: subprocess.Popen[bytes], piece: Piece) -> Results | Exception:
+    assert process.stdin is not None
+    assert process.stdout is not None
+    pickle.dump(dict(piece), process.stdin)
+    process.stdin.flush()
+    return pickle.load(process.stdout)
+
+
+def serve(source: Any, sink: Any) -> None:
+    """Read a search and pieces from a stream, and write what is found to another one, until the first one ends."""
+    search: PointSearch = pickle.load(source)
+    while True:
+        try:
+            piece: Piece = pickle.load(source)
+        except EOFError:
+            return
+        found: Results | Exception
+        try:
+            found = {point: search.at(values) for point, values in piece.items()}
+        except MemoryError:
+            found = dict.fromkeys(piece, PointResult("failed"))
+        except Exception as error:  # which the process that asks raises
+            found = error
+        pickle.dump(found, sink)
+        sink.flush()
+
+
+def serve_parent() -> None:
+    """Serve the process that began this one, by its pipes."""
+    try:
+        serve(sys.stdin.buffer, sys.stdout.buffer)
+    except BrokenPipeError:  # the process that asked was killed
+        os._exit(1)

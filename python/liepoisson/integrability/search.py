@@ -12,10 +12,12 @@ equations.  In each block:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from itertools import count
+from math import gcd, lcm
 from typing import Any
 
 from liepoisson.algebra.echelon import Echelon, transposed
@@ -25,18 +27,13 @@ from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents
-from liepoisson.integrability.gradings import Grading, homogeneous_parts
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, homogeneous_parts, in_blocks
 from liepoisson.integrability.level import Level, order
-from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.modular import modular, random_point, residues_of
-from liepoisson.integrability.monomials import in_blocks
+from liepoisson.integrability.modular import ModularDerivation, modular, random_point, residues_of
 
 Label = tuple[int, ...]
 _MOST_TERMS = 400
 """Terms of the longest polynomials that are made shorter by subtracting products."""
-_MOST_PRIMES = 2
-"""Primes that are given up where a search modulo one proves nothing."""
 _MOST_POINTS = 400
 """Points that are tried: k square roots exist at one in 2^k."""
 
@@ -92,7 +89,6 @@ class Search:
         generators: Integrals that are known, to which those that are found are added.
         slope: The gradient of another known integral, which is no polynomial; empty if there is none.
         counts: What was found, block by block.
-        skipped_primes: Primes that proved nothing: modulo them the rank of a matrix drops.
     """
 
     derivation: Derivation
@@ -102,7 +98,6 @@ class Search:
     generators: list[Generator]
     slope: tuple[Polynomial, ...] = ()
     counts: list[BlockCount] = field(default_factory=list)
-    skipped_primes: int = 0
 
     @property
     def complete(self) -> bool:
@@ -117,28 +112,16 @@ class Search:
     ) -> None:
         """Look for integrals among the combinations of some monomials, a union of blocks.
 
+        Modulo a prime by which a difference of coefficients is divisible, null spaces may be larger than they are: then
+        the search finds all integrals, and is not complete.
+
         Args:
             monomials: All up to a degree, or of one weight.
             progress: Told the fraction that is done.
             weights: The weights of the variables, if the monomials are those of one weight.
         """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
-        known = list(self.generators)
-        while True:
-            self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
-            self._search(blocks, progress)
-            if self.complete or self.skipped_primes == _MOST_PRIMES:
-                return
-            self.skipped_primes += 1
-            self.generators[:] = known
-            self.counts.clear()
-            for name in ("residues", "point", "_level_mod", "_modular_derivation"):
-                self.__dict__.pop(name, None)
-
-    def _search(
-        self, blocks: Mapping[Label, Sequence[Exponents]], progress: Callable[[float], Any] | None = None
-    ) -> None:
-        """Look for integrals in each block, modulo one prime."""
+        self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
         excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
@@ -182,8 +165,7 @@ class Search:
 
     @property
     def _next_name(self) -> str:
-        names = {g.name for g in self.generators} | set(map(str, self.derivation.variables))
-        return next(name for k in count(1) if (name := f"F{k}") not in names)
+        return next_name({g.name for g in self.generators}, set(map(str, self.derivation.variables)))
 
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
@@ -260,15 +242,9 @@ class Search:
             if any(map(any, part))
         ]
 
-        def extend(start: int, left: int, product: Polynomial | None) -> None:
-            if product is not None and tuple(g.of(next(iter(product))) for g in self.gradings) == label:
+        for _, _, product in products(factors, highest, _MOST_TERMS**2):
+            if tuple(g.of(next(iter(product))) for g in self.gradings) == label:
                 found.append({m: c for m, c in self.level.remainder(product).items() if any(m)})
-            for k in range(start, len(factors)):
-                degree, factor = factors[k]
-                if degree <= left and (product is None or len(product) * len(factor) <= _MOST_TERMS**2):
-                    extend(k, left - degree, factor if product is None else multiply(product, factor))
-
-        extend(0, highest, None)
         return [{m: field_one * c for m, c in p.items()} for p in found if p]
 
     def _insert_products(
@@ -285,25 +261,19 @@ class Search:
         Those of parts of one weight; of whole integrals into one span, with an empty label.
         """
         gradings = () if whole else self.gradings
-        factors: list[tuple[int, Polynomial, int]] = []
+        factors: list[tuple[int, Polynomial]] = []
+        indices: list[int] = []
         for index, generator in enumerate(generators):
             for part in homogeneous_parts(generator.polynomial, gradings).values():
-                factors.append((max(map(sum, part)), modular(part, self.residues), index))
-
-        def extend(start: int, left: int, product: Polynomial | None, contains: bool) -> None:
-            checkpoint("products of integrals")
-            if product is not None and contains:
-                label = tuple(g.of(next(iter(product))) for g in gradings)
-                if label in spans:
-                    reduced = self._level_mod.remainder(product)
-                    spans[label].insert({m: c for m, c in reduced.items() if any(m)})
-            for k in range(start, len(factors)):
-                degree, factor, index = factors[k]
-                if 0 < degree <= left:
-                    further = factor if product is None else multiply(product, factor)
-                    extend(k, left - degree, further, contains or must_contain is None or index == must_contain)
-
-        extend(0, highest, None, must_contain is None)
+                factors.append((max(map(sum, part)), modular(part, self.residues)))
+                indices.append(index)
+        for chosen, _, product in products(factors, highest):
+            if must_contain is not None and all(indices[k] != must_contain for k in chosen):
+                continue
+            label = tuple(g.of(next(iter(product))) for g in gradings)
+            if label in spans:
+                reduced = self._level_mod.remainder(product)
+                spans[label].insert({m: c for m, c in reduced.items() if any(m)})
 
     @cached_property
     def _level_mod(self) -> Level:
@@ -315,7 +285,7 @@ class Search:
         known = [g.polynomial for g in self.generators]
         basis = [polynomial for _, polynomial in self.level.basis]
         coefficients = (*self.derivation.components, *self.slope, *self.equations, *basis, *known)
-        return residues_of(self.derivation.field, coefficients, self.skipped_primes)
+        return residues_of(self.derivation.field, coefficients)
 
     def is_independent(self, others: Sequence[Polynomial], polynomial: Polynomial) -> bool:
         """Whether a polynomial is functionally independent of others: proved if True, by ranks at random points."""
@@ -331,6 +301,41 @@ class Search:
     def point(self) -> list[Element]:
         """A random point modulo the prime, on the level."""
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
+
+
+def next_name(*known: Collection[str]) -> str:
+    """F1, F2, ..., the first that is neither a coordinate nor taken."""
+    return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
+
+
+def products(
+    factors: Sequence[tuple[int, Polynomial]], highest: int, most_terms: int | None = None
+) -> Iterator[tuple[tuple[int, ...], int, Polynomial]]:
+    """The products of factors of positive degree up to a degree: the numbers of the factors, the degree left, and it.
+
+    Args:
+        factors: The factors with their degrees.
+        highest: The degree.
+        most_terms: Of products before terms are collected; longer ones are left out.
+
+    Raises:
+        TimeLimitError: the deadline of the call has passed.
+    """
+
+    def extended(
+        chosen: tuple[int, ...], left: int, product: Polynomial | None
+    ) -> Iterator[tuple[tuple[int, ...], int, Polynomial]]:
+        checkpoint("products of integrals")
+        for k in range(chosen[-1] if chosen else 0, len(factors)):
+            degree, factor = factors[k]
+            if 0 < degree <= left and (
+                product is None or most_terms is None or len(product) * len(factor) <= most_terms
+            ):
+                further = factor if product is None else multiply(product, factor)
+                yield (*chosen, k), left - degree, further
+                yield from extended((*chosen, k), left - degree, further)
+
+    return extended((), highest, None)
 
 
 def _part(progress: Callable[[float], Any] | None, start: float, share: float) -> Callable[[float], Any] | None:
@@ -389,3 +394,15 @@ def _point_on(equations: Sequence[Polynomial], point: list[Element], p: int) -> 
         point[i] = -roots[0][0] / roots[0][1]
         fixed |= {j for m in equation for j, k in enumerate(m) if k}
     return point
+
+
+def tidied(polynomial: Polynomial) -> Polynomial:
+    """With whole coefficients without a common factor, the leading one positive, where they are rational."""
+    values = list(polynomial.values())
+    if not all(isinstance(v, Fraction) for v in values):
+        return polynomial
+    scale = Fraction(lcm(*(v.denominator for v in values)))
+    whole = {m: v * scale for m, v in polynomial.items()}
+    common = gcd(*(int(v) for v in whole.values()))
+    sign = -1 if whole[max(whole, key=lambda m: (sum(m), m))] < 0 else 1
+    return {m: v * sign / common for m, v in whole.items()}

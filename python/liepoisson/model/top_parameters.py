@@ -14,7 +14,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from liepoisson.algebra.exact_numbers import Exact, as_coefficient, as_float, display, is_zero, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, as_coefficient, as_float, is_zero, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import ZERO, RationalPolynomial
 from liepoisson.algebra.rounded import rational
 from liepoisson.algebra.triples import Scalar, Triple
@@ -141,8 +141,8 @@ class TopParameters:
     def describe(self) -> str:
         """The parameters in one line, for example "I = (2, 2, 1), a = (-1, 0, 0), b = 0, epsilon = 1"."""
         a, b = (_display_vector(vector) for vector in (self.a, self.b))
-        inertia = ", ".join(display(v) for v in self.inertia)
-        return f"I = ({inertia}), a = {a}, b = {b}, epsilon = {display(self.epsilon)}"
+        inertia = ", ".join(map(str, self.inertia))
+        return f"I = ({inertia}), a = {a}, b = {b}, epsilon = {self.epsilon}"
 
 
 def rates_of_top(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> tuple[Scalar, ...]:
@@ -161,7 +161,7 @@ def _as_vector(values: ExactVector, name: str) -> Vector3:
 def _display_vector(values: ExactVector) -> str:
     if all(is_zero(value) for value in values):
         return "0"
-    return "(" + ", ".join(display(value) for value in values) + ")"
+    return f"({', '.join(map(str, values))})"
 
 
 MOST_TERMS = 400

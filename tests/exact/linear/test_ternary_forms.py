@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from sympy import legendre_symbol, primefactors
 
-from liepoisson.algebra.ternary_forms import three_equal_squares, unimodular_basis, zero_vector
+from liepoisson.algebra.quadratic_forms import three_equal_squares, unimodular_basis, zero_vector
 
 nonzero = st.integers(-30, 30).filter(bool)
 

@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from known_systems import cyclic, katsura
 
 from liepoisson.algebra.ideals import groebner
-from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+from liepoisson.algebra.ideals.groebner import degree, dimension, groebner_basis, rational_context, standard_monomials
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
-from liepoisson.algebra.ideals.monomial_ideals import degree, dimension, standard_monomials
 from liepoisson.algebra.residues import PRIME, primes
 
 X, Y, Z = symbols = sp.symbols("x y z")

@@ -8,7 +8,7 @@ import pytest
 import sympy
 from flint import fmpq, fmpq_mpoly_ctx
 
-from liepoisson.algebra.ideals.quadratic_forms import vanishing_squares
+from liepoisson.algebra.ideals.signs import vanishing_squares
 
 CONTEXT = fmpq_mpoly_ctx.get(["a", "b", "c"], "degrevlex")
 A, B, C = CONTEXT.gens()

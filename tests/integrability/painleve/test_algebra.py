@@ -8,23 +8,22 @@ import sympy as sp
 from flint import fmpq, fmpq_poly
 
 import liepoisson as lp
-from liepoisson.algebra.ideals.components import Component
-from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
-from liepoisson.algebra.matrices import characteristic_polynomial
-from liepoisson.integrability.derivation import derivation_of_rates
-from liepoisson.integrability.painleve.coefficient_fields import (
+from liepoisson.algebra.function_fields import (
+    AlgebraicFunctions,
     AlgebraicNumbers,
     RationalFunctions,
     Rationals,
     polynomial_at,
 )
+from liepoisson.algebra.ideals.components import Component
+from liepoisson.algebra.ideals.coordinate_ring import Resolvent
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
+from liepoisson.algebra.matrices import characteristic_polynomial, eliminated
+from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.painleve.expansion import OverField, condition_text, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
-from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.generic_points import generic_points, of_family
-from liepoisson.integrability.painleve.linear import eliminated
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
-from liepoisson.integrability.painleve.resolvent import Resolvent
 
 Q = Rationals()
 SQRT2 = AlgebraicNumbers(fmpq_poly([-2, 0, 1]))

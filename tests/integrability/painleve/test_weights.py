@@ -9,7 +9,7 @@ import liepoisson as lp
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.derivation import derivation_of_rates
-from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
+from liepoisson.integrability.painleve.quasi_homogeneous import excess, inequalities, maximal_weights
 
 X, Y, Z = lp.systems.CanonicalSystem(["x", "y", "z"], ["p", "q", "r"], "p^2").variables[:3]
 

@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any, cast
 
-from flint import acb, arb, arb_mat, ctx, fmpq, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
+from flint import acb, arb, arb_mat, ctx, fmpq, fmpq_poly, fmpz_poly
 
 from liepoisson.algebra.number_fields import as_fmpq
 
@@ -58,9 +58,9 @@ def ball(value: fmpq | int) -> arb:
     return arb(number.p) / arb(number.q)
 
 
-def evaluate(polynomial: fmpq_poly, x: arb) -> arb:
-    """The polynomial at a ball."""
-    total = arb(0)
+def evaluate(polynomial: fmpq_poly, x: Any) -> Any:
+    """The polynomial at a ball, real or complex."""
+    total = x * 0
     for coefficient in reversed(polynomial.coeffs()):
         total = total * x + ball(coefficient)
     return total
@@ -118,19 +118,12 @@ def is_positive(value: arb) -> bool:
 def resultant(f: Any, g: Any) -> fmpz_poly:
     r"""The resultant of two polynomials in $(s, t)$ with respect to t, up to a factor.
 
-    The determinant of Sylvester's matrix at as many integers as its degree needs, and the polynomial through its
-    values: with the sizes that occur here this is several times faster than a remainder sequence in two variables.
-
     Args:
         f: A polynomial in two variables over the rationals (`fmpq_mpoly`).
         g: Another one.
     """
-    first, second = _integral(in_powers(f)), _integral(in_powers(g))
-    m, n = len(first) - 1, len(second) - 1
-    degree = n * max(p.degree() for p in first) + m * max(p.degree() for p in second)
-    at = [fmpz((k + 1) // 2 * (-1) ** k) for k in range(degree + 1)]
-    values = [_sylvester([p(x) for p in first], [p(x) for p in second]) for x in at]
-    return _through(at, values)
+    found = f.resultant(g, f.context().names()[1])
+    return in_powers(found)[0].numer() if found else fmpz_poly()
 
 
 def in_powers(f: Any) -> list[fmpq_poly]:
@@ -143,35 +136,6 @@ def in_powers(f: Any) -> list[fmpq_poly]:
         entries = powers.get(j, {})
         found.append(fmpq_poly([entries.get(i, fmpq(0)) for i in range(max(entries, default=-1) + 1)]))
     return found
-
-
-def _integral(polynomials: Sequence[fmpq_poly]) -> list[fmpz_poly]:
-    """The polynomials times the least common denominator of all coefficients."""
-    common = fmpz(1)
-    for p in polynomials:
-        common = common * (p.denom() // common.gcd(p.denom()))
-    return [(p * common).numer() for p in polynomials]
-
-
-def _sylvester(f: Sequence[fmpz], g: Sequence[fmpz]) -> fmpz:
-    m, n = len(f) - 1, len(g) - 1
-    if not m + n:
-        return fmpz(1)
-    rows = [[0] * i + list(f)[::-1] + [0] * (n - 1 - i) for i in range(n)]
-    rows += [[0] * i + list(g)[::-1] + [0] * (m - 1 - i) for i in range(m)]
-    return fmpz_mat(rows).det()
-
-
-def _through(at: Sequence[fmpz], values: Sequence[fmpz]) -> fmpz_poly:
-    """The polynomial with these values, by Newton's divided differences; primitive."""
-    c = [fmpq(v) for v in values]
-    for k in range(1, len(at)):
-        for i in range(len(at) - 1, k - 1, -1):
-            c[i] = (c[i] - c[i - 1]) / (at[i] - at[i - k])
-    total = fmpq_poly([c[-1]])
-    for k in range(len(at) - 2, -1, -1):
-        total = total * fmpq_poly([-at[k], 1]) + c[k]
-    return total.numer()
 
 
 def enclosures(coefficients: Sequence[arb]) -> list[arb]:

@@ -14,30 +14,26 @@ $\mathbb Q$, so $\dim\,(I_p)_n\le\dim I_n$; by 1, $\dim I_n\le\dim\langle G\rang
 $\dim\langle G\rangle_n = \dim\,(I_p)_n$. With h = 1, G is a Gröbner basis of the ideal of the generators. Nothing
 is left to chance but the time.
 
-References: [arnold2003].
+The leading monomials tell the dimension and the degree. The standard monomials, which none of them divides, are counted
+by the Hilbert series $K(t)/(1-t)^n$. Adding a leading monomial m changes the numerator by $-t^{\deg m}K_{I:m}$. With
+dimension d the degree is $K(t)/(1-t)^{n-d}$ at t = 1.
+
+References: [arnold2003]; [cox2015], chapter 9, for the Hilbert series.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from typing import Any
 
-from flint import Ordering, fmpq, fmpq_mpoly_ctx, nmod_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mpoly_ctx, fmpz_poly, nmod_mpoly_ctx
 
 from liepoisson.algebra.flint_pickles import register
-from liepoisson.algebra.ideals.buchberger import (
-    Poly,
-    Run,
-    are_groebner,
-    buchberger,
-    leading,
-    reduced,
-    remainder,
-)
+from liepoisson.algebra.ideals.buchberger import Poly, Run, are_groebner, buchberger, leading, reduced, remainder
 from liepoisson.algebra.ideals.limits import Budget, Limits
-from liepoisson.algebra.ideals.monomial_ideals import degree, dimension, standard_monomials
 from liepoisson.algebra.residues import Lift, primes
 from liepoisson.algebra.sparse_polynomials import Monomial, divides
 
@@ -217,10 +213,7 @@ def _residues_of(terms: Iterable[tuple[Monomial, fmpq]], p: int) -> dict[Monomia
 def _homogeneous(generators: Sequence[Poly]) -> list[Poly]:
     """The polynomials with a last variable that makes all of their terms of one degree, primitive."""
     context = generators[0].context()
-    name = "h"
-    while name in context.names():
-        name += "h"
-    wider = fmpq_mpoly_ctx.get((*context.names(), name), context.ordering())
+    wider = fmpq_mpoly_ctx.get((*context.names(), new_name(context.names(), "h")), context.ordering())
     found: list[Poly] = []
     for g in generators:
         total = g.total_degree()
@@ -239,6 +232,72 @@ def _words(polynomials: Sequence[Poly]) -> int:
     return 1 + bits // 64
 
 
+def new_name(names: Collection[str], letter: str = "t") -> str:
+    """A name that no variable has: a letter, as often as is needed."""
+    return next(name for k in count(1) if (name := letter * k) not in names)
+
+
 def rational_context(names: Sequence[str], *, lexicographic: bool = False) -> Any:
     """FLINT's context of polynomials over the rationals, in degree reverse lexicographic order by default."""
     return fmpq_mpoly_ctx.get(tuple(names), Ordering.lex if lexicographic else Ordering.degrevlex)
+
+
+def dimension(leads: Sequence[Monomial], n: int) -> int:
+    """The largest number of variables of which no generator is a product; -1 if 1 is a generator."""
+    if any(not any(m) for m in leads):
+        return -1
+    supports = {frozenset(k for k, power in enumerate(m) if power) for m in leads}
+    return n - _least_cover([s for s in supports if not any(other < s for other in supports)], n)
+
+
+def _least_cover(supports: Sequence[frozenset[int]], most: int) -> int:
+    """The smallest number of variables that meet all supports."""
+    if not supports:
+        return 0
+    if most <= 0:
+        return 1
+    smallest = min(supports, key=len)
+    best = most
+    for k in smallest:
+        best = min(best, 1 + _least_cover([s for s in supports if k not in s], best - 1))
+    return best
+
+
+def degree(leads: Sequence[Monomial], n: int) -> int:
+    """The degree of the ideal, in dimension 0 the number of standard monomials; 0 if 1 is a generator."""
+    d = dimension(leads, n)
+    if d < 0:
+        return 0
+    numerator = _numerator(_minimal(leads))
+    return int((numerator // fmpz_poly([1, -1]) ** (n - d))(1))
+
+
+def _numerator(generators: Sequence[Monomial]) -> fmpz_poly:
+    if not generators:
+        return fmpz_poly([1])
+    if all(
+        not any(a and b for a, b in zip(m, o, strict=True)) for i, m in enumerate(generators) for o in generators[:i]
+    ):
+        total = fmpz_poly([1])
+        for m in generators:
+            total *= 1 - fmpz_poly([0, 1]) ** sum(m)
+        return total
+    *others, last = sorted(generators, key=sum)
+    quotients = _minimal([tuple(max(a - b, 0) for a, b in zip(m, last, strict=True)) for m in others])
+    return _numerator(others) - fmpz_poly([0, 1]) ** sum(last) * _numerator(quotients)
+
+
+def _minimal(monomials: Sequence[Monomial]) -> list[Monomial]:
+    distinct = list(dict.fromkeys(monomials))
+    return [m for m in distinct if not any(other != m and divides(other, m) for other in distinct)]
+
+
+def standard_monomials(leads: Sequence[Monomial], n: int) -> list[Monomial]:
+    """The monomials that no generator divides, by degree; of an ideal of dimension 0."""
+    level: list[Monomial] = [(0,) * n] if all(any(m) for m in leads) else []
+    found: list[Monomial] = []
+    while level:
+        found += level
+        above = dict.fromkeys((*m[:k], m[k] + 1, *m[k + 1 :]) for m in level for k in range(n))
+        level = [m for m in above if not any(divides(lead, m) for lead in leads)]
+    return found

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 from liepoisson.algebra.ideals.buchberger import Poly
-from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, rational_context
+from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, new_name, rational_context
 from liepoisson.algebra.ideals.limits import Budget
 
 
@@ -22,14 +22,6 @@ def in_context(p: Poly, context: Any) -> Poly:
                 powers[place] = int(k)
         terms[tuple(powers)] = c
     return context.from_dict(terms)
-
-
-def new_name(names: Collection[str]) -> str:
-    """A name that no variable has."""
-    name = "t"
-    while name in names:
-        name += "t"
-    return name
 
 
 def radical_contains(basis: GroebnerBasis, p: Poly, budget: Budget) -> bool:

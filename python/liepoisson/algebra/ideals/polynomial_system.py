@@ -19,7 +19,7 @@ from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
 from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, rational_context
 from liepoisson.algebra.ideals.limits import Limits
-from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
+from liepoisson.algebra.ideals.operations import in_context, saturation
 from liepoisson.algebra.ideals.signs import never_vanishes
 from liepoisson.algebra.ideals.solutions import Solution, Solutions, solutions
 from liepoisson.algebra.number_fields import as_fmpq
@@ -135,24 +135,6 @@ class PolynomialSystem:
     @property
     def _positive(self) -> frozenset[int]:
         return frozenset(k for k, name in enumerate(self.context.names()) if name in self.positive)
-
-    def contains(self, p: Any) -> bool:
-        """Whether a polynomial lies in the ideal."""
-        return self._basis.contains(self.read(p))
-
-    def radical_contains(self, p: Any) -> bool:
-        """Whether a polynomial vanishes at all complex solutions."""
-        return radical_contains(self._basis, self.read(p), self.limits.budget())
-
-    def saturated(self, p: Any) -> PolynomialSystem:
-        """The system of the solutions at which a polynomial does not vanish, and of their limits."""
-        basis = saturation(self._basis, self.read(p), self.limits.budget())
-        return PolynomialSystem(self.context, basis.polynomials, self.nonzero, self.positive, self.limits)
-
-    def eliminate(self, *unknowns: Any) -> GroebnerBasis:
-        """What the other variables satisfy: the closure of the projection of the complex solutions."""
-        polynomials = self._basis.polynomials or (self.context.constant(0),)
-        return eliminated(polynomials, [str(u) for u in unknowns], self.limits.budget())
 
     def components(self, *, is_real: bool = False) -> list[Component]:
         """The solutions as a union of parts, none inside another; see `liepoisson.algebra.ideals.components`.

@@ -26,7 +26,7 @@ from typing import Any, cast
 from flint import acb, arb, ctx, fmpq, fmpq_mat, fmpq_poly, fmpz_poly, nmod_mat, nmod_poly
 
 from liepoisson.algebra.ideals.buchberger import Poly
-from liepoisson.algebra.ideals.certified_roots import ball, precision
+from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.ideals.groebner import GroebnerBasis
 from liepoisson.algebra.ideals.limits import Budget, NotDecidedError
 from liepoisson.algebra.ideals.quotient import Quotient
@@ -211,10 +211,10 @@ class Solutions:
             with precision(extra):
                 at = self._roots(factor)[root]
                 is_real = at.imag.is_zero()
-                divisor = _at(bottom, at.real if is_real else at)
+                divisor = evaluate(bottom, at.real if is_real else at)
                 if divisor.contains(0):
                     continue
-                value = _at(top, at.real if is_real else at) / divisor
+                value = evaluate(top, at.real if is_real else at) / divisor
                 if value.contains(0):
                     continue
                 size = abs(value)
@@ -239,13 +239,6 @@ def _growing(bits: int) -> Generator[int]:
     while at <= _MOST_BITS:
         yield at
         at *= 2
-
-
-def _at(polynomial: fmpq_poly, x: Any) -> Any:
-    total = x * 0
-    for c in reversed(polynomial.coeffs()):
-        total = total * x + ball(c)
-    return total
 
 
 class _Ordered:

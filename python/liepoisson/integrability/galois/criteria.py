@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
 from liepoisson.integrability.galois.monodromy import PRECISION, Monodromy, continued, generators, loop_around_all
@@ -327,11 +328,7 @@ def _local_row(row: list[Any], local: LocalSystem, count: int) -> list[list[Any]
     """A row of rational functions, times their common denominator, as series at the point."""
     from flint import fmpq_poly
 
-    parts = [fraction(entry) for entry in row]
-    common = fmpq_poly([1])
-    for _, bottom in parts:
-        common *= bottom / common.gcd(bottom)
-    tops = [top * (common / bottom) for top, bottom in parts]
+    tops, _ = over_common_denominator(list(map(fraction, row)), fmpq_poly([1]))
     if local.point is None:
         size = max((top.degree() for top in tops), default=0)
         tops = [fmpq_poly([top[size - k] for k in range(size + 1)]) for top in tops]

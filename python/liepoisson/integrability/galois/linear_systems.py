@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, texts
@@ -60,12 +61,9 @@ class LinearSystem:
         from flint import fmpq_poly
 
         rows = [[fraction(entry) for entry in row] for row in self.entries.to_dense().rep.to_list()]
-        common = fmpq_poly([1])
-        for row in rows:
-            for _, bottom in row:
-                common *= bottom / common.gcd(bottom)
-        common /= common.leading_coefficient()
-        return [[top * (common / bottom) for top, bottom in row] for row in rows], common
+        tops, common = over_common_denominator([entry for row in rows for entry in row], fmpq_poly([1]))
+        lead, left = common.leading_coefficient(), iter(tops)
+        return [[next(left) / lead for _ in row] for row in rows], common / lead
 
     @cached_property
     def singular_points(self) -> tuple[Any, ...]:
@@ -122,14 +120,12 @@ class LinearSystem:
     @cached_property
     def summands(self) -> tuple[tuple[int, ...], ...]:
         """The components in groups that do not influence each other, the smallest partition."""
+        from sympy.utilities.iterables import connected_components
+
         rows = self.entries.to_dense().rep.to_list()
-        group = list(range(self.n))
-        for i in range(self.n):
-            for j in range(self.n):
-                if rows[i][j] and group[i] != group[j]:
-                    old, new = group[i], group[j]
-                    group = [new if g == old else g for g in group]
-        return tuple(tuple(k for k in range(self.n) if group[k] == g) for g in dict.fromkeys(group))
+        influences = [(i, j) for i, row in enumerate(rows) for j, entry in enumerate(row) if entry]
+        groups = connected_components((list(range(self.n)), influences))
+        return tuple(sorted(tuple(sorted(group)) for group in groups))
 
     def __repr__(self) -> str:
         poles = ", ".join(root_text(f, self.variable) for f in self.singular_points)

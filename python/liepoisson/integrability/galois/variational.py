@@ -23,6 +23,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.echelon import dense, null_vectors, sparse
+from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import not_a
@@ -95,34 +97,6 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
         rows.append(row)
     names = tuple(f"{name}/{root}" if odd[k] else name for k, name in enumerate(names))
     return LinearSystem(solution.variable, DomainMatrix(rows, (n, n), arithmetic.field), names)
-
-
-def linear_integrals(system: System, solution: ParticularSolution, equations: LinearSystem) -> dict[str, Any]:
-    """Linear integrals of the variational equations: dH and the dC along the solution, by name; those that vanish not.
-
-    Only where the solution contains no root.
-    """
-    from sympy import QQ
-    from sympy.polys.matrices import DomainMatrix
-
-    if solution.root is not None:
-        return {}
-    arithmetic = Arithmetic(solution.variable, None, QQ)
-    values = [arithmetic.read(f, name) for name, f in solution.state.items()]
-    functions: dict[str, Any] = {"H": system.hamiltonian}
-    functions |= {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
-    found: dict[str, Any] = {}
-    for name, f in functions.items():
-        if not f.is_polynomial(*system.variables):
-            continue
-        slopes = [f.diff(x).expand() for x in system.variables]
-        most = max(1, *(int(d) for d in _degrees(slopes, system.variables)))
-        powers = [arithmetic.powers(v, most) for v in values]
-        row = [arithmetic.at(slope, system.variables, powers)[0] for slope in slopes]
-        if any(row):
-            found[name] = DomainMatrix([row], (1, len(row)), arithmetic.field)
-    assert equations.n == len(system.variables)
-    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,14 +183,10 @@ def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
             height = max(height, *(e.degree() + 1 for e in entries))
     rows = [[column[i][m] for column in columns] for i in range(n) for m in range(height)]
     reduced, rank = fmpq_mat(rows).rref()
-    pivots = [next(c for c in range(n * count) if reduced[r, c] != 0) for r in range(rank)]
     field = system.entries.domain
     found: list[Any] = []
-    for free in (c for c in range(n * count) if c not in pivots):
-        values = [fmpq(0)] * (n * count)
-        values[free] = fmpq(1)
-        for r, c in enumerate(pivots):
-            values[c] = -reduced[r, free]
+    for vector in null_vectors(map(sparse, reduced.tolist()[:rank]), n * count, fmpq(1)):
+        values = dense(vector, range(n * count), fmpq(0))
         parts = [fmpq_poly(values[j * count : (j + 1) * count]) for j in range(n)]
         column = [[from_polynomial(part, field) / from_polynomial(bottom, field)] for part in parts]
         found.append(DomainMatrix(column, (n, 1), field))
@@ -321,11 +291,7 @@ def _cleared(columns: Any) -> Any:
     field = columns.domain
     found: list[Any] = []
     for column in columns.transpose().to_dense().rep.to_list():
-        parts = [fraction(entry) for entry in column]
-        common = fmpq_poly([1])
-        for _, bottom in parts:
-            common *= bottom / common.gcd(bottom)
-        tops = [top * (common / bottom) for top, bottom in parts]
+        tops, _ = over_common_denominator(list(map(fraction, column)), fmpq_poly([1]))
         divisor = fmpq_poly([0])
         for top in tops:
             divisor = divisor.gcd(top)

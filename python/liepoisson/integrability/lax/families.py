@@ -11,15 +11,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.algebra import sparse_polynomials
 from liepoisson.algebra.ideals.groebner import rational_context
+from liepoisson.algebra.ideals.polynomial_system import polynomial
+from liepoisson.algebra.sparse_polynomials import rational_to_sympy, whole_expression
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.ansatz import Ansatz
-from liepoisson.integrability.lax.pair import LaxPair, lax_pair
-from liepoisson.integrability.lax.search import MOST_DEGREE, linear_system, member, new_vectors, trivial_vectors
+from liepoisson.integrability.lax.pair import LaxPair
+from liepoisson.integrability.lax.search import MOST_DEGREE, member, pairs_with, split, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 from liepoisson.report.printing import Formula
 
@@ -197,24 +198,17 @@ class _Splitting:
         self.symbols: list[Any] = [*ansatz.parameters, *map(Symbol, self.partners)]
         self.positive = frozenset(self.names.index(name) for name in positive)
         given: list[Any] = [self.context.gen(self.names.index(name)) for name in (*nonzero, *positive)]
-        divisors = [self._polynomial(f) for f, _ in factor_list(ansatz.denominator)[1]]
+        divisors = [polynomial(f, self.context) for f, _ in factor_list(ansatz.denominator)[1]]
         self.assumed = list({str(q): q for q in (*given, *divisors)}.values())
         self.trivial = trivial_vectors(ansatz)
 
     def cases(self, first: int, deadline: Deadline) -> Cases:
         """The cases in which the first component of B that is not zero, and is 1, has this number."""
         n, k = len(self.partners), len(self.names)
-        components = [self.context.gen(k + j) for j in range(n)]
-        cases = Cases()
-        splitting = CaseSplitting(self.context, self.positive, self.assumed)
         zero, one = self.context.constant(0), self.context.constant(1)
-        inserted = [zero] * first + [one] + components[first + 1 :]
-        rows = linear_system(self.ansatz, self.degree, inserted, self.context)
-        n_columns = (self.degree + 1) * self.ansatz.n_per_power
-        with deadline.running():
-            splitting.run(rows, n_columns, (self.degree + 1) * len(self.trivial), cases)
-        splitting.settle(cases)
-        return cases
+        components = [zero] * first + [one, *(self.context.gen(k + j) for j in range(first + 1, n))]
+        splitting = CaseSplitting(self.context, self.positive, self.assumed)
+        return split(splitting, self.ansatz, self.degree, components, len(self.trivial), deadline=deadline)
 
     def family(self, case: Case, first: int) -> LaxFamily:
         """A case with an example."""
@@ -238,30 +232,16 @@ class _Splitting:
 
         given, at = (
             self.ansatz.system,
-            {s: sparse_polynomials.rational_to_sympy(values[str(s)]) for s in self.ansatz.parameters},
+            {s: rational_to_sympy(values[str(s)]) for s in self.ansatz.parameters},
         )
         bracket = given.bracket.substitute({s: v for s, v in values.items() if s in given.bracket.symbols})
         energy = cast("Any", given.hamiltonian).xreplace(at)
         one = System(bracket, energy, name=given.name, symbols=symbols_in(energy, given.component_names))
         ansatz = Ansatz(one, self.ansatz.form)
         known = [(0, v) for v in self.trivial]
-        for d in range(1, self.degree + 1):
-            for vector in new_vectors(ansatz, d, b, known):
-                L, M = ansatz.pair(vector, b)
-                pair = lax_pair(one, L, M, spectral=ansatz.spectral)
-                if pair.integrals().n_independent:
-                    return pair
-        return None
-
-    def _polynomial(self, expression: Any) -> Any:
-        from flint import fmpq
-        from sympy import Poly
-
-        terms = Poly(expression, *self.symbols).terms()
-        return self.context.from_dict({tuple(map(int, m)): fmpq(int(c.p), int(c.q)) for m, c in terms})
+        found = (pair for d in range(1, self.degree + 1) for pair in pairs_with(ansatz, d, b, known))
+        return next(found, None)
 
     def expression(self, polynomial: Any) -> Expr:
         """A polynomial as an expression with whole coefficients, the first of them positive."""
-        read: Any = sparse_polynomials.expression(polynomial.terms(), self.symbols)
-        whole = read.as_numer_denom()[0].primitive()[1]
-        return -whole if whole.could_extract_minus_sign() else whole
+        return whole_expression(polynomial.terms(), self.symbols)

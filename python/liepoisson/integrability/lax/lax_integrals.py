@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.completeness import are_in_involution, as_polynomials, fields_rank
 from liepoisson.integrability.level import level_of
+from liepoisson.integrability.search import next_name
 from liepoisson.report.printing import Formula
 from liepoisson.structure.trace import traces_in
 
@@ -169,8 +169,7 @@ def _sorted_one(
         return LaxIntegral("", f, "Casimir", "", _formula(system, f, casimirs))
     if (formula := _formula(system, f, known)) is not None:
         return LaxIntegral("", f, "known", "", formula)
-    taken = {*known, *system.component_names}
-    name = next(name for k in count(1) if (name := f"F{k}") not in taken)
+    name = next_name(known, system.component_names)
     others = [system.hamiltonian, *independent.values()]
     is_new = fields_rank(system, [*others, f]) > len(others)
     return LaxIntegral("", f, "integral" if is_new else "dependent", name, None)

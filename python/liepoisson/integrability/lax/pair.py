@@ -10,12 +10,16 @@ Then the eigenvalues of L are constant, and the coefficients of $\det(w - L(z))$
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.exact_numbers import to_sympy
-from liepoisson.errors import LaxPairError, ParameterError, ShapeError
+from liepoisson.catalog import entry, names
+from liepoisson.catalog.lax_pairs import LAX_PAIRS
+from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
+from liepoisson.formula.parameters import read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
@@ -24,6 +28,7 @@ from liepoisson.report.printing import Formula
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
+    from liepoisson.formula.parameters import GivenValue
     from liepoisson.integrability.lax.lax_integrals import LaxIntegrals
     from liepoisson.integrability.lax.spectral_curve import SpectralCurve
     from liepoisson.model.system import System
@@ -207,14 +212,14 @@ def _check_powers(entries: Iterable[Any], z: Symbol | None) -> None:
     """Refuse an L that is no polynomial in z and 1/z: its coefficients could not be read off."""
     from sympy import Add
 
-    for entry in entries:
-        for term in Add.make_args(entry):
+    for e in entries:
+        for term in Add.make_args(e):
             if z is None or not term.has(z):
                 continue
             base, power = term.as_independent(z, as_Add=False)[1].as_base_exp()
             if base != z or not power.is_Integer:
                 raise ParameterError(
-                    f"L: wanted polynomials in {z} and 1/{z}; got {shown(str(entry))}; multiply L by its denominator, "
+                    f"L: wanted polynomials in {z} and 1/{z}; got {shown(str(e))}; multiply L by its denominator, "
                     "a function of the spectral parameter alone"
                 )
 
@@ -274,3 +279,29 @@ def time_derivative(system: System, function: Expr) -> Expr:
     used = function.free_symbols
     terms: list[Any] = [function.diff(x) * rate for x, rate in system.equations.items() if x in used]
     return Add(*terms).expand()
+
+
+@explains_its_arguments
+def known_lax_pair(name: str, *, parameters: Mapping[str, GivenValue] | None = None) -> LaxPair:
+    """The Lax pair of a system of the catalog, verified.
+
+    Example:
+        >>> pair = lp.integrability.known_lax_pair("kovalevskaya")
+        >>> pair.integrals().coefficients[0].formula
+        8*H
+
+    Args:
+        name: The name of the system.
+        parameters: Values in the place of those of the catalog.
+
+    Raises:
+        UnknownNameError: there is no such system, or the package has no Lax pair of it; the message lists those it has.
+        LaxPairError: the pair is none for these parameters.
+    """
+    if name not in LAX_PAIRS:
+        what = "has no Lax pair in the package" if name in names() else "is no system of the catalog"
+        hint = did_you_mean(name, LAX_PAIRS)
+        raise UnknownNameError(f"{name!r} {what}. {hint}There are those of {', '.join(LAX_PAIRS)}.")
+    file, texts = entry(name), LAX_PAIRS[name]
+    system = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
+    return lax_pair(system, texts.L, texts.M, source=texts.source)

@@ -142,11 +142,7 @@ def search_lax_pairs(
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)
         for b in dict.fromkeys(one.components for one in found if one is not None):
-            for vector in new_vectors(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial])):
-                L, M = ansatz.pair(vector, b)
-                pair = lax_pair(system, L, M, spectral=ansatz.spectral)
-                if pair.integrals().n_independent:
-                    pairs.append(pair)
+            pairs += pairs_with(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial]))
         if progress:
             progress(d / most)
     return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided)
@@ -167,17 +163,41 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -
         free = n - first - 1
         context = rational_context([f"b{k}" for k in range(first + 1, n)] or ["unused"])
         components = [context.constant(0)] * first + [context.constant(1), *(context.gen(k) for k in range(free))]
-        rows = linear_system(ansatz, degree, components, context)
-        n_columns = (degree + 1) * ansatz.n_per_power
-        cases, splitting = Cases(), CaseSplitting(context, frozenset(), [])
-        with deadline.running():
-            splitting.run(rows, n_columns, (degree + 1) * n_trivial, cases)
-        splitting.settle(cases)
+        cases = split(CaseSplitting(context, frozenset(), []), ansatz, degree, components, n_trivial, deadline=deadline)
         for case in cases.found:
             b = member(case, free)
             is_free = len(case.solved) < free
             yield None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free)
         yield from [None] * len(cases.left)
+
+
+def split(
+    splitting: CaseSplitting,
+    ansatz: Ansatz,
+    degree: int,
+    components: Sequence[Any],
+    n_trivial: int,
+    *,
+    deadline: Deadline,
+) -> Cases:
+    """The cases in which there are solutions of a degree, besides the trivial ones times powers of z."""
+    cases = Cases()
+    rows = linear_system(ansatz, degree, components, splitting.context)
+    with deadline.running():
+        splitting.run(rows, (degree + 1) * ansatz.n_per_power, (degree + 1) * n_trivial, cases)
+    splitting.settle(cases)
+    return cases
+
+
+def pairs_with(
+    ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]
+) -> Iterator[LaxPair]:
+    """The pairs for one B, verified, that are new at a degree and have integrals."""
+    for vector in new_vectors(ansatz, degree, b, known):
+        L, M = ansatz.pair(vector, b)
+        pair = lax_pair(ansatz.system, L, M, spectral=ansatz.spectral)
+        if pair.integrals().n_independent:
+            yield pair
 
 
 def trivial_vectors(ansatz: Ansatz) -> list[Vector]:
@@ -232,36 +252,18 @@ def _monomial(powers: tuple[int, ...], context: Any) -> Any:
 
 def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[Fraction, ...] | None:
     """One point of a case with rational coordinates, some of them positive; None if none is found."""
-    solved = {v for v, _, _ in case.solved}
+    solved, number = {v for v, _, _ in case.solved}, Coefficients().number
     free = [v for v in range(n) if v not in solved]
-    if any(_uses(p, solved) for _, numerator, denominator in case.solved for p in (numerator, denominator)):
-        return None
     samples = [_SAMPLES[k % len(_SAMPLES) :] + _SAMPLES[: k % len(_SAMPLES)] for k in range(len(free))]
     for chosen in islice(product(*samples), _MOST_SAMPLES):
-        values = [Fraction(0)] * n
-        for v, x in zip(free, chosen, strict=True):
-            values[v] = x
-        if any(_value(q, values) for q in case.unsolved):
+        at = dict(zip(free, chosen, strict=True))
+        values = [at.get(v, Fraction(0)) for v in range(n)]
+        if any(value_at(q.terms(), values, number) for q in case.unsolved) or not case.admits(values, number):
             continue
-        if any(not _value(q, values) for q in case.nonzero.values() if not _uses(q, solved)):
-            continue
-        below = [_value(denominator, values) for _, _, denominator in case.solved]
-        if all(below):
-            found = [_value(numerator, values) / d for (_, numerator, _), d in zip(case.solved, below, strict=True)]
-            for (v, _, _), x in zip(case.solved, found, strict=True):
-                values[v] = x
-            if any(values[v] <= 0 for v in positive):
-                continue
-            return tuple(values)
+        point = case.completed(values, number)
+        if point is not None and all(point[v] > 0 for v in positive):
+            return tuple(point)
     return None
-
-
-def _uses(p: Any, variables: set[int]) -> bool:
-    return any(p.degrees()[v] > 0 for v in variables)  # of the polynomial 0 they are -1
-
-
-def _value(p: Any, values: Sequence[Fraction]) -> Fraction:
-    return value_at(p.terms(), values, Coefficients().number)
 
 
 def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]) -> list[Vector]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from liepoisson.algebra.function_fields import FunctionField
 from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.integrability.painleve.coefficient_fields import Field
 from liepoisson.integrability.painleve.expansion import Expansion, FreeConstant, Resonance
 from liepoisson.integrability.painleve.exponents import Exponents
 from liepoisson.integrability.painleve.laurent import LaurentSeries, laurent_series
@@ -56,7 +56,7 @@ class Balance:
     obstructions: tuple[str, ...]
     left: str
     _point: tuple[Element, ...] = field(repr=False)
-    _field: Field = field(repr=False)
+    _field: FunctionField = field(repr=False)
     _parameters: tuple[str, ...] = field(repr=False, default=())
     _expansion: Expansion | None = field(repr=False, default=None)
 

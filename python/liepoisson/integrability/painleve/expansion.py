@@ -19,14 +19,13 @@ from fractions import Fraction
 from math import lcm
 from typing import Protocol
 
+from liepoisson.algebra.function_fields import FunctionField, polynomial_at
+from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
+from liepoisson.algebra.matrices import Matrix, Solved, eliminated, independent_columns
 from liepoisson.algebra.number_fields import Element
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.painleve.coefficient_fields import Field
-from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
 from liepoisson.integrability.painleve.exponents import Exponents
-from liepoisson.integrability.painleve.linear import Matrix, Solved, eliminated, independent_columns
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
-from liepoisson.integrability.painleve.resolvent import Resolvent
 
 Powers = tuple[int, ...]
 Polynomial = dict[Powers, Element]
@@ -188,7 +187,7 @@ class OverField:
     """The equations over a field, by elimination."""
 
     matrix: Matrix
-    field: Field
+    field: FunctionField
 
     def kernel(self, r: Fraction) -> int:
         """The dimension of the kernel of K - r."""
@@ -208,10 +207,10 @@ class OverRing:
     ring: CoordinateRing
     resolvent: Resolvent
     point: Mapping[str, Element]
-    point_field: Field
+    point_field: FunctionField
 
     def _at(self, matrix: Matrix) -> Matrix:
-        return [at_point(row, self.point, self.point_field) for row in matrix]
+        return [[polynomial_at(e.polynomial, self.point, self.point_field) for e in row] for row in matrix]
 
     def kernel(self, r: Fraction) -> int:
         """The dimension of the kernel of K - r: the multiplicity without Jordan blocks, else that at the point."""
@@ -300,7 +299,7 @@ def _step(series: Expansion, equations: Equations, order: Fraction, multiplicity
     return True
 
 
-def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: Field) -> str | None:
+def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: FunctionField) -> str | None:
     """A condition on the free constants and the parameters as text, None if it holds identically, "1" if it cannot.
 
     A text is 0 where the condition holds.  Factors that do not change where that is are left out.

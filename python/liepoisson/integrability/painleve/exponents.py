@@ -17,11 +17,16 @@ from typing import Any, cast
 
 from flint import acb, acb_poly, fmpq_poly
 
-from liepoisson.algebra.ideals.certified_roots import ball, precision
+from liepoisson.algebra.function_fields import (
+    AlgebraicFunctions,
+    AlgebraicNumbers,
+    FunctionField,
+    RationalFunctions,
+    polynomial_gcd,
+    polynomial_quotient,
+)
+from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.number_fields import Element
-from liepoisson.integrability.painleve.coefficient_fields import AlgebraicNumbers, Field, RationalFunctions
-from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
-from liepoisson.integrability.painleve.linear import polynomial_gcd, polynomial_quotient
 
 _BITS = (128, 256, 512, 1024, 2048)
 
@@ -42,7 +47,7 @@ class Exponents:
     rational: tuple[tuple[Fraction, int], ...]
     over_rationals: tuple[tuple[fmpq_poly, int], ...]
     rest: tuple[Element, ...]
-    field: Field
+    field: FunctionField
 
     @property
     def all_rational(self) -> bool:
@@ -53,11 +58,6 @@ class Exponents:
     def are_integers(self) -> bool:
         """Whether all exponents are integers."""
         return self.all_rational and all(r.denominator == 1 for r, _ in self.rational)
-
-    @property
-    def n_rational(self) -> int:
-        """The number of rational exponents with their multiplicities."""
-        return sum(k for _, k in self.rational)
 
     def multiplicity(self, r: Fraction | int) -> int:
         """How often a rational number occurs."""
@@ -136,7 +136,7 @@ def _readable(polynomial: str) -> str:
     return sub(r"\+ \((-[\d/]+)\)", r"+ \1", polynomial).replace("+ -", "- ")
 
 
-def exponents_of(characteristic: Sequence[Element], field: Field) -> Exponents:
+def exponents_of(characteristic: Sequence[Element], field: FunctionField) -> Exponents:
     """The exponents of a characteristic polynomial, given by powers."""
     rows = field.rational_parts(characteristic)
     common = fmpq_poly()
@@ -162,7 +162,7 @@ def _roots(p: fmpq_poly) -> list[acb]:
     return [root for root, _ in cast("list[tuple[acb, int]]", p.complex_roots())]
 
 
-def _embeddings(field: Field) -> list[acb]:
+def _embeddings(field: FunctionField) -> list[acb]:
     if isinstance(field, AlgebraicNumbers):
         return _roots(field.modulus)
     return [acb(0)]
@@ -170,12 +170,7 @@ def _embeddings(field: Field) -> list[acb]:
 
 def _at(element: Element, theta: acb) -> acb:
     polynomial: Any = getattr(element, "polynomial", None)
-    if polynomial is None:
-        return acb(ball(element))
-    total = acb(0)
-    for c in reversed(polynomial.coeffs()):
-        total = total * theta + ball(c)
-    return total
+    return acb(ball(element)) if polynomial is None else evaluate(polynomial, theta)
 
 
 def shown_number(z: acb) -> str:

@@ -19,22 +19,23 @@ from typing import Any
 
 from flint import fmpq, fmpq_poly
 
+from liepoisson.algebra.function_fields import (
+    AlgebraicFunctions,
+    AlgebraicNumbers,
+    FunctionField,
+    Ratio,
+    RationalFunctions,
+    Rationals,
+    polynomial_at,
+)
 from liepoisson.algebra.ideals.buchberger import Poly, leading
 from liepoisson.algebra.ideals.components import Assumptions, Component, components, irreducible_factors
-from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, rational_context
+from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing
+from liepoisson.algebra.ideals.groebner import GroebnerBasis, groebner_basis, new_name, rational_context
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import eliminated, in_context, radical_contains, saturation
 from liepoisson.algebra.ideals.solutions import solutions
 from liepoisson.algebra.number_fields import Element
-from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicNumbers,
-    Field,
-    Ratio,
-    RationalFunctions,
-    Rationals,
-)
-from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing
-from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 
 _MOST_CHOICES = 6
 """Sets of independent coordinates, and sums of two coordinates that may generate the field, that are tried."""
@@ -57,7 +58,7 @@ class GenericPoint:
         sample: A random point, where the field is a coordinate ring.
     """
 
-    field: Field
+    field: FunctionField
     values: dict[str, Element]
     is_generic: bool = True
     sample: GenericPoint | None = None
@@ -225,7 +226,7 @@ def _over_functions(
 ) -> tuple[list[GenericPoint], list[Poly]] | None:
     """The generic points over the functions of the independent coordinates, and what must not vanish."""
     others = [name for name in basis.names if name not in (*attempt.independent, attempt.generator)]
-    generator = attempt.generator or _new_name(basis.names)
+    generator = attempt.generator or new_name(basis.names, "u")
     context = rational_context((*others, generator, *attempt.independent), lexicographic=True)
     given = [in_context(p, context) for p in basis.polynomials]
     if attempt.form is not None:
@@ -265,10 +266,8 @@ def _point(
     factor: Poly, linear: dict[str, Poly], others: Sequence[str], generator: str, base: RationalFunctions
 ) -> GenericPoint:
     """The point at a root of one factor of the equation of the generator."""
-    n = len(others)
-    by_power = _by_power(factor, n, base)
-    lead = by_power[-1]
-    monic = [c * base.inverse(lead) for c in by_power[:-1]]
+    *by_power, lead = _by_power(factor, len(others), base)
+    monic = [c / lead for c in by_power]
     field: Any
     theta: Element
     if len(monic) == 1:
@@ -285,22 +284,10 @@ def _point(
     }
     values[generator] = theta
     for name in reversed(others):
-        p = linear[name]
-        place = others.index(name)
-        slope: Element = field.zero
-        rest: Element = field.zero
-        for m, c in p.terms():
-            value: Element = field.number(c)
-            for other, k in zip(p.context().names(), m, strict=True):
-                if other == name:
-                    continue
-                for _ in range(int(k)):
-                    value = value * values[other]
-            if int(m[place]):
-                slope = slope + value
-            else:
-                rest = rest + value
-        values[name] = -rest * field.inverse(slope)
+        p, k = linear[name], others.index(name)
+        slope = p.derivative(k)
+        rest = p - slope * p.context().gens()[k]
+        values[name] = -polynomial_at(rest, values, field) * field.inverse(polynomial_at(slope, values, field))
     return GenericPoint(field, values)
 
 
@@ -345,10 +332,3 @@ def random_points(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
         if not cut.is_one and not cut.dimension:
             return [GenericPoint(p.field, p.values, is_generic=False) for p in _isolated(cut, budget)]
     raise NotDecidedError("not decided: a family of balances of which no rational section was found")
-
-
-def _new_name(names: Sequence[str]) -> str:
-    name = "u"
-    while name in names:
-        name += "u"
-    return name

@@ -16,17 +16,16 @@ import numpy as np
 from flint import acb, fmpq
 from numpy.typing import NDArray
 
+from liepoisson.algebra.function_fields import AlgebraicFunctions, AlgebraicNumbers, FunctionField
+from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, RingElement
 from liepoisson.algebra.ideals.groebner import groebner_basis
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.solutions import solutions
-from liepoisson.algebra.number_fields import Element, NumberField, as_fmpq
+from liepoisson.algebra.number_fields import Element, as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.painleve.coefficient_fields import AlgebraicNumbers, Field
-from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, RingElement
 from liepoisson.integrability.painleve.expansion import Expansion, Polynomial
-from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 
 
@@ -64,41 +63,12 @@ class LaurentSeries:
         return float(min(rates))
 
 
-class _Complex(NumberField):
-    """Complex numbers as a field."""
-
-    degree = 1
-    parameters: tuple[str, ...] = ()
+class _Complex(FunctionField):
+    """Complex numbers, rounded, in the place of the field of a balance."""
 
     def number(self, value: Any) -> complex:
         """A rational number."""
         return complex(_float(value))
-
-    def inverse(self, element: complex) -> complex:
-        """One over a number."""
-        return 1 / element
-
-    def rational_parts(self, elements: Sequence[complex]) -> list[list[fmpq]]:
-        """Not for numbers that are rounded."""
-        raise TypeError("rounded numbers have no rational parts")
-
-    def rational(self, element: complex) -> fmpq | None:
-        """Not for numbers that are rounded."""
-        raise TypeError("rounded numbers are not known to be rational")
-
-    def text(self, element: complex) -> str:
-        """The number."""
-        return str(element)
-
-    def zeros(self, element: complex) -> str:
-        """A number has none."""
-        del element
-        return "1"
-
-    @property
-    def generator(self) -> str:
-        """There is none."""
-        return ""
 
 
 def _float(value: Any) -> float:
@@ -110,7 +80,7 @@ def _float(value: Any) -> float:
 class _Values:
     """Elements of the field of a balance as complex numbers, at values of its parameters."""
 
-    def __init__(self, field: Field, parameters: Mapping[str, complex], conjugate: int) -> None:
+    def __init__(self, field: FunctionField, parameters: Mapping[str, complex], conjugate: int) -> None:
         self._at = dict(parameters)
         self._theta = 0j
         n = field.degree

@@ -16,6 +16,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
+from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, DivisionError, Resolvent
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.matrices import characteristic_polynomial
@@ -28,13 +29,16 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.derivation import Derivation, derivation_of_rates
 from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
-from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, DivisionError
 from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
 from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
-from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
-from liepoisson.integrability.painleve.resolvent import Resolvent
-from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
+from liepoisson.integrability.painleve.quasi_homogeneous import (
+    LocalField,
+    QuasiHomogeneous,
+    excess,
+    inequalities,
+    maximal_weights,
+)
 from liepoisson.io.display import as_text
 from liepoisson.report.printing import Formula
 

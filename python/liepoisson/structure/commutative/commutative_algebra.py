@@ -10,7 +10,7 @@ from itertools import product as pairs
 from typing import TypeAlias, final
 
 from liepoisson.algebra.exact_numbers import Exact
-from liepoisson.algebra.linear_systems import echelon, null_space, pivot_column
+from liepoisson.algebra.matrices import echelon, null_space, pivot_column
 from liepoisson.algebra.real_fields import RealField, Scalar, real_field
 
 Vector: TypeAlias = tuple[Scalar, ...]

@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from liepoisson.algebra.diagonal_forms import diagonalise, restricted
-from liepoisson.algebra.linear_systems import null_space
+from liepoisson.algebra.matrices import null_space
 from liepoisson.algebra.quadratic_forms import (
     SurdCoordinates,
+    diagonalise,
     equal_squares,
     hyperbolic_pair,
     hyperbolic_triple,
+    restricted,
     signature,
 )
 from liepoisson.algebra.real_fields import Scalar, Surd

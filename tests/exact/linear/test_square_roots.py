@@ -5,7 +5,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
-from liepoisson.integrability.square_roots import element, field_of, roots
+from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 
 
 @pytest.mark.parametrize(
@@ -14,14 +14,14 @@ from liepoisson.integrability.square_roots import element, field_of, roots
 def test_zeros_of_a_quadratic_polynomial(coefficients):
     x = sp.Symbol("x")
     a, b, c = map(Fraction, coefficients)
-    for root in roots(a, b, c):
+    for root in quadratic_roots(a, b, c):
         assert (
             sp.expand(
                 sum(sp.Rational(k.numerator, k.denominator) * x**n for n, k in enumerate((c, b, a))).subs(x, root)
             )
             == 0
         )
-    assert len(set(roots(a, b, c))) == 2
+    assert len(set(quadratic_roots(a, b, c))) == 2
 
 
 @pytest.mark.parametrize(
@@ -36,9 +36,9 @@ def test_zeros_of_a_quadratic_polynomial(coefficients):
     ],
 )
 def test_fields_have_no_superfluous_roots(values, degree):
-    field = field_of(values)
+    field = square_root_field(values)
     assert (1 if field.is_rational else len(field.domain.mod.to_list()) - 1) == degree
     for value in values:
-        image = element(value, field)
+        image = square_root_element(value, field)
         assert sp.expand(field.to_sympy(image) - value) == 0
         assert sp.expand(field.to_sympy(image * image) - value**2) == 0

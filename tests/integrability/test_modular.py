@@ -6,10 +6,9 @@ from searched_systems import TOP
 
 import liepoisson as lp
 from liepoisson.algebra.linear_algebra import nullspace_mod
-from liepoisson.integrability import matrix
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.monomials import of_degree, of_weight
+from liepoisson.integrability import modular
+from liepoisson.integrability.derivation import derivation_of, of_degree, of_weight
+from liepoisson.integrability.modular import ModularDerivation
 
 CASES = {
     "top": (TOP, [m for d in (1, 2, 3) for m in of_degree(9, d)]),
@@ -49,8 +48,8 @@ def test_no_terms_no_rows():
 def test_monomials_of_many_coordinates_get_different_numbers(monkeypatch):
     rows = np.random.default_rng(0).integers(0, 5, (200, 40))
     rows[100:] = rows[:100]
-    for largest in (matrix._LARGEST_KEY, 1000):
-        monkeypatch.setattr(matrix, "_LARGEST_KEY", largest)
-        numbers = matrix._numbered(rows)
+    for largest in (modular._LARGEST_KEY, 1000):
+        monkeypatch.setattr(modular, "_LARGEST_KEY", largest)
+        numbers = modular._numbered(rows)
         assert (numbers[:100] == numbers[100:]).all()
         assert sorted(set(numbers.tolist())) == list(range(100))
