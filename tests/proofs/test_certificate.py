@@ -63,7 +63,7 @@ def test_another_form_is_refused(altered, tmp_path, change):
 
 def test_what_is_no_json_is_refused(tmp_path):
     path = tmp_path / "proof.json"
-    for text in ("", "{", "[]", "[" * 100_000):
+    for text in ("", "{", "[]", '{"level": {}, "level": {}}', "[" * 100_000):
         path.write_text(text)
         with pytest.raises(DamagedFileError):
             load_covering_certificate(path)

@@ -30,7 +30,7 @@ from liepoisson.model.hamiltonian import (
     read_pairs_of_functions,
     with_exact_numbers,
 )
-from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.bracket import Bracket, with_coefficients
 from liepoisson.structure.bracket_scope import scope_of
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
@@ -143,6 +143,7 @@ class System:
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
+        self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
 
     def _check_hamiltonian(self) -> None:

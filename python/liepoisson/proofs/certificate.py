@@ -96,7 +96,7 @@ def load_covering_certificate(path: str | Path) -> CoveringCertificate:
     """
     path = Path(path)
     try:
-        data = json.loads(read_text(path, most=_MOST_BYTES))
+        data = json.loads(read_text(path, most=_MOST_BYTES), object_pairs_hook=_without_repetition)
         return read_certificate(data)
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
@@ -256,6 +256,14 @@ def _entry(record: Mapping[Any, Any], key: str, where: str) -> Any:
     if key not in record:
         raise _FormatError(f"{where}: {key} is missing")
     return record[key]
+
+
+def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of a file; of a name that comes twice, other readers might take the other value."""
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        raise _FormatError("a name occurs twice in one object")
+    return found
 
 
 @dataclass(frozen=True)
