@@ -38,28 +38,6 @@ def test_a_top_as_another_field_has_the_same_orbits_and_tangents(lowered):
     np.testing.assert_allclose(second.tangent, first.tangent, atol=1e-14 * growth**2)
 
 
-@pytest.mark.parametrize("lowered", [as_quadratic, as_tape])
-def test_exponents_agree_across_kinds(lowered):
-    top = twisted_top()
-    x0 = lp.sample_states(top, n_starts=16, seed=2)
-    first = lp.finite_time_exponents(top, x0, t_end=10)
-    second = lp.finite_time_exponents(lowered(top), x0, t_end=10)
-    np.testing.assert_allclose(second.exponent, first.exponent, atol=1e-10)
-
-
-def test_a_hamiltonian_with_a_square_root_keeps_its_invariants():
-    system = lp.System(
-        lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + sqrt(1 + alpha1^2) + sin(alpha3)/(2 + alpha2)"
-    )
-    assert isinstance(system.field(), TapeField)
-    x0 = lp.sample_states(system, n_starts=4, seed=0, ensemble="gaussian") / 2
-    orbit = lp.integrate(system, x0, times=np.linspace(0, 20, 11))
-    assert orbit.components == ("l1", "l2", "l3", "alpha1", "alpha2", "alpha3")
-    for name, value in system.invariant_values(orbit.state).items():
-        drift = np.abs(value - value[:, :1]).max()
-        assert drift < 1e-13, f"{name} drifts by {drift:.1e}"
-
-
 def test_a_trajectory_that_leaves_the_domain_is_an_outcome():
     """x' = -1/x from x = 1 is x = sqrt(1 - 2t): it ends at t = 1/2; its neighbour goes on."""
     x = sp.Symbol("x")
@@ -71,26 +49,6 @@ def test_a_trajectory_that_leaves_the_domain_is_an_outcome():
     assert orbit.state[1, :, 0] == pytest.approx(np.sqrt([4, 3.5, 2]), rel=1e-14)
     assert orbit.state[0, 1, 0] == pytest.approx(np.sqrt(0.5), rel=1e-14)
     assert np.isnan(orbit.state[0, 2, 0])
-
-
-@pytest.mark.parametrize("energy", ["l1^2/2 + l2^2/4 + l3^2/6 + alpha3^2", "sqrt(1 + dot(l, l) + alpha1^2) + l2"])
-def test_a_saved_run_of_any_kind_can_be_repeated(energy, tmp_path):
-    system = lp.System(lp.so(3) @ lp.semidirect(2), energy)
-    growth = lp.finite_time_exponents(system, lp.sample_states(system, n_starts=3, seed=0), t_end=5)
-    again = lp.rerun(growth.save(tmp_path / "growth.nc"))
-    np.testing.assert_array_equal(again.exponent, growth.exponent)
-    assert again.components == growth.components
-
-
-def test_unit_vectors_have_the_length_of_the_fields():
-    system = lp.System(lp.so(4) @ lp.semidirect(2), lambda M, p: M.dot(M) / 2 + p[0])
-    states = lp.sample_states(system, n_starts=3, seed=0).reshape(3, 2, 6)
-    np.testing.assert_allclose(np.linalg.norm(states, axis=-1), 1.0)
-
-
-def test_the_kernel_of_components_is_for_tops_only():
-    with pytest.raises(lp.errors.ParameterError, match="kind 'quadratic'"):
-        lp.integrate(as_quadratic(twisted_top()), np.ones(9), times=[0, 1], kernel="components")
 
 
 @pytest.mark.parametrize(
@@ -139,17 +97,7 @@ def test_entries_of_one_product_are_added_up():
     assert field == QuadraticField(2, (), ((1, 0, 1.0),), ((0, 0, 1, 2.0),))
 
 
-def test_unknown_instructions_are_refused_by_the_core():
-    with pytest.raises(lp.errors.UnknownNameError, match="wanted linear, product"):
-        lp.integrate(TapeField(1, (("gamma", (0,), ()),), (1,)), [1.0], times=[0, 1])
-
-
-def test_more_states_than_memory_are_refused():
-    with pytest.raises(lp.errors.MemoryLimitError, match="fits into memory"):
-        lp.sample_states(lp.Top.kovalevskaya(), n_starts=10**13, seed=0)
-
-
-@pytest.mark.parametrize("u", [1e-15, 1e-40, 1e20, 1e100])
+@pytest.mark.parametrize("u", [1e-40, 1e100])
 def test_no_term_of_a_field_is_lost_beside_larger_ones(u):
     field = lower(lp.canonical(1), lp.System(lp.canonical(1), f"p1^2/(2*{u!r}) + {u!r}*q1^2/2").hamiltonian)
     assert [(i, j) for i, j, _ in field.linear] == [(0, 1), (1, 0)]
@@ -163,3 +111,23 @@ def test_terms_that_cancel_but_for_the_rounding_of_irrational_numbers_are_none()
     q, p = bracket.variables
     field = lower(bracket, sine * q * p - root * p * q + p**2)
     assert field.linear == ((0, 1, 2.0),)
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "words"),
+    [
+        (
+            lambda: lp.integrate(as_quadratic(twisted_top()), np.ones(9), times=[0, 1], kernel="components"),
+            lp.errors.ParameterError,
+            "kind 'quadratic'",
+        ),
+        (
+            lambda: lp.integrate(TapeField(1, (("gamma", (0,), ()),), (1,)), [1.0], times=[0, 1]),
+            lp.errors.UnknownNameError,
+            "wanted linear, product",
+        ),
+    ],
+)
+def test_what_the_core_does_not_have_is_refused(call, error, words):
+    with pytest.raises(error, match=words):
+        call()

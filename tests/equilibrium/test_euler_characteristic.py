@@ -11,9 +11,7 @@ def quadratic(bracket):
     return lp.System(bracket, " + ".join(f"{k + 2}*{x}^2" for k, x in enumerate(bracket.coordinate_names_in_order)))
 
 
-@pytest.mark.parametrize(
-    ("algebra", "expected"), [(lp.so(3), 2), (lp.su(2), 2), (lp.so(4), 4), (lp.su(3), 6), (lp.so(5), 8)]
-)
+@pytest.mark.parametrize(("algebra", "expected"), [(lp.so(3), 2), (lp.so(4), 4), (lp.su(3), 6)])
 def test_regular_orbits_of_compact_algebras_have_the_order_of_the_weyl_group(algebra, expected):
     system = quadratic(algebra @ lp.trivial())
     x = np.random.default_rng(0).normal(size=algebra.dimension)
@@ -44,6 +42,4 @@ def test_nothing_is_said_where_h_may_not_be_proper():
         assert euler_characteristic(lp.Leaf.through(system, lp.sample_states(system, 1, seed=2)[0])) is None
     indefinite = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 - l3^2 + alpha1")
     assert euler_characteristic(lp.Leaf.through(indefinite, [1, 0, 0, 0, 1, 0.5])) is None
-    quartic = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + l3^2 - l1^4")
-    assert euler_characteristic(lp.Leaf.through(quartic, [1, 0, 0, 0, 1, 0.5])) is None
-    assert euler_characteristic(lp.Leaf.through(quartic, np.zeros(6))) == 1
+    assert euler_characteristic(lp.Leaf.through(indefinite, np.zeros(6))) == 1

@@ -14,18 +14,6 @@ def numbers(top):
     return [list(map(str, vector)) for vector in (top.inertia, top.a, top.b)] + [str(top.epsilon)]
 
 
-@pytest.mark.parametrize("name", ["heavy-top", "lagrange", "kovalevskaya", "goryachev-chaplygin"])
-def test_six_components_have_the_parameters_of_the_file(name):
-    system = lp.catalog.system(name)
-    expected = {
-        "heavy-top": [["2", "3/2", "1"], ["3/5", "0", "4/5"]],
-        "lagrange": [["1", "1", "1/2"], ["0", "0", "1"]],
-        "kovalevskaya": [["2", "2", "1"], ["-1", "0", "0"]],
-        "goryachev-chaplygin": [["4", "4", "1"], ["1", "0", "0"]],
-    }
-    assert numbers(exact_top(system)) == [*expected[name], ["0"] * 3, "0"]
-
-
 @pytest.mark.parametrize("extension", [lp.semidirect(2), lp.leibniz(2), lp.leibniz(2, "7/3")])
 def test_it_is_recognised_by_its_equations_and_not_by_its_name_or_its_hamiltonian(extension):
     plain = lp.System(lp.so(3) @ extension, HEAVY, name="nothing")
@@ -48,23 +36,12 @@ def test_three_components_give_moments_that_differ_as_those_of_the_body_do():
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["kirchhoff", "clebsch", "neumann", "kovalevskaya-gyrostat", "zhukovsky-volterra-gyrostat", "so21-heavy-top"],
-)
-def test_other_systems_of_the_catalogue_are_no_tops(name):
-    assert exact_top(lp.catalog.system(name)) is None
-
-
-@pytest.mark.parametrize(
     ("extension", "hamiltonian"),
     [
         (lp.leibniz(2), f"{HEAVY} + l1*l2/7"),
         (lp.leibniz(2), f"{HEAVY} + l3/7"),
-        (lp.leibniz(2), f"{HEAVY} + sqrt(1 + alpha1^2)"),
         (lp.leibniz(2), "l1^2/2 + l2^2/2 + alpha1"),
-        (lp.leibniz(2), f"{HEAVY} + (l1 + l2 + l3 + alpha1 + alpha2 + alpha3)^6"),
         (lp.leibniz(1), "l1^2/2 + l2^2/4 + l1*l2"),
-        (lp.leibniz(1), "l1^2/2 + l2^2/4 + l3"),
         (lp.leibniz(1), "l1^4 + l2^2"),
     ],
 )
@@ -72,23 +49,20 @@ def test_other_hamiltonians_are_no_tops(extension, hamiltonian):
     assert exact_top(lp.System(lp.so(3) @ extension, hamiltonian)) is None
 
 
-@pytest.mark.parametrize("algebra", [lp.so(2, 1), lp.algebras.heisenberg(1)])
-@pytest.mark.parametrize("n", [1, 2])
-def test_other_algebras_are_no_tops(algebra, n):
-    system = lp.System(algebra @ lp.leibniz(n), lambda l, *fields: l[0] ** 2 + l[1] ** 2 / 3 + l[2] ** 2 / 5)
+@pytest.mark.parametrize(
+    "system",
+    [
+        *map(
+            lp.catalog.system, ("kirchhoff", "kovalevskaya-gyrostat", "zhukovsky-volterra-gyrostat", "so21-heavy-top")
+        ),
+        lp.Top(inertia=(1, 2, sp.sqrt(5)), a=(1, 0, 0), epsilon=1),
+        lp.System(lp.algebras.heisenberg(1) @ lp.leibniz(2), lambda l, m: l[0] ** 2 + l[1] ** 2 / 3 + l[2] ** 2 / 5),
+        lp.System(lp.so(3) @ lp.trivial(), "l1^2 + l2^2/3 + s*l3^2", symbols=["s"]),
+    ],
+    ids=str,
+)
+def test_other_systems_are_no_tops(system):
     assert exact_top(system) is None
-
-
-def test_irrational_parameters_are_refused():
-    for root in (sp.sqrt(2), sp.Symbol("s")):
-        for n in (1, 2, 3):
-            system = lp.System(
-                lp.so(3) @ lp.leibniz(n),
-                lambda l, *fields, c=root: l[0] ** 2 + l[1] ** 2 / 3 + c * l[2] ** 2,
-                symbols=["s"],
-            )
-            assert exact_top(system) is None
-    assert exact_top(lp.Top(inertia=(1, 2, 2.5), a=(1, 0, 0), epsilon=0.5)).epsilon == fmpq(1, 2)
 
 
 @pytest.mark.parametrize("n", [2, 3])

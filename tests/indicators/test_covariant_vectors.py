@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.indicators.spectrum import lyapunov_spectrum
 
 TOP = lp.Top.twisted_kovalevskaya()
@@ -14,7 +13,7 @@ INTERVAL = 2.0
 @pytest.fixture(scope="module")
 def spectrum():
     x0 = lp.sample_states(TOP, 2, seed=1)
-    return lyapunov_spectrum(TOP, x0, t_end=400, transient=1000, interval=INTERVAL, covariant=True)
+    return lyapunov_spectrum(TOP, x0, t_end=400, transient=600, interval=INTERVAL, covariant=True)
 
 
 @pytest.mark.thorough
@@ -33,12 +32,8 @@ def test_they_are_unit_vectors_and_the_first_is_that_of_the_frame(spectrum):
     vectors = spectrum.covariant
     assert np.abs(np.linalg.norm(vectors.vector, axis=-1) - 1).max() < 1e-14
     assert np.abs(vectors.exponent[:, 0] - spectrum.end_exponent[:, 0]).max() < 1e-12
-
-
-def test_exponents_from_their_growth_agree_with_those_of_the_frames(spectrum):
-    # both are averages over one orbit: they differ by logarithms of sines of angles at its ends, over t = 400; the
-    # angles come down to 0.01 (ln 0.01 = -4.6)
-    assert np.abs(spectrum.covariant.exponent - spectrum.end_exponent).max() < 10 / 400
+    # averages over one orbit: they differ by logarithms of sines of angles at its ends, over t = 400
+    assert np.abs(vectors.exponent - spectrum.end_exponent).max() < 10 / 400
 
 
 def test_the_flow_lies_in_the_centre_space(spectrum):
@@ -65,10 +60,6 @@ def test_growing_and_shrinking_spaces_are_told_apart(spectrum):
     angle = spectrum.covariant.angle(5)
     assert angle.min() > 0
     assert angle.max() <= np.pi / 2
-    with pytest.raises(ParameterError, match="come in pairs"):
-        spectrum.covariant.angle(4)
-    with pytest.raises(ParameterError, match="wanted at most 7, so that some vectors grow"):
-        spectrum.covariant.angle(9)
 
 
 def test_vectors_of_a_saddle_are_its_eigenvectors():
@@ -80,32 +71,3 @@ def test_vectors_of_a_saddle_are_its_eigenvectors():
     assert np.abs(overlap - 1).max() < 1e-12
     assert vectors.exponent[0] == pytest.approx([2, -2], abs=1e-10)
     assert vectors.angle(0)[0, 5] == pytest.approx(np.arccos(3 / 5), abs=1e-10)
-
-
-def test_a_trajectory_that_fails_has_no_vectors():
-    x0 = np.array([np.ones(9), np.full(9, 1e200)])
-    vectors = lyapunov_spectrum(TOP, x0, t_end=20, transient=10, covariant=True).covariant
-    assert np.isnan(vectors.vector[1]).all()
-    assert np.isfinite(vectors.vector[0]).all()
-    angle = vectors.angle(5)
-    assert np.isnan(angle[1]).all()
-    assert np.isfinite(angle[0]).all()
-    assert np.isnan(vectors.centre(5)[1]).all()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"transient": 0}, "wanted a transient > 0"),
-        ({"transient": 10, "n_exponents": 4}, "wanted all 9 exponents"),
-        ({"transient": 10, "interval": 1e-5}, "GiB of frames"),
-    ],
-)
-def test_bad_arguments_are_refused(arguments, words):
-    with pytest.raises(ParameterError, match=words):
-        lyapunov_spectrum(TOP, np.ones(9), t_end=20, covariant=True, **arguments)
-
-
-def test_one_vector_for_each_time_is_wanted(spectrum):
-    with pytest.raises(ShapeError, match="one at each time"):
-        spectrum.covariant.distance_from_centre(np.ones(9), 5)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError
 from liepoisson.numeric.sampling import sample_tangents
 
 TOP = lp.Top.twisted_kovalevskaya()
@@ -31,20 +30,7 @@ def test_exponent_is_the_growth_of_the_tangent_vector_of_integrate():
     assert np.abs(growth.exponent - expected).max() < 1e-14
 
 
-def test_pieces_of_an_ensemble_are_the_ensemble():
-    x0 = lp.sample_states(TOP, 70, seed=3)
-    whole = lp.finite_time_exponents(TOP, x0, t_end=20, seed=1)
-    pieces = [lp.finite_time_exponents(TOP, x0[k : k + 25], t_end=20, seed=1, first=k) for k in range(0, 70, 25)]
-    assert np.array_equal(np.concatenate([piece.exponent for piece in pieces]), whole.exponent)
-
-
-def test_other_seeds_give_other_tangent_vectors():
-    x0 = lp.sample_states(TOP, 4, seed=3)
-    one, two = (lp.finite_time_exponents(TOP, x0, t_end=5, seed=seed).exponent for seed in (1, 2))
-    assert (one != two).all()
-
-
-def test_given_tangent_vectors_are_used_and_zero_is_refused():
+def test_given_tangent_vectors_are_used():
     x0 = lp.sample_states(TOP, 4, seed=3)
     drawn = lp.finite_time_exponents(TOP, x0, t_end=5, seed=1)
     given = lp.finite_time_exponents(TOP, x0, t_end=5, seed=2, tangents=drawn.start_tangent)
@@ -52,8 +38,6 @@ def test_given_tangent_vectors_are_used_and_zero_is_refused():
     # only the direction counts: a power of two leaves every bit but those of the logarithms
     longer = lp.finite_time_exponents(TOP, x0, t_end=5, tangents=8 * drawn.start_tangent)
     assert np.abs(longer.exponent - drawn.exponent)[:, -1].max() < 1e-15
-    with pytest.raises(ParameterError, match="tangent vector of member 0"):
-        lp.finite_time_exponents(TOP, x0, t_end=5, tangents=np.zeros(9))
 
 
 def test_default_times_end_exactly_at_t_end():
@@ -61,40 +45,3 @@ def test_default_times_end_exactly_at_t_end():
     assert growth.time[-1] == 123.4
     assert growth.time[0] == pytest.approx(0.1234)
     assert growth.exponent.shape == (1, 200)
-
-
-@pytest.mark.thorough
-def test_regular_and_chaotic_ensembles_differ():
-    """Kovalevskaya: the mean falls like ln t / t. Twisted: it stays near 0.13. 64 starts, fixed seeds."""
-    regular, chaotic = (
-        lp.finite_time_exponents(top, lp.sample_states(top, 64, seed=5), times=[50, 500, 5000]).exponent.mean(axis=0)
-        for top in (lp.Top.kovalevskaya(), TOP)
-    )
-    assert regular[2] < 0.006  # ln(5000)/5000 = 0.0017; measured 0.0015
-    assert chaotic[2] > 0.1
-
-
-@pytest.mark.parametrize("arguments", [{}, {"t_end": 1.0, "times": [1.0]}])
-def test_one_of_t_end_and_times_is_wanted(arguments):
-    with pytest.raises(ParameterError, match="either t_end or times"):
-        lp.finite_time_exponents(TOP, np.ones(9), **arguments)
-
-
-@pytest.mark.parametrize("t_end", [0.0, -5.0, np.nan, np.inf])
-def test_exponent_over_no_or_negative_time_is_refused(t_end):
-    with pytest.raises(ParameterError, match="positive finite time"):
-        lp.finite_time_exponents(TOP, np.ones(9), t_end=t_end)
-
-
-@pytest.mark.parametrize("times", [[-1.0, 1.0], [0.0, 1.0], [2.0, 1.0], [-1.0], [-2.0, -1.0]])
-def test_times_that_are_not_positive_and_increasing_are_refused(times):
-    with pytest.raises(ParameterError, match="positive increasing"):
-        lp.finite_time_exponents(TOP, np.ones(9), times=times)
-
-
-def test_a_trajectory_that_fails_is_an_outcome():
-    x0 = np.array([np.ones(9), np.full(9, 1e200)])
-    growth = lp.finite_time_exponents(TOP, x0, t_end=3)
-    assert list(growth.outcome) == ["finished", "not finite"]
-    assert np.isnan(growth.exponent[1]).all()
-    assert np.isfinite(growth.exponent[0]).all()

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.indicators import averages, exponents_by_energy, megno, spectrum
-from liepoisson.indicators.averages import average_drift
+from liepoisson.indicators import averages, megno, spectrum
 from liepoisson.numeric import time_scale
 
 TOP = lp.Top.twisted_kovalevskaya()
@@ -48,26 +47,6 @@ def test_a_verdict_begins_nothing_after_its_limit(calls):
     assert np.isnan(verdict.natural_time).all()
 
 
-def test_members_that_are_not_finite_have_their_own_outcome():
-    starts = MANY.copy()
-    starts[[500, 700]] = np.nan
-    outcome = lp.decide(TOP, starts, t_end=1e5, time_limit=NO_TIME).outcome
-    assert np.flatnonzero(outcome == "not finite").tolist() == [500, 700]
-    assert (np.delete(outcome, [500, 700]) == "time limit").all()
-
-
-def test_averages_are_those_of_runs_that_finished():
-    drift, outcome = average_drift(TOP, MANY[:3], t_end=1e5, natural_time=1e5, time_limit=NO_TIME)
-    assert np.isnan(drift).all()
-    assert outcome.tolist() == ["time limit"] * 3
-
-
-def test_errors_of_a_spectrum_that_did_not_finish_are_not_computed(calls):
-    found = lp.lyapunov_spectrum(TOP, MANY[:8], t_end=1e4, transient=100, covariant=True, time_limit=NO_TIME)
-    assert calls["spectrum.mean_error"] == 0
-    assert np.isnan(found.error).all()
-
-
 class SlowLeaf:
     """A leaf whose states take their time."""
 
@@ -84,20 +63,6 @@ def profile(leaf, time_limit):
     return lp.chaos.exponents_by_energy(
         TOP, leaf=leaf, energies=[0.0, 0.5, 1.0, 2.0], n_starts=3, t_end=50, time_limit=time_limit
     )
-
-
-def test_energies_share_the_time_that_is_left(monkeypatch):
-    limits, decide = [], exponents_by_energy.decide
-
-    def decided(*args, time_limit, **kwargs):
-        limits.append(time_limit)
-        return decide(*args, time_limit=1e4, **kwargs)
-
-    monkeypatch.setattr(exponents_by_energy, "decide", decided)
-    profile(SlowLeaf(0.0), 400.0)
-    assert len(limits) == 4
-    assert limits[0] <= 100.0
-    assert limits[3] > 100.0
 
 
 def test_energies_that_come_too_late_have_an_outcome_and_no_states():

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.cli.starts import find_start
-from liepoisson.errors import ParameterError
 from liepoisson.model.charts.leaf_constants import LeafConstants
 from liepoisson.sweeps.starts import TopRows, system_functions
 
@@ -29,7 +28,7 @@ def documented(epsilon, x):
 
 
 @pytest.mark.thorough
-@settings(deadline=None, max_examples=25, derandomize=True)
+@settings(deadline=None, max_examples=10, derandomize=True)
 @given(EPSILONS, VECTORS, VECTORS, VECTORS)
 def test_all_places_give_the_same_numbers(epsilon, l, alpha, beta):
     alpha, beta = np.add(alpha, (0.5, 3, 0)), np.add(beta, (0, 0, 3))  # beta is not zero, and they are not parallel
@@ -60,85 +59,3 @@ def test_all_places_give_the_same_numbers(epsilon, l, alpha, beta):
     by_state, by_values = lp.phase_space.bounds(top, x), lp.phase_space.bounds(top, leaf=values, energy=energy)
     for name in ("l", "alpha", "beta", "omega"):
         assert getattr(by_values, name) == pytest.approx(getattr(by_state, name), rel=1e-6)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("epsilon", [0.8, -1 / 3, 0.1 + 0.2])
-def test_states_drawn_or_charted_by_values_have_them(epsilon):
-    top = top_of(epsilon)
-    values = {"C1": 1.3, "C2": 0.4, "C3": 1.44}
-    wanted = np.array([*values.values()])
-
-    def check(states):
-        for state in np.reshape(states, (-1, 9)):
-            np.testing.assert_allclose(documented(epsilon, state), wanted, rtol=1e-11, atol=1e-11)
-
-    leaf = lp.Leaf(top, values)
-    check(leaf.sample(20, seed=1, energy_below=2.0))
-    check(leaf.project(np.arange(1.0, 10.0)))
-    euler = lp.charts.EulerChart(top, leaf=values)
-    check(euler.to_body(np.array([0.3, 0.5, 1.2, -np.sign(epsilon) * 0.5, 0.4, 0.1])))
-    constants = lp.charts.QuaternionChart(top, leaf=values).leaf
-    np.testing.assert_allclose([float(c) for c in constants.casimirs], wanted, rtol=1e-14)
-    for sampling in ("newton", "liouville"):
-        starts = {**values, "energy": 2.0} | ({"sampling": "liouville"} if sampling == "liouville" else {})
-        seen = []
-        lp.sweep(
-            system=top_of,
-            axes={"epsilon": [epsilon]},
-            starts=starts,
-            n_starts=4,
-            t_end=1.0,
-            quantity=lambda system, x0, seen=seen, **_: seen.extend(x0) or np.zeros(len(x0)),
-        )
-        assert len(seen) == 4
-        check(np.array(seen))
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("epsilon", [0.8, -1 / 3, 0.51])
-def test_bounds_by_values_are_bounds(epsilon):
-    top, values, energy = top_of(epsilon), {"C1": 1.3, "C2": 0.4, "C3": 1.44}, 2.0
-    l, alpha, beta = np.moveaxis(lp.Leaf(top, values).sample(2000, seed=2, energy=energy).reshape(-1, 3, 3), 1, 0)
-    found = lp.phase_space.bounds(top, leaf=values, energy=energy)
-    for vectors, bound in ((l, found.l), (alpha, found.alpha), (beta, found.beta), (l / [1.5, 1.1, 0.8], found.omega)):
-        assert np.linalg.norm(vectors, axis=-1).max() <= bound
-
-
-@pytest.mark.parametrize("epsilon", [0.5, 0.8, 1 / 3])
-def test_leaves_are_continuous_in_epsilon(epsilon):
-    values = {"C1": 1, "C2": 0.2, "C3": 1}
-    here, near = (lp.Leaf(top_of(e), values).state for e in (epsilon, epsilon + 1e-9))
-    np.testing.assert_allclose(here, near, atol=1e-6)
-
-
-def test_long_fractions_cost_no_more_than_short_ones():
-    """1/3 as a double is 3333333333333333/10^16: the same formulas, with coefficients of the same size."""
-    long, short = top_of(1 / 3), top_of("1/3")
-    for first, second in zip(long.bracket.casimirs(), short.bracket.casimirs(), strict=True):
-        found = [(abs(float(c)), m) for m, c in first.as_coefficients_dict().items()]
-        assert [m for _, m in found] == list(second.as_coefficients_dict())
-        assert max(c for c, _ in found) <= 1
-
-
-@pytest.mark.thorough
-def test_the_range_of_the_energy_does_not_depend_on_the_digits_of_epsilon():
-    """A search by steepest descent: with C1 times 5e15 it stopped early, and gave an unbounded energy a maximum."""
-    (low, high), (near, infinite) = (
-        lp.Leaf(top_of(epsilon), {"C1": 1, "C2": 0.1, "C3": 1}).energy_range() for epsilon in (1 / 3, 0.3334)
-    )
-    assert low == pytest.approx(near, abs=2e-3)
-    assert high == infinite == np.inf
-
-
-def test_values_are_refused_for_brackets_that_only_share_the_equations():
-    """A free body: any extension with the unit e_0 gives the equations of a top, here with other Casimirs."""
-    products = {**{(0, k): {k: 1} for k in range(3)}, (1, 1): {1: 1}}
-    bracket = lp.so(3) @ lp.Extension.from_products(3, products, field_names=("l", "alpha", "beta"))
-    free = lp.System(bracket, lambda l, alpha, beta: l.dot(l) / 2)
-    assert free.top_parameters is not None
-    values = {"C1": 1, "C2": 1, "C3": 1}
-    with pytest.raises(ParameterError, match=r"but the bracket"):
-        lp.phase_space.bounds(free, leaf=values, energy=1.0)
-    with pytest.raises(ParameterError, match=r"but the bracket"):
-        lp.charts.EulerChart(free, leaf=values)

@@ -8,8 +8,6 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import MixingWarning
 from liepoisson.leaf import chain_sampling
-from liepoisson.leaf.chain_sampling import sample_by_chains
-from liepoisson.leaf.top_sampling import Shell
 
 BODY = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6 + 3*l1/20")
 DEVIATIONS = 4.5
@@ -22,31 +20,15 @@ def standard_error(halvings, n_chains=chain_sampling.N_CHAINS):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("energy", [0.3, pytest.param(0.27, marks=pytest.mark.slow)])
-def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf(energy):
+def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf():
     """The surface is one curve around e1 and one around -e1.  Uniform points on the sphere, in a window of energy."""
-    noise = np.random.default_rng(1).standard_normal((2_000_000, 3))
+    energy, noise = 0.3, np.random.default_rng(1).standard_normal((500_000, 3))
     sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
     near = sphere[np.abs(BODY.functions.energy(sphere) - energy) < 0.005]
-    expected = (near[:, 0] > 0).mean()  # 0.495 and 0.49
+    expected = (near[:, 0] > 0).mean()  # 0.495
     first, other = (lp.Leaf.through(BODY, [l1, 0, 0]).sample(2048, seed=1, energy=energy) for l1 in (1.0, -1.0))
     assert np.abs((first[:, 0] > 0).mean() - expected) < DEVIATIONS * standard_error(6)
     assert np.array_equal(first, other)
-
-
-@pytest.mark.slow
-def test_mirrored_wells_of_a_top_have_equal_shares():
-    """The wells at (l2, beta2) and (-l2, -beta2), 0.176 below the pass between them, 0.006 above their bottom.
-
-    The volume of the well grows with the third power of the energy: 3 log2(0.176/0.006) = 15 halvings, and 5 of the
-    window.
-    """
-    top = lp.Top.twisted_kovalevskaya()
-    leaf = lp.Leaf(top, {"C1": 1, "C2": 0.2, "C3": 1})
-    x = sample_by_chains(leaf, 2048, 2, Shell(-1.48, is_filled=False))
-    assert leaf.residual(x).max() < 1e-12
-    assert np.abs(top.functions.energy(x) + 1.48).max() < 1e-12
-    assert abs((x[:, 1] < 0).mean() - 0.5) < DEVIATIONS * standard_error(20)
 
 
 @pytest.mark.thorough
@@ -56,7 +38,7 @@ def test_states_below_an_energy_have_the_shares_of_the_caps():
     x = lp.Leaf.through(body, [0, 0, 1]).sample(2048, seed=3, energy_below=0.17)
     assert body.functions.energy(x).max() <= 0.17
     assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * standard_error(8)
-    noise = np.random.default_rng(1).standard_normal((2_000_000, 3))
+    noise = np.random.default_rng(1).standard_normal((500_000, 3))
     sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
     cap = sphere[body.functions.energy(sphere) <= 0.17]
     for k in (0, 1):
@@ -72,15 +54,12 @@ def test_sheets_between_which_proposals_leap_have_equal_shares():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(
-    ("n", "k", "energy"),
-    [(12, 30, 50.0), *(pytest.param(*ball, marks=pytest.mark.slow) for ball in ((12, 10, 2.0), (20, 3, 2.0)))],
-)
-def test_a_ball_off_the_origin_is_filled_evenly(n, k, energy):
+def test_a_ball_off_the_origin_is_filled_evenly():
     """H = (|p|^2 + |q|^2)/2 + k q1 <= E is a ball of radius R, R^2 = 2E + k^2, about q1 = -k in R^(2n).
 
     The mean of q1 is -k, and its variance R^2/(2n + 2).  All starts lie on one side of it.
     """
+    n, k, energy = 8, 30, 50.0
     system = lp.System(lp.canonical(n), f"dot(p, p)/2 + dot(q, q)/2 + {k}*q1")
     x = lp.Leaf(system, {}).sample(2048, seed=1, energy_below=energy)
     radius = np.sqrt(2 * energy + k**2)
@@ -88,31 +67,6 @@ def test_a_ball_off_the_origin_is_filled_evenly(n, k, energy):
     assert abs(x[:, 0].mean() + k) < DEVIATIONS * radius / np.sqrt((2 * n + 2) * 2048 / halvings)
     centred = x + k * np.eye(2 * n)[0]
     assert np.mean(np.sum(centred**2, axis=1)) == pytest.approx(radius**2 * 2 * n / (2 * n + 2), rel=0.01)
-
-
-@pytest.mark.slow
-def test_a_heavy_gyrostat_is_sampled_evenly():
-    r"""H = |l|^2/2I + b.p + 4 l1 on l.p = 0.4, |p| = 1: the mean of l1 at H <= 1 by rejection.
-
-    With p uniform on the sphere, l = 0.4 p + m with m across it, d^2m, and H <= 1 an ellipse in m about its centre.
-    """
-    moments, b = np.array([1.3, 0.9, 0.7]), np.array([0.5, 0.4, -0.8])
-    text = "l1^2/2/1.3 + l2^2/2/0.9 + l3^2/2/0.7 + 0.5*alpha1 + 0.4*alpha2 - 0.8*alpha3 + 4*l1"
-    leaf = lp.Leaf(lp.System(lp.so(3) @ lp.semidirect(2), text), {"C1": 0.4, "C2": 1.0})
-    rng = np.random.default_rng(0)
-    p = rng.standard_normal((400_000, 3))
-    p /= np.linalg.norm(p, axis=1, keepdims=True)
-    across = np.cross(p, rng.standard_normal(p.shape))
-    across /= np.linalg.norm(across, axis=1, keepdims=True)
-    u, v = rng.uniform(-14, 14, (2, len(p), 1))
-    l = 0.4 * p + u * across + v * np.cross(p, across)
-    energy = np.sum(l**2 / moments, axis=1) / 2 + p @ b + 4 * l[:, 0]
-    wanted = l[energy <= 1.0, 0]
-    x = leaf.sample(2048, seed=1, energy_below=1.0)[:, 0]
-    error = np.hypot(wanted.std() / np.sqrt(len(wanted)), x.std() * np.sqrt(5 / 2048))
-    assert error < 0.2
-    assert abs(x.mean() - wanted.mean()) < 3 * error
-    assert wanted.mean() == pytest.approx(-3.975, abs=0.06)
 
 
 def test_a_population_that_moves_in_one_direction_is_seen():
@@ -138,17 +92,8 @@ def test_chains_that_remember_their_starts_are_warned_of(monkeypatch):
         lp.Leaf.through(hyperbolic, [0, 0, 1]).sample(10, seed=1, energy=2.0)
 
 
-def test_memory_is_the_largest_correlation():
-    rng = np.random.default_rng(0)
-    x, y = rng.standard_normal((2, 2000, 3))
-    assert chain_sampling._memory(x, y) < 0.1
-    assert chain_sampling._memory(x, np.column_stack([y[:, :2], x[:, 2]])) == pytest.approx(1)
-    assert chain_sampling._memory(x, np.column_stack([y[:, :2], np.abs(x[:, 2])])) > 0.9, "by the square"
-    assert chain_sampling._memory(np.ones((5, 2)), np.ones((5, 2))) == 0, "constant coordinates say nothing"
-
-
 @pytest.mark.thorough
-@pytest.mark.parametrize("size", [0.6, 1.5])
+@pytest.mark.parametrize("size", [0.6])
 def test_steps_of_any_size_keep_the_measure(size):
     """On a level of the energy of a free body the measure is uniform in time: its mean of l1^2 stays what it is.
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import ChartError, ParameterError, ShapeError
+from liepoisson.errors import ChartError
 from liepoisson.leaf.chart_orbit import chart_orbit
 
 GAUGES = ("e3, e1", "e1, e3", ((0.6, 0.8, 0), (0, 0, 1)))
@@ -25,8 +25,7 @@ def test_the_euler_chart_refuses_a_collinear_start(gauge):
 
 @pytest.mark.thorough
 def test_the_quaternion_chart_follows_it_and_it_does_not_stay_collinear():
-    # The paper: "If eta = 2 epsilon l.beta initially, then it remains so for all times".  It does not:
-    # alpha' = epsilon beta x a = -e2 at the start, so that |alpha x beta| = t, to third order.
+    # alpha' = epsilon beta x a = -e2 at the start, so that |alpha x beta| = t, to third order
     t = np.array([0, 0.25, 1, 5, 10])
     orbit = chart_orbit(lp.charts.QuaternionChart(TOP, state=COLLINEAR), COLLINEAR, times=t)
     assert (orbit.outcome, orbit.left_by) == ("finished", None)
@@ -36,8 +35,7 @@ def test_the_quaternion_chart_follows_it_and_it_does_not_stay_collinear():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("gauge", GAUGES, ids=str)
-@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize(("gauge", "direction"), [(GAUGES[0], 1), (GAUGES[2], -1)], ids=str)
 def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, direction):
     start = exact(COLLINEAR, [0, -0.5 * direction])[-1]
     t = direction * np.linspace(0, 1, 9)
@@ -54,24 +52,6 @@ def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, 
 
 
 @pytest.mark.thorough
-def test_the_integrator_ends_at_the_collinear_set_or_is_right_beyond_it():
-    """It never goes on to the other branch of the root. In the gauge e3, e1 the root has no part in this motion.
-
-    Measured: 3e-15 where it finishes. `chart_orbit` ends there in every gauge.
-    """
-    for before in (0.3, 0.4, 0.5, 0.6):
-        start = exact(COLLINEAR, [0, -before])[-1]
-        for gauge in GAUGES:
-            chart = lp.charts.EulerChart(TOP, state=start, gauge=gauge)
-            run = lp.integrate(chart.system, chart.from_body(start), times=[0, 1])
-            if run.outcome[0] == "finished":
-                assert np.abs(chart.to_body(run.state[0, -1]) - exact(start, [0, 1])[-1]).max() < 1e-12
-            else:
-                assert abs(run.end_time[0] - before) < 1e-4
-            assert chart_orbit(chart, start, times=[0, 1]).outcome != "finished"
-
-
-@pytest.mark.thorough
 def test_an_orbit_inside_the_chart_finishes():
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
     for chart in (lp.charts.EulerChart(TOP, state=x), lp.charts.QuaternionChart(TOP, state=x)):
@@ -79,32 +59,12 @@ def test_an_orbit_inside_the_chart_finishes():
         assert (orbit.outcome, orbit.left_by, orbit.left_margin, orbit.end_time) == ("finished", None, None, 10.0)
         np.testing.assert_allclose(orbit.body, exact(x, np.linspace(0, 10, 5)), atol=1e-10)
         assert all(values.shape == (5,) for values in orbit.margins.values())
-        assert repr(orbit) == (
-            f"<ChartOrbit of {chart.name!r}: 5 times, finished at t = 10, Taylor method, tolerance 1e-15>"
-        )
-
-
-def test_a_budget_of_steps_is_no_end_of_the_chart():
-    x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
-    orbit = chart_orbit(lp.charts.EulerChart(TOP, state=x), x, times=[0, 100.0], method=lp.Taylor(max_steps=20))
-    assert orbit.outcome == "max steps"
-    assert 0 < orbit.end_time < 100
 
 
 @pytest.mark.thorough
-def test_wrong_input_is_refused():
-    chart = lp.charts.QuaternionChart(TOP, state=COLLINEAR)
-    with pytest.raises(ShapeError, match="one state"):
-        chart_orbit(chart, [COLLINEAR], times=[0, 1])
-    with pytest.raises(ParameterError, match="Taylor"):
-        chart_orbit(chart, COLLINEAR, times=[0, 1], method=lp.RungeKutta())
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("kind", [lp.charts.EulerChart, lp.charts.QuaternionChart])
-def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(kind, tmp_path):
+def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(tmp_path):
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
-    chart = kind(TOP, state=x)
+    chart = lp.charts.EulerChart(TOP, state=x)
     orbit = chart_orbit(chart, x, times=np.linspace(0, 3, 4))
     loaded = lp.load(orbit.save(tmp_path / "orbit.nc"))
     dataset = loaded.dataset
@@ -118,16 +78,3 @@ def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(kind, tmp_path):
     again = lp.rerun(dataset)
     assert again.method == orbit.method
     np.testing.assert_array_equal(again.state[0], orbit.state)
-
-
-def test_a_file_says_where_the_chart_ended(tmp_path):
-    start = exact(COLLINEAR, [0, -0.5])[-1]
-    orbit = chart_orbit(lp.charts.EulerChart(TOP, state=start), start, times=np.linspace(0, 1, 9))
-    loaded = lp.load(orbit.save(tmp_path / "orbit.nc"))
-    assert loaded.outcome == orbit.outcome != "finished"
-    assert (loaded.left_by, loaded.left_margin) == (orbit.left_by, orbit.left_margin)
-    assert loaded.end_time == orbit.end_time
-    np.testing.assert_array_equal(loaded.end_state, orbit.end_state)
-    assert np.isnan(loaded.state[5:]).all()
-    again = lp.rerun(loaded)
-    np.testing.assert_array_equal(again.state[0, :4], orbit.state[:4])

@@ -26,12 +26,6 @@ def test_default_surface_is_the_rate_of_what_moves(name, start, function):
     assert len(lp.section(system, begin.state, surface=surface, t_end=100).time) > 3
 
 
-def test_a_leaf_at_rest_has_no_surface():
-    system = lp.System(lp.Bracket(lp.so(3), lp.extensions.trivial()), "dot(l, l)")
-    with pytest.raises(lp.errors.ParameterError, match="every state is an equilibrium"):
-        lp.sections.default_surface(lp.Leaf(system, {"C1": 1}))
-
-
 def test_components_that_act_on_nothing_are_no_axes():
     top = lp.Top.heavy(inertia=(1, 2, 3), a=(1, 0, 0))
     assert idle_components(top) == {"beta1", "beta2", "beta3"}
@@ -43,8 +37,6 @@ def test_components_that_act_on_nothing_are_no_axes():
     parallel = {"l": (1, 0.2, 1), "alpha": (0.6, 0, 0.8), "beta": (0.6, 0, 0.8)}  # a section of dimension 2
     run = lp.section(top, parallel, surface="l3", direction=1, t_end=200)
     assert not any("beta" in axis for axis in run.default_axes)
-    assert 'lp.catalog.system("heavy-top", ...)' in str(run)
-    assert 'catalog.system("heavy-top"' in lp.Top.heavy.__doc__
 
 
 def test_axes_that_fold_the_section_are_told_from_coordinates():
@@ -77,37 +69,8 @@ def test_a_section_says_whether_its_figure_folds_it():
     assert (up.state[:, 3] > 0).any()
     assert (up.state[:, 3] < 0).any()
     assert up.is_folded("y", "p_y^2")
-    assert str(both).splitlines() == [
-        "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits",
-        "a figure of y and p_y, the axes by default, has two sheets, which it draws side by side",
-    ]
-    assert str(up) == "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits"
-
-
-def test_a_section_says_which_orbits_the_end_of_time_cut_short():
-    run = lp.section(OSCILLATOR, STARTS, surface="x", t_end=20, n_crossings=100, direction=1)
-    assert run.n_short == 2
-    assert "2 ended by t = 20 before 100" in repr(run)
-    assert "2 of 2 orbits ended at t = 20, before their 100 crossings: give a later t_end" in str(run)
-    whole = lp.section(OSCILLATOR, STARTS, surface="x", t_end=20, direction=1)
-    assert whole.n_short == 0
-    assert "before" not in repr(whole) + str(whole)
-
-
-@pytest.mark.parametrize(
-    ("system", "options", "message"),
-    [
-        (OSCILLATOR, {"keep": ["y", "p_y"]}, "of which it is not known"),
-        (lp.Top.twisted_kovalevskaya(), {}, "got one of dimension 4"),
-    ],
-)
-def test_only_sections_of_dimension_two_with_states_can_be_folded(system, options, message):
-    surface = system.component_names[0]
-    run = lp.section(system, lp.sample_states(system, 2, seed=1) / 4, surface=surface, t_end=20, **options)
-    assert len(run.time)
-    with pytest.raises(lp.errors.ParameterError, match=message):
-        run.is_folded()
-    assert ("a plane shows a projection" in str(run)) == (not options)
+    assert "two sheets" in str(both)
+    assert "two sheets" not in str(up)
 
 
 def on(system, surface, energy, *, direction=1, casimirs=None, n=600):
@@ -121,8 +84,7 @@ BODIES = [
 ]
 
 
-@pytest.mark.parametrize(("system", "casimirs"), BODIES, ids=lambda value: getattr(value, "name", ""))
-@pytest.mark.parametrize("k", range(3))
+@pytest.mark.parametrize(("system", "casimirs", "k"), [(*body, k % 3) for k, body in enumerate(BODIES)])
 def test_an_angle_and_its_momentum_are_coordinates_where_a_component_is_zero(system, casimirs, k):
     """For a kinetic energy that is convex, and crossings in one direction: a theorem, for every body and axis."""
     names = system.component_names
@@ -134,15 +96,6 @@ def test_an_angle_and_its_momentum_are_coordinates_where_a_component_is_zero(sys
     found = section_axes(system, states, names[3 + k], (names[5], names[1]))
     assert found.is_graph
     assert section_axes(system, both, names[3 + k], (names[5], names[1])).by_direction
-
-
-def test_a_section_that_winds_twice_around_a_point_is_folded():
-    """Doubling the angle keeps the sign of the area everywhere: only that states lie above each other tells it."""
-    system = OSCILLATOR
-    states = on(system, "x", 0.1)
-    double = "y^2 - p_y^2", "2*y*p_y"
-    assert not lp.sections.is_folded(system, states, "x", "y", "p_y")
-    assert lp.sections.is_folded(system, states, "x", *double)
 
 
 def test_the_default_surface_of_the_command_has_unfolded_axes_where_a_component_does():
@@ -167,44 +120,18 @@ def test_a_component_is_taken_only_where_orbits_meet_it_again(name, energy, surf
     assert found == surface
 
 
-def test_a_part_of_a_section_on_a_line_is_no_graph():
-    system = lp.catalog.system("neumann")
-    begin = lp.phase_space.find_start(system)
-    states = lp.sections.section_starts(begin.leaf, "alpha1*alpha2", energy=begin.energy, n_starts=200, direction=1)
-    assert (np.abs(states[:, 3]) < 1e-9).any()
-    found = section_axes(system, states, "alpha1*alpha2", ("alpha3", "l2"))
-    assert (found.x, found.y, found.is_graph) != ("atan2(alpha1, alpha3)", "l2", True)
-
-
-@pytest.mark.parametrize("text", ["atan2(l1, l2)", "dot(l, l) + atan2(alpha1, alpha2 + 1)"])
-def test_angles_stand_in_functions_and_not_in_hamiltonians(text):
-    system = lp.catalog.system("kovalevskaya")
+def test_angles_stand_in_functions_and_not_in_hamiltonians():
+    system, text = lp.catalog.system("kovalevskaya"), "dot(l, l) + atan2(alpha1, alpha2 + 1)"
     x = np.random.default_rng(0).standard_normal((40, 6))
     function = system.functions.of(text)
-    wanted = {
-        "atan2(l1, l2)": np.arctan2(x[:, 0], x[:, 1]),
-        "dot(l, l) + atan2(alpha1, alpha2 + 1)": (x[:, :3] ** 2).sum(axis=1) + np.arctan2(x[:, 3], x[:, 4] + 1),
-    }[text]
+    wanted = (x[:, :3] ** 2).sum(axis=1) + np.arctan2(x[:, 3], x[:, 4] + 1)
     np.testing.assert_allclose(function(x), wanted, rtol=1e-14)
     h = 1e-6
     for k, unit in enumerate(np.eye(6)):
         slope = (function(x + h * unit) - function(x - h * unit)) / (2 * h)
         np.testing.assert_allclose(function.gradient(x)[:, k], slope, atol=1e-6)
-    with pytest.raises(lp.errors.ExpressionError, match=r"atan2 jumps by 2\*pi"):
-        lp.System(system.bracket, text)
     start = lp.sample_states(system, 3, seed=1)
-    with pytest.raises(lp.errors.ParameterError, match=r"atan2 jumps by 2\*pi; try sin\(c\)\*x"):
-        lp.section(system, start, surface=text, t_end=10)
     states = lp.section(system, start, surface="l3", t_end=100).state
     kept = lp.section(system, start, surface="l3", t_end=100, keep=[text]).state
     assert len(kept) > 5
     np.testing.assert_allclose(kept[:, 0], function(states), rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [("atan2(l1)", "takes two scalars"), ("atan2(l, l1)", "takes two scalars"), ("atan2(0, 0)", "has no angle")],
-)
-def test_angles_that_are_none_are_refused(text, words):
-    with pytest.raises(lp.errors.ExpressionError, match=words):
-        lp.catalog.system("kovalevskaya").expression(text)
