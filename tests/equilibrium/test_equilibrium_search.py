@@ -186,3 +186,17 @@ def test_a_circle_is_decided_where_its_symmetry_is_known():
     assert np.hypot(*circle.state[:2]) == pytest.approx(1, abs=1e-12)
     alone = lp.phase_space.equilibrium(system, circle.state)
     assert (alone.signature, alone.linear_stability) == ((3, 0, 1), "degenerate")
+
+
+@pytest.mark.thorough
+def test_while_the_check_fails_more_starts_are_taken():
+    system = lp.catalog.system("manakov-so4")
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
+    few = lp.equilibria(system, leaf, n_starts=3, most_starts=3)
+    assert few.n_starts == 3
+    assert few.euler_found != 4
+    assert "some are missing or false" in few.completeness
+    more = lp.equilibria(system, leaf, n_starts=3, most_starts=400)
+    assert more.n_starts > 3
+    assert more.euler_found == more.euler_characteristic == 4
+    assert not more.proved

@@ -148,3 +148,28 @@ def test_diagram_shows_the_curves_of_double_roots(monkeypatch):
     for options in ({"twists": ()}, {"twists": 1}, {"spin": "a"}, {"field": -1}):
         with pytest.raises(ParameterError, match="at least one twist"):
             sleeping_diagram(**options)
+
+
+def test_twisted_discriminant_is_that_of_q():
+    top = lp.Top.twisted_lagrange()
+    sleeping = sleeping_top(top, l3=Fraction(7, 3), alpha3=Fraction(1, 5), beta3=Fraction(-2, 7))
+    x = sympy.symbols("x")
+    q = sum(
+        sympy.Rational(c.numerator, c.denominator) * x**k
+        for k, c in zip((3, 2, 1, 0), sleeping.polynomial, strict=True)
+    )
+    assert sympy.discriminant(q, x) == sympy.Rational(
+        sleeping.discriminant.numerator, sleeping.discriminant.denominator
+    )
+
+
+def test_a_dependent_integral_gets_no_multiplier():
+    """At relative equilibria the vector fields of l3 and P are parallel: the motion is described by the first one."""
+    top = lp.Top.twisted_lagrange()
+    x = lp.phase_space.equilibrium_near(top, [0.9, 0.2, 0.4, 0.7, 0.1, 1.2, 0.8, 0.3, 0.6], along=("l3",)).state
+    alone, both = (
+        lp.phase_space.equilibrium(top, x, along=("l3",)),
+        lp.phase_space.equilibrium(top, x, along=("l3", "P")),
+    )
+    assert both.omega == {"l3": pytest.approx(alone.omega["l3"]), "P": 0}
+    np.testing.assert_allclose(both.frequencies, alone.frequencies, rtol=1e-6)

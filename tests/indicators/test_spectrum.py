@@ -7,6 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.indicators.spectrum import lyapunov_spectrum
+from liepoisson.indicators.spectrum_check import RATIO_LIMIT
 from liepoisson.indicators.structural_zeros import keeps_volume, poisson_structure
 from liepoisson.indicators.tangent_frames import orthonormal_frames
 
@@ -142,3 +143,9 @@ def test_a_field_without_a_bracket_has_no_structure_and_few_exponents_no_sum():
     few = lyapunov_spectrum(TOP, x0, t_end=20, interval=5, n_exponents=3)
     assert few.exponent.shape == (1, 4, 3)
     assert "only 3 of 9 exponents" in few.check()
+
+
+def test_too_long_an_interval_is_told():
+    spectrum = lyapunov_spectrum(TOP, lp.sample_states(TOP, 2, seed=1), t_end=400, interval=200)
+    assert spectrum.largest_ratio.max() > RATIO_LIMIT
+    assert "take a shorter interval" in spectrum.check()

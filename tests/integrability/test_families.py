@@ -164,3 +164,21 @@ def test_other_numbers_than_rational_ones_are_named(number):
     body = lp.System(lp.so(3) @ lp.semidirect(2), f"({number})*l1^2 + l2^2 + J*l3^2 + a*alpha3", symbols=["J", "a"])
     with pytest.raises(ParameterError, match=f"got {re.escape(number)} in"):
         integrable_families(body, degree=1)
+
+
+def test_casimirs_of_special_parameters_do_not_count():
+    """The extension is a semidirect product at epsilon = 0, with two more Casimirs; inside of it l3 is an integral."""
+    bracket = lp.so(3) @ lp.leibniz(4, "epsilon")
+    x = [str(v) for v in bracket.variables]
+    linear = f"{x[3]} + 2*{x[4]} + 3*{x[5]} + {x[6]} - {x[7]} + 2*{x[8]} - 3*{x[9]} + {x[10]} + 5*{x[11]}"
+    family = lp.System(bracket, f"({x[0]}^2 + 2*{x[1]}^2 + 3*{x[2]}^2)/2 + {linear}", symbols=["epsilon"])
+    found = integrable_families(family, degree=2)
+    assert found.complete
+    assert not found.cases
+    (casimirs,) = found.casimirs
+    assert str(casimirs.conditions[0]) == "epsilon"
+    assert len(casimirs.casimirs) > len(bracket.casimirs())
+    assert "more Casimirs, which do not count, if epsilon = 0" in str(found)
+    inside = lp.System(bracket, f"({x[0]}^2 + {x[1]}^2 + J*{x[2]}^2)/2 + {x[5]} + 2*{x[8]}", symbols=["epsilon", "J"])
+    found = integrable_families(inside, degree=1)
+    assert [str(f) for f in found.general] == [x[2]]

@@ -166,3 +166,13 @@ def test_a_process_that_ends_is_an_outcome(monkeypatch):
 def test_what_makes_no_sense_is_refused(options, words):
     with pytest.raises(ParameterError, match=words):
         scan_integrals(TOP, **options)
+
+
+def test_a_denominator_that_vanishes_is_an_outcome():
+    body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2)/(2*I) + l3^2", symbols=["I"])
+    scan = scan_integrals(body, axes={"I": [0, 1, "1/2"]}, degree=1)
+    assert scan.outcome.tolist() == ["no system", "finished", "finished"]
+    # symmetric about an axis: a component of l, which is the root of a sum of H and the Casimir
+    assert scan.n_further.tolist() == [-1, 0, 0]
+    assert scan.found == {1: ("l1",), 2: ("l2",)}
+    assert scan.complete

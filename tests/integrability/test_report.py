@@ -8,6 +8,7 @@ from searched_systems import TOP
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.integrability import checker
+from liepoisson.integrability.report import _add_brackets
 
 report = lp.integrability.integrability_report
 
@@ -128,3 +129,14 @@ def test_where_casimirs_are_unknown_nothing_is_called_proved(tmp_path):
         ParameterError, match="wanted a bracket of which all Casimirs are known; 1 of 1 Casimirs is unknown"
     ):
         lp.integrability.certificate(system, {"H": "l1*l2 + l3"})
+
+
+def test_brackets_of_integrals_are_integrals():
+    algebra = lp.canonical(names=("x", "y", "z"))
+    system = lp.System(algebra, "(p_x^2 + p_y^2 + p_z^2)/2 + (x^2 + y^2 + z^2)^2")
+    integrals = {
+        name: system.expression(f) for name, f in [("H", "H"), ("F1", "y*p_z - z*p_y"), ("F2", "z*p_x - x*p_z")]
+    }
+    notes = _add_brackets(system, integrals, {}, 6)
+    assert notes == ["F3 = {F1, F2}, by Poisson's theorem"]
+    assert integrals["F3"] in {system.expression("x*p_y - y*p_x"), system.expression("y*p_x - x*p_y")}

@@ -78,3 +78,10 @@ def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(tmp_path):
     again = lp.rerun(dataset)
     assert again.method == orbit.method
     np.testing.assert_array_equal(again.state[0], orbit.state)
+
+
+def test_a_budget_of_steps_is_no_end_of_the_chart():
+    x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
+    orbit = chart_orbit(lp.charts.EulerChart(TOP, state=x), x, times=[0, 100.0], method=lp.Taylor(max_steps=20))
+    assert orbit.outcome == "max steps"
+    assert 0 < orbit.end_time < 100

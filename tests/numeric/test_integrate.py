@@ -62,6 +62,7 @@ def test_dense_output_is_the_orbit(times):
         direct = lp.integrate(TOP, x0, times=grid).state
         assert np.abs(orbit.at(grid) - direct).max() < 1e-14
         assert orbit.at(wanted).shape == (2, len(wanted), 9)
+        np.testing.assert_array_equal(orbit.at(wanted[::-1]), orbit.at(wanted)[:, ::-1])
         assert np.array_equal(orbit.at(float(wanted[0])), orbit.at(wanted)[:, 0])
 
 

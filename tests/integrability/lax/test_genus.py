@@ -108,3 +108,17 @@ def test_prym_varieties_have_the_dimension_of_the_tori(name, symmetry, degrees_o
     pair = lp.integrability.known_lax_pair(name)
     [component] = pair.spectral_curve().components
     assert component.prym_dimensions[symmetry] == degrees_of_freedom == pair.system.bracket.rank() // 2
+
+
+def test_a_curve_that_splits_over_the_complex_numbers_is_not_decided():
+    found = genus(curve(w**2 + z**2))
+    assert found.value is None
+    assert "irreducible" in found.reason
+
+
+def test_primes_of_bad_reduction_are_passed_over(monkeypatch):
+    """Modulo 5 the zeros 0 and 5 of the discriminant come together: y^2 = x (x - 5) (x - 1) has genus 1, not 0."""
+    monkeypatch.setattr("liepoisson.integrability.lax.genus._FIRST_PRIME", 4)
+    found = genus(curve(w**2 - z * (z - 5) * (z - 1)))
+    assert found.value == 1
+    assert found.prime > 5
