@@ -46,6 +46,7 @@ REFUSED = [
         ParameterError,
         "to itself",
     ),
+    (partial(symmetric_periodic_orbits, TOP, LEVEL, "1/2", reversers=["R1"]), ParameterError, "reversers: wanted"),
     (partial(symmetric_periodic_orbits, TOP, 3, "1/2"), ParameterError, "leaf must be"),
     (lambda: symmetric_homoclinic_orbits(orbit(OSCILLATOR)), ParameterError, "hyperbolic"),
     (lambda: symmetric_homoclinic_orbits(lp.equilibria(OSCILLATOR, {})[0]), ParameterError, "hyperbolic"),
