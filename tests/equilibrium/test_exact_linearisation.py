@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.equilibrium.exact_linearisation import exact_linearisation
+from liepoisson.equilibrium.linearisation import exact_linearisation
 
 
 def _coefficient(draw):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from liepoisson.structure.locus import Locus
+from liepoisson.structure.strata import Locus
 
 PAIR = ("alpha", "beta")
 

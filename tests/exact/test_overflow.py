@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.compile.overflow import without_overflow
+from liepoisson.compile.cancellation import without_overflow
 
 POTENTIALS = [
     "exp(-q1^2)",

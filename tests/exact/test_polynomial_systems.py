@@ -14,7 +14,7 @@ from liepoisson.compile.lowering import lower
 from liepoisson.compile.polynomial_dynamics import bracket_with
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
-from liepoisson.model.polynomial_formula import read_polynomial
+from liepoisson.model.polynomial_view import read_polynomial
 from liepoisson.model.system_text import formula_text
 from liepoisson.structure.bracket_scope import scope_of
 

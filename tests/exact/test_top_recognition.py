@@ -12,7 +12,7 @@ from liepoisson.compile.private_symbols import evaluated
 from liepoisson.formula.arithmetic import expanded_terms
 from liepoisson.model.known_integrals import known_integrals, known_polynomials
 from liepoisson.model.system_text import formula_text
-from liepoisson.model.top_recognition import MOST_TERMS, match_polynomial_top, match_top, recognised_top
+from liepoisson.model.top_parameters import MOST_TERMS, match_polynomial_top, match_top, recognised_top
 from liepoisson.model.tops import Top
 from liepoisson.poincare.surfaces import good_surface
 

@@ -8,8 +8,7 @@ from liepoisson.chaos import agreement, alignment, decide, exponents_by_energy, 
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
 from liepoisson.indicators.finite_time_fit import EnsembleReduction, Resampling, mean_curve, window_grid, window_scan
 from liepoisson.indicators.fit_goodness import fit_goodness
-from liepoisson.indicators.mean_error import mean_interval
-from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.mean_error import mean_interval, proportion
 from liepoisson.indicators.verdict import Rule
 
 TOP = lp.Top.twisted_kovalevskaya()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.mean_error import proportion
 from liepoisson.indicators.verdict import INDICATORS, Rule, agreement, decide
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()

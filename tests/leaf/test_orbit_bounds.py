@@ -82,7 +82,7 @@ def test_every_state_has_bounds_that_contain_it():
     for epsilon in rng.choice(3, 12).tolist():
         inertia, (a, b) = rng.choice([0.75, 1, 1.5], 3).tolist(), rng.choice([-1, 0, 0.5, 1], (2, 3)).tolist()
         top = lp.Top(inertia=inertia, a=a, b=b, epsilon=epsilon)
-        sizes = rng.choice([1e-200, 1e-150, 1e-3, 1, 1, 1, 1e3], (25, 1))
+        sizes = rng.choice([1e-100, 1e-3, 1, 1, 1, 1e3], (25, 1))
         cases += [(top, x) for x in rng.choice([-2, -1, 0, 0.5, 1], (25, 9)) * sizes]
     for top, x in cases:
         limits = lp.phase_space.bounds(top, x)

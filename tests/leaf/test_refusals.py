@@ -109,6 +109,7 @@ REFUSED = [
     (partial(bounds, lp.Top.kovalevskaya(), leaf=VALUES | {"C2": 2}, energy=0), LeafError, "C2"),
     (partial(bounds, MANAKOV, np.ones(6)), ParameterError, "known for tops"),
     (partial(bounds, KOVALEVSKAYA, 1e200 * np.eye(9)[0]), ParameterError, "units"),
+    (partial(bounds, KOVALEVSKAYA, 1e-150 * np.eye(9)[0]), ParameterError, "lengths from 1e-140 to 1e"),
     (partial(bounds, KOVALEVSKAYA, leaf=VALUES | {"C2": 1e200, "C3": 1e308}, energy=1e308), ParameterError, "overflow"),
     (partial(bounds, FREE, leaf=VALUES, energy=1.0), ParameterError, "but the bracket"),
     (partial(lp.charts.EulerChart, FREE, leaf=VALUES), ParameterError, "but the bracket"),

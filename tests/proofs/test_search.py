@@ -10,8 +10,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import LeafError, OrbitError, ParameterError
 from liepoisson.proofs.certificate import FORMAT
-from liepoisson.proofs.chain import Chain, Edge
-from liepoisson.proofs.float_check import float_check
+from liepoisson.proofs.chain import Chain, Edge, float_check
 from liepoisson.proofs.search import find_certificate
 
 TOP = lp.Top.kovalevskaya(epsilon=1)

@@ -11,8 +11,7 @@ import liepoisson as lp
 from liepoisson.algebra.sparse_polynomials import along
 from liepoisson.errors import CertificateError, MissingFileError, ParameterError
 from liepoisson.proofs.certificate import read_certificate
-from liepoisson.proofs.regularity import is_regular
-from liepoisson.proofs.theorem import keeps_bracket
+from liepoisson.proofs.theorem import is_regular, keeps_bracket
 
 
 def test_the_printed_equations_are_those_of_the_paper(twisted):

@@ -7,9 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.structure.lie.representations import semidirect_sum
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.lie_algebras import abelian, heisenberg, se, sl, so, su
+from liepoisson.structure.lie_algebras import abelian, heisenberg, se, semidirect_sum, sl, so, su
 
 HAT = [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]]
 SIGMA = [sp.Matrix([[0, 1], [1, 0]]), sp.Matrix([[0, -sp.I], [sp.I, 0]]), sp.Matrix([[1, 0], [0, -1]])]

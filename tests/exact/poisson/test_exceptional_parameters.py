@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.structure.poisson.exceptional_parameters import special_values
+from liepoisson.structure.casimirs import special_values
 
 a, b = sp.symbols("a b")
 PLANE, LINE = Coefficients.containing([a, b]), Coefficients.containing([a])

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from liepoisson.structure.extensions import leibniz
 from liepoisson.structure.lie_algebras import so
 from liepoisson.structure.poisson.casimir_search import CasimirSearch
-from liepoisson.structure.poisson.leading_monomials import leading, monic, place, size
+from liepoisson.structure.poisson.polynomials import leading, monic, place, size
 
 L1, L2, ALPHA1, ALPHA2, BETA1, BETA2 = 0, 1, 3, 4, 6, 7
 

@@ -3,8 +3,7 @@ import sympy as sp
 
 from liepoisson.structure.extensions import leibniz, semidirect
 from liepoisson.structure.lie_algebras import so
-from liepoisson.structure.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
-from liepoisson.structure.poisson.pfaffians import PfaffianIdeal
+from liepoisson.structure.poisson.pfaffians import PfaffianIdeal, casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.structure.poisson.polynomials import expression_of
 
 ALPHA, BETA = (3, 4, 5), (6, 7, 8)

@@ -3,9 +3,8 @@ import sympy as sp
 
 from liepoisson.structure.extensions import crmhd, leibniz, semidirect
 from liepoisson.structure.lie_algebras import so, su
-from liepoisson.structure.poisson.casimir_search import CasimirSearch
+from liepoisson.structure.poisson.casimir_search import CasimirSearch, leibniz_strength, lifted
 from liepoisson.structure.poisson.polynomials import expression_of
-from liepoisson.structure.poisson.takiff import leibniz_strength, lifted
 
 
 @pytest.mark.parametrize("n", [2, 3, 4, 5])

@@ -18,7 +18,7 @@ from liepoisson.report.lines import (
     write_line,
 )
 from liepoisson.report.printing import Formula
-from liepoisson.structure.locus import Locus
+from liepoisson.structure.strata import Locus
 
 NAMES = (frozenset({"l", "alpha", "beta", "x"}), frozenset({"epsilon", "l1"}))
 
