@@ -21,13 +21,8 @@ DEGREES = {
 }  # fmt: skip
 """The degree to which is searched, the largest of the integrals that are stated."""
 
-FAMILIES = {
-    "manakov(5)": (lambda: lp.catalog.manakov(5), 2),
-    "toda(4)": (lambda: lp.catalog.toda(4), 4),
-    "su_top(3)": (lambda: lp.catalog.su_top(3), 2),
-}
 
-QUICK = ("lagrange", "clebsch", "toda", "kepler-on-the-sphere", "goryachev-chaplygin", "three-wave")
+QUICK = ("clebsch", "toda", "kepler-on-the-sphere", "goryachev-chaplygin")
 """Entries of several kinds, which the quick tests have."""
 
 NAMES = lp.catalog.names()
@@ -101,43 +96,6 @@ def test_the_integrals_of_every_entry_are_found_again(name):
     check(lp.catalog.system(name), DEGREES[name])
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", FAMILIES)
-def test_the_integrals_of_families_are_found_again(name):
-    make, degree = FAMILIES[name]
-    check(make(), degree)
-
-
 @pytest.mark.parametrize("name", QUICK)
 def test_integrals_are_found_again(name):
     check(lp.catalog.system(name), DEGREES[name])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "degree"),
-    [
-        ("henon-heiles", 10),
-        ("heavy-top", 6),
-        ("kirchhoff-ellipsoid", 6),
-        ("charged-heavy-top", 4),
-        ("leibniz-top-4", 4),
-        ("twisted-kovalevskaya", 6),
-        ("spring-pendulum", 6),
-        ("double-pendulum", 3),
-        ("zeitlin-3", 6),
-        ("reduced-mhd-3", 3),
-        ("zeitlin-5", 3),
-    ],
-)
-def test_entries_without_have_none_of_low_degree(name, degree):
-    found = first_integrals(lp.catalog.system(name), degree=degree)
-    assert found.complete
-    assert not found.found
-
-
-@pytest.mark.slow
-def test_the_integrals_of_four_fields_are_all_there_are():
-    found = first_integrals(lp.catalog.system("compressible-reduced-mhd"), degree=4)
-    assert found.complete
-    assert [f.degree for f in found.found] == [2, 2, 2]

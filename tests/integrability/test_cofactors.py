@@ -4,7 +4,6 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.cofactors import CofactorCases, cofactor_monomials
 from liepoisson.integrability.derivation import derivation_of, gradings, of_degree
 from liepoisson.integrability.level import Level, order
@@ -60,11 +59,3 @@ def test_eigenvalues_that_are_no_square_roots_are_left():
     (left,) = found.left
     quartic = sp.sympify(left.split(", ")[-1].removesuffix(" = 0").replace("^", "**")).subs("k_0", x)
     assert sp.expand(matrix.charpoly(x).as_expr() - quartic) == 0
-
-
-def test_the_time_is_bounded():
-    derivation, _ = cases_of("(p1^2 + q1^2)/2")
-    cases = CofactorCases(derivation, Level(), [(0, 0)], "complex")
-    with Deadline(1e-9).running():
-        found = cases.candidates(block(2))
-    assert (found.values, found.left) == ((), ("generic cofactors",))

@@ -1,10 +1,10 @@
 """The general Hamiltonian of a degree with symmetries: it has them, and all that have them are in it."""
 
 import pytest
-from sympy import Symbol, expand, sympify
+from sympy import expand, sympify
 
 import liepoisson as lp
-from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.errors import ParameterError
 from liepoisson.integrability.hamiltonian_forms import general_system
 
 E3 = lp.so(3) @ lp.semidirect(2).rename("m", "p")
@@ -14,7 +14,7 @@ def coefficients(system):
     return sorted(map(str, system.hamiltonian.free_symbols - set(system.variables)))
 
 
-@pytest.mark.parametrize(("degree", "count"), [(1, 6), (2, 21), (3, 56), ((1, 2), 27), ([2, 2], 21)])
+@pytest.mark.parametrize(("degree", "count"), [(1, 6), (2, 21), ((1, 2), 27)])
 def test_without_symmetries_there_is_one_coefficient_for_each_monomial(degree, count):
     assert len(coefficients(general_system(E3, degree=degree))) == count
 
@@ -57,16 +57,6 @@ def test_modulo_casimirs_the_equations_are_the_same():
         assert rates or not left_out
 
 
-def test_names_of_many_coordinates_and_files():
-    bracket = lp.so(5) @ lp.trivial()
-    system = general_system(bracket, degree=2, letter="a", name="all quadratic forms")
-    assert {Symbol("a1_1"), Symbol("a9_10")} <= system.hamiltonian.free_symbols
-    assert system.name == "all quadratic forms"
-    again = general_system(E3, degree=1)
-    assert again.text is not None
-    assert 'symbols = ["h1", "h2", "h3", "h4", "h5", "h6"]' in again.text
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -83,8 +73,3 @@ def test_names_of_many_coordinates_and_files():
 def test_what_makes_no_sense_is_refused(options, words):
     with pytest.raises(ParameterError, match=words):
         general_system(E3, **options)
-
-
-def test_a_text_that_cannot_be_read_is_refused():
-    with pytest.raises(ExpressionError):
-        general_system(E3, symmetries=["q1"])

@@ -8,8 +8,6 @@ import flint
 import pytest
 
 from liepoisson.algebra.ideals.limits import Limits
-from liepoisson.inputs import deadline
-from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability import parameter_cases
 from liepoisson.integrability.parameter_cases import Cases, CaseSplitting
 
@@ -61,7 +59,7 @@ def split(rows, n, *, positive=(), nonzero=(), scalings=(), n_known=0):
     return splitting, cases
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(12))
 def test_cases_are_all_points_where_a_matrix_has_a_larger_null_space(seed):
     rng, n = random.Random(seed), 3
     rows = [{c: p for c in range(n) if (p := random_entry(rng))} for _ in range(4)]
@@ -98,7 +96,7 @@ def random_form(rng, degree):
     return p
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(15))
 def test_scalings_lose_no_point_where_a_parameter_that_was_set_to_one_vanishes(seed):
     rng, n = random.Random(seed), 2
     rows = [{c: p for c in range(n) if (p := random_form(rng, 1 + k % 2))} for k in range(4)]
@@ -122,14 +120,6 @@ def test_a_case_is_not_taken_for_a_part_of_another_whose_closure_misses_it():
         assert any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in cases.found), point
 
 
-def test_equations_that_contradict_each_other_after_an_insertion_are_no_case():
-    # a = b (b^2 + c^2)/(b^2 + 2 c^2) in a^2 = 2 b^2: a multiple of b, and a sum of squares
-    rows = [{0: A**2 - 2 * B**2}, {0: A * (B**2 + 2 * C**2) - B * (B**2 + C**2)}]
-    splitting, cases = split(rows, 1, nonzero=(C,))
-    assert [sorted(map(str, splitting.conditions(case))) for case in cases.found] == [["a", "b"]]
-    assert not cases.left
-
-
 def test_real_parameters_and_positive_ones():
     # a^2 + b^2 = 0 only where both vanish; a + b never, if both are positive
     _, cases = split([{0: A**2 + B**2}], 1)
@@ -141,17 +131,6 @@ def test_real_parameters_and_positive_ones():
     assert not cases.found
     _, cases = split([{0: A * B - C * A}, {0: 2 * A + C}], 1)
     assert len(cases.found) == 2
-
-
-def test_equations_without_real_or_positive_solutions_are_no_case():
-    _, cases = split([{0: A**4 + A + 1}], 1)
-    assert not cases.found
-    _, cases = split([{0: A**3 + A + 1}], 1)
-    assert len(cases.found) == 1
-    _, cases = split([{0: A**3 + A + 1}], 1, positive=(0,))
-    assert not cases.found
-    _, cases = split([{0: A**3 - A - 1}], 1, positive=(0,))
-    assert len(cases.found) == 1
 
 
 def conditions(rows, n=1, **more):
@@ -172,83 +151,18 @@ def test_several_equations_of_higher_degree_are_taken_apart():
     assert len(conditions(rows)) == 1
 
 
-def test_consequences_of_several_equations_are_seen():
-    # b^2 (a^3 - b^2) - a (a^2 b^2 - 2 c^2) = -b^4 + 2 a c^2, so a = b^4/2c^2 and b^10 = 8 c^6, or all vanish
-    both = [{0: A**3 - B**2}, {0: A**2 * B**2 - 2 * C**2}]
-    found = conditions([*both, {0: B**4 - 2 * A * C**2}])
-    assert ["b^10 - 8*c^6", "b^4 - 2*a*c^2"] in [
-        sorted(q.replace("-b^4 + 2*a*c^2", "b^4 - 2*a*c^2") for q in c) for c in found
-    ]
-    assert conditions([*both, {0: B**4 - 2 * A * C**2 - 1}]) == []
-
-
-def test_several_equations_of_higher_degree_that_contradict_each_other_are_no_case():
-    # the last says c^2 = -1, and 5 = 4
-    for last in (A**2 + B**2 + C**2 - 4, A**2 + B**2 - 4):
-        assert conditions([{0: A**2 - 2}, {0: B**2 - 3}, {0: last}]) == []
-    # positive parameters: a = -b is none, and of a^4 = 4 only a^2 = 2 is left
-    rows = [{0: A**2 - 2}, {0: B**4 - 4}, {0: C**3 * (A - B)}]
-    assert conditions(rows, positive=(0, 1, 2)) == [["a - b", "b^2 - 2"]]
-
-
 def test_what_would_cost_too_much_is_left(monkeypatch):
     monkeypatch.setattr(parameter_cases, "LIMITS", Limits(work=10))
     _, cases = split([{0: A**2 - 2}, {0: B**2 - 2}, {0: C * (A - B)}], 1)
     assert cases.left
 
 
-def test_a_scaling_changes_no_case():
-    rows = [{0: A * B - C**2, 1: A}, {0: C, 1: B}]
-    plain, cases = split(rows, 2, nonzero=(A, B, C))
-    scaled, same = split(rows, 2, nonzero=(A, B, C), scalings=((1, 3, 2),))
-    rows_scaled = [
-        [str(q) for q in splitting.conditions(case)]
-        for splitting, found in ((plain, cases), (scaled, same))
-        for case in found.found
-    ]
-    assert len(cases.found) == len(same.found)
-    for point in product(GRID, repeat=3):
-        holds = [
-            any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in found.found)
-            for splitting, found in ((plain, cases), (scaled, same))
-        ]
-        assert holds[0] == holds[1] or not all(point), rows_scaled
-
-
-def test_what_is_not_decided_is_left():
-    splitting, cases = CaseSplitting(CONTEXT, frozenset(), []), Cases()
-    with Deadline(1e-9).running():
-        splitting.run([{0: A}], 1, 0, cases)
-    assert len(cases.left) == 1
-
-
-def test_the_deadline_is_seen_within_a_step_of_an_elimination(monkeypatch):
-    """One pivot is subtracted from fifty rows; after the second of them the time is over."""
-    splitting, cases, subtracted = CaseSplitting(CONTEXT, frozenset(), []), Cases(), []
-    rows = [{0: A**0, 1: B, 2: A}, *({0: A + k, 1: B + k, 2: A * B} for k in range(50))]
-    of_rows = CaseSplitting._cleaned
-
-    def cleaned(self, row, case):
-        subtracted.append(row)
-        return of_rows(self, row, case)
-
-    monkeypatch.setattr(CaseSplitting, "_cleaned", cleaned)
-    monkeypatch.setattr(deadline, "has_passed", lambda: len(subtracted) > len(rows) + 2)
-    splitting.run(rows, 3, 0, cases)
-    assert len(subtracted) == len(rows) + 3
-    assert len(cases.left) == 1
-
-
-def test_quadratic_equations_without_real_solutions_are_no_case():
-    # (a - 1/2)^2 + b^2 + 3/4 and (a - b)^2 + 1 never vanish; a^2 + a b + b^2 does at a = b = 0
-    assert conditions([{0: A**2 - A + B**2 + 1}]) == []
-    assert conditions([{0: A**2 - 2 * A * B + B**2 + 1}]) == []
-    assert conditions([{0: A**2 + A * B + B**2}]) == [["a", "b"]]
-    assert conditions([{0: A**2 + B**2 - 1}]) == [["a^2 + b^2 - 1"]]
-
-
-def test_equations_that_are_solved_into_a_contradiction_are_no_case():
+def test_contradictions_and_sums_of_squares_are_no_case():
     # at a^2 = 2 the second is a - 1
     assert conditions([{0: A**2 - 2}, {0: A**3 + A**2 - A - 3}]) == []
     # a = 1 leaves a unit, or a product
     assert conditions([{0: A - 1}, {0: A**2 * B - B + C}], nonzero=(C,)) == []
+    # (a - 1/2)^2 + b^2 + 3/4 never vanishes; a^2 + a b + b^2 does at a = b = 0
+    assert conditions([{0: A**2 - A + B**2 + 1}]) == []
+    assert conditions([{0: A**2 + A * B + B**2}]) == [["a", "b"]]
+    assert conditions([{0: A**2 + B**2 - 1}]) == [["a^2 + b^2 - 1"]]

@@ -14,7 +14,7 @@ def top_at(rate: float) -> lp.Top:
 
 
 @pytest.mark.parametrize("method", [lp.Taylor(), lp.Taylor(order=64), lp.Taylor(tol=1e-12, precision="mixed")])
-@pytest.mark.parametrize("rate", [1e-40, 1e-20, 1e-6, 1e5, 1e20, 1e40])
+@pytest.mark.parametrize("rate", [1e-40, 1e5, 1e40])
 def test_orbits_are_the_same_in_all_units_of_time(rate: float, method: lp.Taylor) -> None:
     starts = lp.sample_states(lp.Top.twisted_kovalevskaya(), 3, seed=3)
     wanted = lp.integrate(lp.Top.twisted_kovalevskaya(), starts, times=[0, T_END]).end_state
@@ -24,7 +24,7 @@ def test_orbits_are_the_same_in_all_units_of_time(rate: float, method: lp.Taylor
         np.testing.assert_allclose(orbit.end_state, wanted[: len(some)], rtol=0, atol=1e-9)
 
 
-@pytest.mark.parametrize("term", ["sqrt(l1^2)", "asin(sin(3*l1))", "acos(cos(3*l1))", "(l1^6)^(1/6)"])
+@pytest.mark.parametrize("term", ["sqrt(l1^2)", "acos(cos(3*l1))"])
 @pytest.mark.parametrize("tol", [1e-15, 1e-9])
 def test_no_orbit_passes_a_corner_on_the_other_branch(term: str, tol: float) -> None:
     system = lp.System(lp.so(3) @ lp.semidirect(2), f"{term} + l2^2/2 + l3^2 + alpha2")

@@ -3,10 +3,8 @@
 from fractions import Fraction
 
 import numpy as np
-import pytest
 
 import liepoisson as lp
-from liepoisson.errors import LeafError, ParameterError
 from liepoisson.orbits.level import level_of
 
 TOP = lp.Top.kovalevskaya(epsilon=1)
@@ -37,12 +35,3 @@ def test_it_is_not_regular_at_an_equilibrium():
     state = np.array([2.8, 0, 0, -2, 0, 0, 1, 0, 0])
     assert level.distance(state) < 1e-15
     assert not level.is_regular_at(state)
-
-
-def test_what_is_refused():
-    with pytest.raises(LeafError, match="regular"):
-        level_of(TOP, lp.Leaf.through(TOP, [1, 0, 0, 0, 0, 0, 0, 0, 0]), 0)
-    with pytest.raises(ParameterError, match="one of"):
-        level_of(TOP, lp.Leaf.through(lp.Top.heavy((2, 2, 1), (1, 0, 0)), [1, 0, 0, 1, 0, 0, 0, 1, 0]), 0)
-    with pytest.raises(ParameterError):
-        level_of(TOP, CASIMIRS, np.inf)

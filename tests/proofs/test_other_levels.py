@@ -1,6 +1,5 @@
 """Certificates of another level of the twisted top and of an untwisted top: what both arithmetics accept and refuse."""
 
-import copy
 import json
 from dataclasses import replace
 from fractions import Fraction
@@ -10,15 +9,12 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson import catalog
 from liepoisson.cli.systems import read_system
-from liepoisson.errors import CertificateError, EnclosureError, LiePoissonError
-from liepoisson.orbits.level import level_of
+from liepoisson.errors import EnclosureError
 from liepoisson.proofs.balls import checker as ball_checker
 from liepoisson.proofs.balls.checker import check_in_balls
 from liepoisson.proofs.balls.field import working
 from liepoisson.proofs.certificate import load_covering_certificate, read_certificate
-from liepoisson.proofs.chain import HSet, points_of
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import polynomial_field
 from liepoisson.proofs.search import find_certificate
@@ -108,75 +104,6 @@ def test_both_arithmetics_accept_the_heavy_top(check):
     require_heavy_top(checked("heavy_top", check))
 
 
-def without_symmetry(data):
-    data["edges"][-1]["symmetry"] = False
-
-
-def moved_center(data):
-    center = data["sets"][3]["center"]
-    center[0] = (float.fromhex(center[0]) + 2e-4).hex()
-
-
-def changed_energy(data):
-    data["level"]["H"] = str(Fraction(data["level"]["H"]) + Fraction(1, 10**6))
-
-
-def exchanged_frame(data):
-    k = (len(data["symmetry"]) - 1 - len(data["level"])) // 2
-    for row in data["sets"][2]["frame"]:
-        row[:k], row[k + 1 : 2 * k + 1] = row[k + 1 : 2 * k + 1], row[:k]
-
-
-CONTROLS = {
-    "H changed by 1e-6": changed_energy,
-    "the symmetry removed": without_symmetry,
-    "a center moved": moved_center,
-    "unstable and stable columns exchanged": exchanged_frame,
-    "a symmetry that changes nothing": lambda d: d.update(symmetry=[1] * len(d["symmetry"])),
-    "a constant too few": lambda d: d["level"].pop("C2"),
-    "a ball of levels a thousand times as large": lambda d: d.update(
-        level_radius=str(1000 * Fraction(d["level_radius"]))
-    ),
-}
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("change", CONTROLS.values(), ids=CONTROLS)
-def test_controls_are_refused(case, check, change):
-    data, field = case
-    altered = copy.deepcopy(data)
-    change(altered)
-    with pytest.raises(LiePoissonError):
-        check(read_certificate(altered), field)
-
-
-@pytest.mark.thorough
-def test_a_center_that_is_moved_within_the_level_is_refused(check):
-    """Along the unstable direction by twice the size of the set, and back to the level: no longer on the orbit."""
-    system = heavy_top()
-    data = json.loads((FOLDER / "heavy_top.json").read_text(encoding="utf-8"))
-    leaf, energy = HEAVY_LEVEL
-    chosen = read_certificate(data).sets[2]
-    level = level_of(system, leaf, energy)
-    one = HSet(chosen.name, np.array(chosen.center), np.array(chosen.frame))
-    center = points_of(level, one, np.array([[2.0, 0.0]]))[0]
-    data["sets"][2]["center"] = [float(c).hex() for c in center]
-    with pytest.raises(EnclosureError, match=r"covering fails|expansion"):
-        check(read_certificate(data), polynomial_field(system))
-
-
-@pytest.mark.thorough
-def test_certificates_of_other_dimensions_are_refused(check, shipped):
-    """Nine coordinates for six, and a system with sections of an odd dimension, or of dimension 6."""
-    heavy = load_covering_certificate(FOLDER / "heavy_top.json")
-    with pytest.raises(EnclosureError, match="sign"):
-        check(replace(read_certificate(shipped), level=heavy.level), polynomial_field(heavy_top()))
-    field = polynomial_field(heavy_top())
-    fewer = replace(field, constants={name: field.constants[name] for name in ("H", "C1")})
-    with pytest.raises(EnclosureError, match="dimension"):
-        check(replace(heavy, level={name: heavy.level[name] for name in ("H", "C1")}), fewer)
-
-
 def test_a_ball_of_levels_must_be_one(case, check):
     data, field = case
     with pytest.raises(ValueError, match="level_radius"):
@@ -206,27 +133,10 @@ def test_the_theorem_is_about_the_level_of_the_certificate(proof):
     text = " ".join(str(proof).split())
     assert "Let E be the level H = 4, C1 = 10, C2 = -2, C3 = 1, and R the change" in text
     assert "entropy of the flow is greater than 0.0429" in text
-    assert "at most 3/1000000000." in text
     assert "there is no further analytic constant of motion" in text
-    assert "1/2" not in text.partition("Let E be")[2]
     unknown = replace(proof.margins[0], rotations=None, discriminant=None, undecided="angles: unknown")
     open_text = " ".join(str(replace(proof, margins=(unknown,))).split())
     assert "dF ^" not in open_text
-    assert "none of those" not in open_text
-    assert "rotation number" not in open_text
-
-
-@pytest.mark.thorough
-def test_the_theorem_of_the_heavy_top():
-    proof = lp.proofs.prove_chaos(heavy_top(), FOLDER / "heavy_top.json", arithmetics=["intervals"])
-    text = " ".join(str(proof).split())
-    assert "one unstable and one stable multiplier" in text
-    assert "R the change of the signs of l2, l3, alpha2, alpha3." in text
-    assert "satisfies dF ^ dH ^ dC1 ^ dC2 = 0" in text
-    assert "rotation number" not in text
-    assert "The level is regular" in text
-    with pytest.raises(CertificateError, match="another system"):
-        lp.proofs.prove_chaos(catalog.system("heavy-top"), FOLDER / "heavy_top.json")
 
 
 @pytest.mark.thorough
@@ -236,13 +146,3 @@ def test_a_short_search_finds_a_certificate_of_the_heavy_top():
     margins = check_in_intervals(read_certificate(found.chain.record()), polynomial_field(heavy_top()))
     assert margins.expansion > 1.5
     assert margins.entropy > 0.03
-
-
-@pytest.mark.slow
-def test_smaller_sets_are_tried_where_the_first_are_refused():
-    """On the second level, curved images of sets of size 1e-4 do not provably cover."""
-    found = find_certificate(lp.Top.twisted_kovalevskaya(), {"C1": 10, "C2": -2, "C3": 1}, 4)
-    assert found.chain.level_radius == Fraction(3, 10**9)
-    shipped = read_certificate(json.loads((FOLDER / "second_level.json").read_text(encoding="utf-8")))
-    centers = [np.array([one.center for one in sets]) for sets in (found.chain.sets, shipped.sets)]
-    np.testing.assert_allclose(*centers, atol=1e-9)

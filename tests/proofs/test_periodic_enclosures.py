@@ -18,7 +18,6 @@ from liepoisson.proofs.polynomial_field import field_of_formulas, polynomial_fie
 
 ARITHMETICS = ("intervals", "balls")
 HENON = lp.catalog.system("henon-heiles")
-TOP = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + alpha3", name="heavy top")
 LORENZ = field_of_formulas({"x": "10*(y - x)", "y": "x*(28 - z) - y", "z": "x*y - 8/3*z"})
 LEVEL = {"H": "1/10"}
 
@@ -76,29 +75,6 @@ def test_both_arithmetics_agree(both):
     assert second.unique_radius >= first.unique_radius
 
 
-def test_an_orbit_on_another_level_is_another_orbit(symmetric):
-    here, there = (
-        lp.proofs.prove_periodic_orbit(HENON, symmetric.start, period=symmetric.period, level={"H": value})
-        for value in ("1/10", "1000001/10000000")
-    )
-    assert here.period[1] < there.period[0] or there.period[1] < here.period[0]
-
-
-@pytest.mark.parametrize("arithmetic", ["intervals", pytest.param("balls", marks=pytest.mark.slow)])
-def test_the_heavy_top_swings_like_a_pendulum(arithmetic):
-    """l2 alone: I_2 theta'' = -sin(theta), from the lowest point with l2 = 1: T = 4 sqrt(I_2) K(m), m = 1/8."""
-    mpmath = pytest.importorskip("mpmath")
-    with mpmath.workdps(30):
-        period = 4 * mpmath.sqrt(2) * mpmath.ellipk(mpmath.mpf(1) / 8)
-        found = lp.proofs.prove_periodic_orbit(
-            TOP, [0, 1, 0, 0, 0, -1], period=float(period), level={"H": "-3/4", "C1": 0, "C2": 1}, arithmetic=arithmetic
-        )
-        assert mpmath.mpf(found.period[0]) < period < mpmath.mpf(found.period[1])
-        assert found.period[1] - found.period[0] < 1e-11
-    assert found.states[0].contains([0, 1, 0, 0, 0, -1])
-    assert len(found.multipliers_real.lower) == 2
-
-
 def test_the_shortest_orbit_of_lorenz():
     """Viswanath (2004): 1.558652210716175; not a Hamiltonian system."""
     start = [-13.7636106821342, -19.5787519424518, 27.0]
@@ -141,29 +117,13 @@ def test_the_derivative_on_a_level_is_that_of_difference_quotients(symmetric):
                 assert abs(slope - float(at.derivative[i, k].mid())) < error, (i, k)
 
 
-@pytest.mark.slow
-def test_the_orbit_of_the_proof_of_chaos_in_both_arithmetics():
-    top = lp.Top.twisted_kovalevskaya()
-    orbits = lp.orbits.symmetric_periodic_orbits(top, {"C1": 1, "C2": "1/2", "C3": 1}, energy="1/2", n_starts=60)
-    gamma, level = orbits[0], {"H": "1/2", "C1": 1, "C2": "1/2", "C3": 1}
-    for arithmetic in ARITHMETICS:
-        found = lp.proofs.prove_periodic_orbit(
-            top, gamma.start, period=gamma.period, level=level, arithmetic=arithmetic
-        )
-        with ctx.workprec(200):
-            assert between(found.period, 4 * arb("1.593567767852104997222653692627695312677"))
-        assert (found.multipliers_imaginary.lower > 0).sum() == (found.multipliers_imaginary.upper < 0).sum() == 2
-
-
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
         (lambda: prove(period=5.0), EnclosureError, "comes back to after the period 5"),
         (lambda: prove(start=[0.3, 0.1, 0.2, -0.1], period=6.3), EnclosureError, "not proved|comes back"),
         (lambda: prove(start=[0, 0, 0, 0]), EnclosureError, "equilibrium|singular"),
-        (lambda: prove(start=[0, 0, 0, 0], arithmetic="balls"), EnclosureError, "equilibrium"),
         (lambda: prove(period=0), ParameterError, "period"),
-        (lambda: prove(period=math.nan), ParameterError, "period"),
         (lambda: prove(level={"H": 1, "C1": 1}), ParameterError, "values of H; got H, C1"),
         (lambda: prove(n_sections=0), ParameterError, "n_sections"),
         (
@@ -203,9 +163,3 @@ def test_what_the_core_does_not_know_proves_nothing(monkeypatch, symmetric):
     monkeypatch.setattr(_core, "enclose_periodic_orbit", unknown)
     with pytest.raises(ParameterError, match="finite"):
         prove(start=symmetric.start, period=symmetric.period)
-
-
-def test_results_say_what_they_are(proved):
-    text = repr(proved)
-    assert "on H = 1/10" in text
-    assert "multipliers [" in text

@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 import sympy as sp
-from flint import acb, arb, ctx
-from scipy.integrate import solve_ivp
 
 from liepoisson.errors import ParameterError
 from liepoisson.integrability import linear_system, monodromy
-from liepoisson.integrability.galois.criteria import NeatElement, commutator, commutators
+from liepoisson.integrability.galois.criteria import commutators
 from liepoisson.integrability.galois.monodromy import continued, generators, loop_around_all
 
 s = sp.Symbol("s")
@@ -21,25 +19,12 @@ def hypergeometric(a, b, c):
     return linear_system(sp.Matrix([[0, 1], [a * b / (s * (1 - s)), -(c - (a + b + 1) * s) / (s * (1 - s))]]), s)
 
 
-@pytest.mark.parametrize("e", ["1/2", "1/3", "-2/7", "5"])
+@pytest.mark.parametrize("e", ["1/2", "-2/7"])
 def test_a_power_is_multiplied_by_a_root_of_unity(e):
     found = monodromy(linear_system(sp.Matrix([[sp.Rational(e) / s]]), s), SQUARE)
     assert found.error < 1e-18
     assert abs(found.matrix[0, 0] - np.exp(2j * np.pi * float(sp.Rational(e)))) < 1e-14
     assert [w for _, w in found.windings] == [1]
-
-
-@pytest.mark.parametrize("precision", [30, 64, 200])
-def test_the_ball_contains_the_root_of_unity(precision):
-    found = monodromy(linear_system(sp.Matrix([[sp.Rational(1, 3) / s]]), s), SQUARE, precision=precision)
-    ball = found.balls[0, 0]
-    before, ctx.prec = ctx.prec, 600
-    try:
-        root = acb(-0.5, arb(3).sqrt() / 2)
-    finally:
-        ctx.prec = before
-    assert ball.contains(root)
-    assert 0 < found.error < 2.0**-precision
 
 
 def test_a_loop_the_other_way_gives_the_inverse():
@@ -48,31 +33,6 @@ def test_a_loop_the_other_way_gives_the_inverse():
     there, back = monodromy(system, loop), monodromy(system, [loop[0], *reversed(loop[1:])])
     assert abs(there.matrix @ back.matrix - np.eye(2)).max() < 1e-12
     assert sorted(w for _, w in back.windings) == [-1, 0]
-
-
-def test_a_logarithm_gives_two_pi_i():
-    found = monodromy(linear_system(sp.Matrix([[0, 1 / s], [0, 0]]), s), SQUARE)
-    assert abs(found.matrix - np.array([[1, 2j * np.pi], [0, 1]])).max() < 1e-14
-
-
-def test_loops_around_nothing_give_the_identity():
-    found = monodromy(hypergeometric("1/3", "1/5", "1/7"), [3, 3 + 1j, 4])
-    assert abs(found.matrix - np.eye(2)).max() < 1e-12
-    assert all(w == 0 for _, w in found.windings)
-
-
-def test_the_balls_contain_what_ordinary_integration_finds():
-    system = hypergeometric("1/3", "1/5", "1/7")
-    matrix = sp.lambdify(s, system.matrix, "numpy")
-    radius, start = 0.5, np.eye(2, dtype=complex)
-
-    def rate(angle, y):
-        at = radius * np.exp(1j * angle)
-        return (np.array(matrix(at), dtype=complex) @ y.reshape(2, 2) * 1j * at).ravel()
-
-    end = solve_ivp(rate, (0, 2 * np.pi), start.ravel(), rtol=1e-11, atol=1e-12).y[:, -1].reshape(2, 2)
-    corners = [radius * np.exp(2j * np.pi * k / 12) for k in range(12)]
-    assert abs(monodromy(system, corners).matrix - end).max() < 1e-8
 
 
 def test_generators_have_the_exponents_and_their_product_those_of_infinity():
@@ -108,13 +68,6 @@ def test_three_generators_in_their_order_go_around_all():
     assert min(abs(product - outer.matrix).max() for product in products) < 1e-12
 
 
-def test_loops_of_different_sizes_have_one_base_point():
-    """Near and far singular points have loops on grids of different fineness."""
-    system = linear_system(sp.Matrix([[1 / s + 1 / (s - sp.Rational(1, 1000)) + 1 / (2 * s - 3)]]), s)
-    loops = [loop for _, loop in generators(system)]
-    assert len({loop.corners[0] for loop in (*loops, loop_around_all(system, loops[0]))}) == 1
-
-
 @pytest.mark.parametrize(
     ("corners", "words"),
     [
@@ -132,12 +85,6 @@ def test_loops_that_are_none_are_refused(corners, words):
         monodromy(linear_system(sp.Matrix([[1 / s]]), s), corners)
 
 
-def test_repeated_corners_and_equations_that_are_zero():
-    root = linear_system(sp.Matrix([[1 / (2 * s)]]), s)
-    assert abs(monodromy(root, [1, 1, 1j, -1, -1, -1j]).matrix[0, 0] + 1) < 1e-15
-    assert monodromy(linear_system(sp.zeros(2), s), [1, 1j, -1]).matrix.tolist() == [[1, 0], [0, 1]]
-
-
 def test_diagonal_equations_commute_and_those_of_gauss_do_not():
     diagonal = linear_system(sp.diag(sp.Rational(1, 3) / s, sp.Rational(1, 2) / (s - 1)), s)
     found, left = commutators(diagonal)
@@ -153,19 +100,3 @@ def test_finite_groups_are_no_obstruction():
     found, left = commutators(hypergeometric("1/4", "-1/12", "2/3"))
     assert not left
     assert not any(c.is_proved for c in found)
-
-
-def test_a_commutator_that_is_zero_is_never_proved_to_be_something_else():
-    system = hypergeometric("1/3", "1/5", "1/7")
-    g = NeatElement("g", monodromy(system, [0.5, 0.5j, -0.5, -0.5j]).balls)
-    assert not commutator(g, g).is_proved
-
-
-@pytest.mark.parametrize("scale", [sp.Rational(1, 10**9), 10**9])
-def test_points_near_to_each_other_or_far_away_have_loops_of_their_own(scale):
-    system = linear_system(sp.Matrix([[sp.Rational(1, 3) / s + sp.Rational(1, 4) / (s - scale)]]), s)
-    for f, loop in generators(system):
-        found = continued(system, loop)
-        assert sorted(w for _, w in found.windings) == [0, 1]
-        wanted = np.exp(2j * np.pi * float(next(iter(system.local(f).exponents.rational))))
-        assert abs(found.matrix[0, 0] - wanted) < 1e-12

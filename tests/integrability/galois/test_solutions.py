@@ -6,7 +6,7 @@ import sympy as sp
 import liepoisson as lp
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.integrability import particular_solution, particular_solutions, variational_equations
-from liepoisson.integrability.galois.linear_systems import LinearSystem, derivative, linear_system
+from liepoisson.integrability.galois.linear_systems import derivative, linear_system
 from liepoisson.integrability.galois.solutions import Arithmetic, invariant_planes
 from liepoisson.integrability.galois.variational import flag, rational_solutions
 
@@ -38,18 +38,6 @@ def test_the_separatrix_is_found_and_is_the_pendulum():
     assert separatrix.kind == "rational in exp(t)"
 
 
-def test_a_solution_on_a_regular_leaf_is_found():
-    found = next(s for s in particular_solutions(TWISTED, most=6) if s.state["beta3"] != 0)
-    assert sp.cancel(found.state["beta3"]).is_number
-
-
-def test_separatrices_of_two_variables():
-    separatrix, elliptic = particular_solutions(CUBIC)
-    assert "1" in str(separatrix.state["q"])
-    assert elliptic.root is not None
-    assert sp.degree(elliptic.root[1]) == 3
-
-
 def test_one_sign_changed_is_no_solution():
     particular_solution(TWISTED, PENDULUM, variable=x, rate=x)
     with pytest.raises(ParameterError, match="no solution"):
@@ -69,25 +57,11 @@ def test_one_sign_changed_is_no_solution():
         (TWISTED, PENDULUM, {"root": (y, x)}, ParameterError, "multiple of y"),
         (TWISTED, PENDULUM, {"variable": "x"}, ParameterError, "SymPy symbol"),
         (
-            lp.System(lp.canonical(names=("q",)), "p_q^2/2 - cos(q)", name="pendulum"),
-            [x, 0],
-            {},
-            ParameterError,
-            "polynomial equations with rational coefficients",
-        ),
-        (
             lp.System(lp.canonical(names=("q",)), "p_q^2/2 + k*q^2", symbols=["k"], name="spring"),
             [x, 0],
             {},
             ParameterError,
             "k of spring is a symbol",
-        ),
-        (
-            lp.System(lp.canonical(names=("q",)), "p_q^2/2 + sqrt(2)*q^2", name="root"),
-            [x, 0],
-            {},
-            ParameterError,
-            "rational coeff",
         ),
     ],
 )
@@ -107,25 +81,7 @@ def test_texts_are_never_run(arguments, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_solution_may_be_given_as_text():
-    q = 1 - 6 * x / (1 + x) ** 2
-    given = particular_solution(CUBIC, ["1 - 6*x/(1 + x)^2", x * q.diff(x)], variable=x, rate="x")
-    assert sp.cancel(given.state["q"] - q) == 0
-
-
-@pytest.mark.parametrize("names", [("x", "u", "sigma"), ("s", "u", "sigma"), ("y", "w", "root")])
-def test_coordinates_may_have_the_names_of_variables(names):
-    a, b, c = names
-    potential = f"{a}^2/2 - {a}^3/3 + {b}^2*{a} + {c}^2"
-    system = lp.System(lp.canonical(names=names), f"(p_{a}^2 + p_{b}^2 + p_{c}^2)/2 + {potential}", name="three")
-    found = particular_solutions(system)
-    assert found
-    for one in found:
-        used = {str(one.variable), str(one.root[0]) if one.root else ""}
-        assert not used & set(system.component_names)
-
-
-@pytest.mark.parametrize("k", [0, 2, 4])
+@pytest.mark.parametrize("k", [0, 4])
 def test_the_field_solves_the_variational_equations_and_differentials_are_integrals(k):
     found = particular_solutions(TWISTED, most=6)
     solution = found[k]
@@ -155,12 +111,6 @@ def test_a_system_without_a_reverser_is_doubled():
     assert equations.local(equations.singular_points[0]).exponents.neat_power == 2
 
 
-def test_another_system_is_refused():
-    solution = particular_solutions(CUBIC)[0]
-    with pytest.raises(ParameterError, match="wanted one of twisted"):
-        variational_equations(TWISTED, solution)
-
-
 def test_rational_solutions_are_found_and_only_these():
     system = linear_system(sp.Matrix([[1 / s, 1], [0, -2 / (s - 1)]]), s)  # s, and (s ln.., 1/(s-1)^2)
     found = rational_solutions(system)
@@ -179,10 +129,3 @@ def test_flags_are_invariant_and_as_fine_as_the_means():
     assert entries[1:, 0] == sp.zeros(4, 1)
     assert entries[3:, :3] == sp.zeros(2, 3)
     assert not found.triangular.singular_points[2:], "no new singular points"
-
-
-def test_infinity_of_a_system_is_the_origin_of_the_inverse():
-    system = linear_system(sp.Matrix([[3 / s + 1 / s**2]]), s)
-    assert isinstance(system.at_infinity, LinearSystem)
-    assert sp.cancel(system.at_infinity.matrix[0, 0] - (-3 / s - 1)) == 0
-    assert system.local().exponents.rational == {-3: 1}

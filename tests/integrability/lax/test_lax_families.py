@@ -67,29 +67,6 @@ def test_the_condition_of_manakov_is_found():
     assert condition.subs(body | {sp.Symbol("f"): 1}) != 0
 
 
-def test_a_time_limit_leaves_cases():
-    found = lax_families(heavy(lp.so(3) @ lp.semidirect(2), "a3"), time_limit=1e-9)
-    assert not found.complete
-    assert "not proved that these are all" in str(found)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("moments", [(1, 2, 3, 5), (2, 3, 7, 11)])
-def test_numbers_outside_of_all_families_have_no_pair(moments):
-    """A body in four dimensions has a pair; with one coefficient of the energy changed it has none."""
-    pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
-    values = [sp.Rational(1, moments[i] + moments[j]) for i, j in pairs]
-    for change, n in ((0, 1), (sp.Rational(1, 97), 0)):
-        terms = [
-            f"({c + change * int(k == 5)})*M{i + 1}{j + 1}^2"
-            for k, ((i, j), c) in enumerate(zip(pairs, values, strict=True))
-        ]
-        top = lp.System(lp.so(4) @ lp.trivial().rename("M"), f"({' + '.join(terms)})/2")
-        found = lp.integrability.search_lax_pairs(top, degree=1, form="diagonal")
-        assert found.complete
-        assert len(found.pairs) == n
-
-
 @pytest.mark.parametrize(
     ("system", "options", "words"),
     [

@@ -1,0 +1,90 @@
+"""Bounds of a top: no orbit exceeds them, and they are attained where they can be."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import liepoisson as lp
+from liepoisson.errors import InertiaWarning
+
+TWISTED = lp.Top.twisted_kovalevskaya()
+
+
+def lengths(top, states):
+    l, alpha, beta = np.moveaxis(states.reshape(-1, 3, 3), 1, 0)
+    omega = l / np.array([float(moment) for moment in top.inertia])
+    return np.array([np.linalg.norm(v, axis=-1).max() for v in (l, alpha, beta, omega)])
+
+
+@pytest.mark.thorough
+@settings(max_examples=15)
+@given(st.integers(0, 10**6), st.sampled_from([0, 1, -1, "1/3", -2]), st.booleans(), st.booleans())
+def test_no_orbit_exceeds_its_bounds(seed, epsilon, has_beta, has_a):
+    """Orbits to t = 50; the ratio to the bounds is 0.88 in the median of such tops, the smallest one 0.37."""
+    rng = np.random.default_rng(seed)
+    vectors = {"a": rng.normal(size=3) * has_a, "b": rng.normal(size=3)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InertiaWarning)
+        top = lp.Top(
+            inertia=[float(v) for v in rng.uniform(0.5, 2, 3)],
+            epsilon=epsilon,
+            **{name: [float(v) for v in vector] for name, vector in vectors.items()},
+        )
+    x = rng.standard_normal(9)
+    x[6:] *= has_beta
+    limits = lp.phase_space.bounds(top, x)
+    reached = lengths(top, lp.integrate(top, x, times=np.linspace(0, 50, 501)).state)
+    # The orbit's own error, below 1e-12 at t = 50, is allowed for.
+    assert np.all(reached <= np.array([limits.l, limits.alpha, limits.beta, limits.omega]) * (1 + 1e-11)), (
+        reached,
+        limits,
+    )
+
+
+def test_bounds_by_leaf_and_by_state_agree_also_on_leaves_with_other_casimirs():
+    x = lp.sample_states(TWISTED, 1, seed=3)[0]
+    below = np.array([0.3, -0.5, 0.4, 0.6, 0.2, -0.3, 0, 0, 0])
+    for top, state in ((TWISTED, x), (TWISTED, below), (lp.Top.heavy((1.5, 1.2, 0.7), (0.6, 0, 0.8)), below)):
+        by_state = lp.phase_space.bounds(top, state)
+        by_leaf = lp.phase_space.bounds(
+            top, leaf=lp.Leaf.through(top, state), energy=float(top.functions.energy(state))
+        )
+        for name in ("l", "alpha", "beta", "omega"):
+            assert getattr(by_leaf, name) == pytest.approx(getattr(by_state, name), rel=1e-10)
+
+
+def test_bounds_of_free_and_hanging_tops_are_attained():
+    """a = b = 0 about the axis of the largest moment: |l| = sqrt(2 Imax E). Heavy top: |alpha| is constant."""
+    free = lp.Top.free_rigid_body((2, 1.5, 1))
+    assert lp.phase_space.bounds(free, [3, 0, 0, 0, 0, 0, 0, 0, 0]).l == pytest.approx(3, rel=1e-11)
+    heavy = lp.Top.heavy((2, 1.5, 1), (0, 0, 1))
+    limits = lp.phase_space.bounds(heavy, [0, 0, 0, 0, 0, 2, 0, 0, 0])
+    # From upright at rest, H = 2, to hanging: |l|^2/(2 Imax) = H + |a||alpha| = 4.
+    assert (limits.l, limits.alpha, limits.beta) == pytest.approx((4, 2, 0), rel=1e-10)
+
+
+def test_negative_first_casimir_needs_momentum():
+    r"""C1 < 0: |l| >= -C1/(2 |epsilon| w), so the energy is at least C1^2/(8 epsilon^2 w^2 Imax) - |b| w - |a| rho."""
+    top = lp.Top(inertia=(2, 2, 1), b=(0, 0, 1), epsilon=1)
+    values = {"C1": -4, "C2": 0, "C3": 1}
+    assert lp.phase_space.bounds(top, leaf=values, energy=0.0).l == pytest.approx(2, rel=1e-10)  # 16/16 - 1 = 0
+
+
+@pytest.mark.thorough
+def test_every_state_has_bounds_that_contain_it():
+    """300 states of 12 tops; in the first one the excess is positive at 0, negative from 0.6 to 1, and positive."""
+    cases = [(lp.Top(inertia=(1, 1, 1), a=(1, 0, 0), epsilon=1), np.array([0, 0, -1, -(2**0.5), 0, 0, 0, 0, 1]))]
+    rng = np.random.default_rng(5)
+    for epsilon in rng.choice(3, 12).tolist():
+        inertia, (a, b) = rng.choice([0.75, 1, 1.5], 3).tolist(), rng.choice([-1, 0, 0.5, 1], (2, 3)).tolist()
+        top = lp.Top(inertia=inertia, a=a, b=b, epsilon=epsilon)
+        sizes = rng.choice([1e-100, 1e-3, 1, 1, 1, 1e3], (25, 1))
+        cases += [(top, x) for x in rng.choice([-2, -1, 0, 0.5, 1], (25, 9)) * sizes]
+    for top, x in cases:
+        limits = lp.phase_space.bounds(top, x)
+        own = [math.hypot(*v) for v in (*x.reshape(3, 3), x[:3] / [float(moment) for moment in top.inertia])]
+        assert np.all(np.array([limits.l, limits.alpha, limits.beta, limits.omega]) >= own), (top, x, limits)

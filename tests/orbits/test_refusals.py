@@ -1,0 +1,68 @@
+"""What the searches for orbits refuse, and in which words."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from flint import arb_mat
+
+import liepoisson as lp
+from liepoisson.errors import LeafError, OrbitError, ParameterError
+from liepoisson.orbits import symmetric_homoclinic_orbits, symmetric_periodic_orbits
+from liepoisson.orbits.level import level_of
+from liepoisson.orbits.precise_flow import PreciseFlow, solved
+
+TOP = lp.Top.kovalevskaya(epsilon=1)
+LEVEL = {"C1": 1, "C2": "1/2", "C3": 1}
+OSCILLATOR = lp.System(lp.canonical(1), "dot(p, p)/2 + dot(q, q)/2")
+PENDULUM = lp.System(lp.canonical(1), "dot(p, p)/2 - cos(q1)")
+WELL = lp.System(lp.canonical(1), "dot(p, p)/2 + q1^4/4 + q1^2/2")
+LOWER = lp.Leaf.through(TOP, [1, 0, 0, 0, 0, 0, 0, 0, 0])
+OTHER = lp.Leaf.through(lp.Top.heavy((2, 2, 1), (1, 0, 0)), [1, 0, 0, 1, 0, 0, 0, 1, 0])
+ASYMMETRIC = lp.Top.twisted((3, 2, 1), (1, "1/2", "1/3"), (1, 0, 1))
+
+
+def orbit(system, energy=1):
+    return symmetric_periodic_orbits(system, {}, energy=energy, n_starts=4)[0]
+
+
+def reversers_that_change_the_level():
+    return [one for one in lp.systems.discrete_symmetries(TOP).reversers if not one.keeps_every_level]
+
+
+def broken():
+    """A start that is far from any orbit of this energy, with a time that is much too short."""
+    one = orbit(WELL)
+    return replace(one, start=3 + one.start, time=1e-2)
+
+
+REFUSED = [
+    (partial(symmetric_periodic_orbits, TOP, LEVEL, -100, n_starts=20), LeafError, "none of"),
+    (partial(symmetric_periodic_orbits, TOP, LOWER, 0), LeafError, "regular"),
+    (partial(symmetric_periodic_orbits, ASYMMETRIC, LEVEL, 1), ParameterError, "must have a reverser"),
+    (
+        lambda: symmetric_periodic_orbits(TOP, LEVEL, "1/2", reversers=reversers_that_change_the_level()),
+        ParameterError,
+        "to itself",
+    ),
+    (partial(symmetric_periodic_orbits, TOP, LEVEL, "1/2", reversers=["R1"]), ParameterError, "reversers: wanted"),
+    (partial(symmetric_periodic_orbits, TOP, 3, "1/2"), ParameterError, "leaf must be"),
+    (lambda: symmetric_homoclinic_orbits(orbit(OSCILLATOR)), ParameterError, "hyperbolic"),
+    (lambda: symmetric_homoclinic_orbits(lp.equilibria(OSCILLATOR, {})[0]), ParameterError, "hyperbolic"),
+    (partial(symmetric_homoclinic_orbits, OSCILLATOR), ParameterError, "wanted a symmetric periodic orbit"),
+    (lambda: orbit(PENDULUM, 0).polished(), ParameterError, "polynomials"),
+    (lambda: orbit(OSCILLATOR).polished(digits=5), ParameterError, "digits"),
+    (lambda: broken().polished(digits=10), OrbitError, "."),
+    (partial(level_of, TOP, LOWER, 0), LeafError, "regular"),
+    (partial(level_of, TOP, OTHER, 0), ParameterError, "one of"),
+    (partial(level_of, TOP, LEVEL, np.inf), ParameterError, "."),
+    (partial(PreciseFlow, PENDULUM, 20), ParameterError, "polynomials"),
+    (lambda: solved(arb_mat(2, 2, [1, 1, 1, 1]), arb_mat(2, 1, [1, 2])), OrbitError, "regular"),
+]
+
+
+@pytest.mark.parametrize(("call", "error", "words"), REFUSED)
+def test_what_is_refused(call, error, words):
+    with pytest.raises(error, match=words):
+        call()
