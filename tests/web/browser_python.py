@@ -15,7 +15,7 @@ os.chdir("/repository")
 
 import pytest  # noqa: E402  (from the packages)
 
-HELPERS = ("tests", "tests/exact", "tests/exact/polynomials", "tests/catalog")
+HELPERS = ("tests", "tests/algebra/ideals", "tests/structure", "tests/compile", "tests/catalog")
 WITHOUT_NUMPY = "ModuleNotFoundError: No module named 'numpy'"
 SETTINGS = Path("/home/pytest.ini")
 SETTINGS.write_text(
