@@ -3,12 +3,8 @@ import math
 
 import pytest
 import sympy as sp
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from liepoisson.algebra.cyclotomic import CyclotomicField, cyclotomic_images
-
-exactly = settings(deadline=None, max_examples=50, derandomize=True)
 
 ATOMS = [
     sp.sin(sp.pi / 7),
@@ -34,23 +30,12 @@ def value(number):
 
 
 @pytest.mark.parametrize("atom", ATOMS, ids=str)
-def test_images_have_the_value_of_the_expression(atom):
-    images = cyclotomic_images([atom])
-    assert images is not None
-    assert cmath.isclose(value(images[atom]), complex(atom), rel_tol=1e-12, abs_tol=1e-12)
-
-
-@pytest.mark.thorough
-@exactly
-@given(st.lists(st.sampled_from(ATOMS[:8]), min_size=3, max_size=3))
-def test_arithmetic_follows_that_of_the_numbers(atoms):
-    images = cyclotomic_images(atoms)
-    a, b, c = (images[atom] for atom in atoms)
-    x, y, z = (complex(atom) for atom in atoms)
-    assert cmath.isclose(value((a + b) * c - a / b), (x + y) * z - x / y, rel_tol=1e-9, abs_tol=1e-9)
-    assert not (a + b) * c - a * c - b * c
-    assert not a / b * b - a
-    assert -a + a == a - a or not (-a + a)
+def test_images_have_the_value_of_the_expression_and_are_written_back(atom):
+    image = cyclotomic_images([atom])[atom]
+    assert cmath.isclose(value(image), complex(atom), rel_tol=1e-12, abs_tol=1e-12)
+    if atom.is_real:
+        again = image.field.to_sympy(image)
+        assert not cyclotomic_images([again - atom])[again - atom]
 
 
 @pytest.mark.parametrize(
@@ -69,27 +54,11 @@ def test_identities_are_decided(zero):
     assert cyclotomic_images([near])[near]
 
 
-@exactly
-@given(st.integers(1, 30), st.integers(1, 15))
-def test_squares_of_sine_and_cosine_add_up(p, q):
-    field = CyclotomicField(math.lcm(4, 2 * q))
-    s, c = field.sine(p, q), field.cosine(p, q)
-    assert not s * s + c * c - field.one
-
-
 @pytest.mark.parametrize("prime", [2, 3, 5, 7, 11, 13])
 def test_gauss_sums_are_positive_square_roots(prime):
     root = CyclotomicField(8 * prime).square_root(prime)
     assert not root * root - root.field.number(prime)
     assert cmath.isclose(value(root), math.sqrt(prime), rel_tol=1e-12)
-
-
-@exactly
-@given(st.sampled_from([atom for atom in ATOMS if atom.is_real]))
-def test_real_numbers_are_written_back(atom):
-    image = cyclotomic_images([atom])[atom]
-    again = image.field.to_sympy(image)
-    assert not cyclotomic_images([again - atom])[again - atom]
 
 
 @pytest.mark.parametrize(
@@ -107,9 +76,3 @@ def test_real_numbers_are_written_back(atom):
 )
 def test_other_numbers_have_no_image(other):
     assert cyclotomic_images([sp.sqrt(2), other]) is None
-
-
-def test_division_by_zero_is_an_error():
-    field = CyclotomicField(12)
-    with pytest.raises(ZeroDivisionError):
-        field.one / field.zero

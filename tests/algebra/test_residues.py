@@ -34,17 +34,6 @@ def test_residues_keep_relations(values, relation):
     assert (relation(*images) + 1) % residues.p != 0
 
 
-def test_residues_are_refused_where_a_denominator_vanishes():
-    field = Coefficients.containing([1 / (e - 5)])
-    pole = Residues(field.residues(1).p, values=(5,))
-    with pytest.raises(ZeroDivisionError):
-        pole(field.read(1 / (e - 5)))
-
-
-def test_there_are_none_where_sympy_only_simplifies():
-    assert Coefficients.containing([sp.sqrt(e) + sp.log(e + sp.sqrt(2))]).residues(1) is None
-
-
 @given(st.fractions(max_denominator=10**25), st.integers(0, 2**61 - 2))
 def test_numbers_are_lifted_from_their_residues(number, residue):
     lift = Lift()
@@ -62,7 +51,11 @@ def test_numbers_are_lifted_from_their_residues(number, residue):
         assert (int(c.p) - residue * int(c.q)) % (2**61 - 1) == 0
 
 
-def test_a_field_that_was_used_is_copied():
+def test_where_there_are_none():
+    """At a pole, and where SymPy only simplifies."""
+    field = Coefficients.containing([1 / (e - 5)])
+    with pytest.raises(ZeroDivisionError):
+        Residues(field.residues(1).p, values=(5,))(field.read(1 / (e - 5)))
+    assert Coefficients.containing([sp.sqrt(e) + sp.log(e + sp.sqrt(2))]).residues(1) is None
     residues = Coefficients.containing([e]).residues(1)
-    assert residues.field.one + residues.field.zero == 1
     assert pickle.loads(pickle.dumps(residues)) == residues

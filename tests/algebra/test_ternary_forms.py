@@ -36,7 +36,7 @@ def divided(number, p):
 
 
 @pytest.mark.thorough
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(nonzero, nonzero, nonzero)
 def test_a_zero_is_found_exactly_when_there_is_one_modulo_all_primes(a, b, c):
     """Hasse and Minkowski; by the product formula the prime 2 need not be looked at."""
@@ -64,14 +64,15 @@ def test_a_multiple_of_three_squares_is_recognised(entries, scale):
     assert all(value(form, u, v) == 0 for u, v in combinations(found, 2))
 
 
-@pytest.mark.parametrize("squares", [(9, 1, 1), (49, 1, 9), (25, 2, 2), (-18, -2, -2)])
-def test_squares_of_primes_are_divided_out(squares):
-    assert three_equal_squares(diagonal(*squares)) is not None
-
-
-@pytest.mark.parametrize(("a", "b", "c"), [(1, 1, 3), (1, 1, 7), (1, 2, 5), (1, 1, 21)])
-def test_forms_anisotropic_at_an_odd_prime_are_no_multiple_of_three_squares(a, b, c):
-    assert three_equal_squares(diagonal(a, b, c)) is None
+@pytest.mark.parametrize(
+    ("squares", "are_equal"),
+    [
+        *((s, True) for s in ((9, 1, 1), (49, 1, 9), (25, 2, 2), (-18, -2, -2))),
+        *((s, False) for s in ((1, 1, 3), (1, 1, 7), (1, 2, 5), (1, 1, 21))),  # anisotropic at an odd prime
+    ],
+)
+def test_multiples_of_three_squares_by_hand(squares, are_equal):
+    assert (three_equal_squares(diagonal(*squares)) is not None) is are_equal
 
 
 def test_the_lattice_is_unimodular():

@@ -181,6 +181,7 @@ def test_an_elimination_gives_the_null_space(name, data):
         assert all(field.vanishes(x - y) for x, y in pairs)
     # rows of the form have no leading columns of others, and null vectors end in columns of their own
     assert all(lead == min(row) or lead not in row for row in form.basis() for lead in form.rows)
+    assert all(field.vanishes(row[min(row)] - field.one) for row in form.basis())
     ends = [max(v) for v in vectors]
     assert ends == sorted(set(ends).difference(form.rows))
     assert all(end == other or other not in v for v, end in zip(vectors, ends, strict=True) for other in ends)

@@ -71,7 +71,6 @@ def with_polynomials(draw):
     )
 
 
-@pytest.mark.thorough
 @exactly
 @given(with_polynomials())
 def test_jacobi_leibniz_and_antisymmetry(drawn):
@@ -79,13 +78,6 @@ def test_jacobi_leibniz_and_antisymmetry(drawn):
     assert sp.expand(bracket(f, g) + bracket(g, f)) == 0
     assert sp.expand(bracket(f, g * h) - bracket(f, g) * h - g * bracket(f, h)) == 0
     assert sp.expand(bracket(bracket(f, g), h) + bracket(bracket(g, h), f) + bracket(bracket(h, f), g)) == 0
-
-
-@exactly
-@given(with_cocycle())
-def test_the_certificate_and_the_residuals_agree(bracket):
-    assert bracket.jacobi_certificate().holds
-    assert not any(bracket.jacobi_residuals().values())
 
 
 @exactly
@@ -106,7 +98,6 @@ def test_what_is_no_cocycle_is_refused_with_the_triple(bracket, added, random):
         assert bracket.with_constant(constant).constant == wrong.constant
 
 
-@pytest.mark.thorough
 @exactly
 @given(with_cocycle(SMALL))
 def test_casimirs_commute_with_everything_and_are_as_many_as_the_corank(bracket):
@@ -117,7 +108,6 @@ def test_casimirs_commute_with_everything_and_are_as_many_as_the_corank(bracket)
     assert report.independent <= report.corank == bracket.dimension - J.rank()
 
 
-@pytest.mark.thorough
 @exactly
 @given(st.sampled_from([name for name in PROPER if name != "lines"]), st.data())
 def test_a_coboundary_is_a_translation(name, data):
@@ -137,18 +127,6 @@ def test_a_coboundary_is_a_translation(name, data):
         degree = sp.Poly(casimir, *proper.variables).total_degree()
         if degree == 2 and len(proper.casimirs()) == 1:
             assert sp.expand(shifted - shifted.subs(zero) - moved.casimirs()[0]) == 0
-
-
-@pytest.mark.thorough
-@exactly
-@given(st.lists(rational, min_size=3, max_size=3).filter(any))
-def test_a_wrong_translation_is_noticed(x0):
-    proper = PROPER["rotations"]
-    moved = proper.translated(x0)
-    wrong = {x: x - sp.sympify(a) for x, a in zip(proper.variables, x0, strict=True)}
-    assert moved.poisson_tensor() != proper.poisson_tensor().subs(wrong, simultaneous=True)
-    casimir = proper.casimirs()[0].subs(wrong, simultaneous=True)
-    assert any(moved.vector_field(casimir))
 
 
 @exactly

@@ -1,20 +1,19 @@
-from fractions import Fraction
-
 import pytest
 import sympy as sp
 from commutative import algebra, assert_normal, in_basis
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from liepoisson.errors import BracketError, ParameterError
 from liepoisson.structure.classification import classify
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
 from liepoisson.structure.normal_forms import complex_truncated_polynomials, normal_forms
 
-FORMS = [form for n in range(1, 6) for form in normal_forms(n)]
 numbers = st.fractions(-4, 4, max_denominator=3)
-lean = settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+lean = settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
+
+MIXED = [[1, 2, 0, 1], [0, 1, 1, 3], [1, 1, 2, 0], [0, 0, 1, 1]]
+SHEARED = [[int(k - j in (0, 2, 3)) for k in range(6)] for j in range(6)]
 
 
 @pytest.mark.parametrize(
@@ -23,19 +22,30 @@ lean = settings(max_examples=25, deadline=None, suppress_health_check=list(Healt
         (leibniz(3), "R[x]/(x^3)"),
         (leibniz(3, "-5/7"), "R[x]/(x^3)"),
         (leibniz(3, 0), "R[x,y]/(x,y)^2"),
-        (leibniz(4), "R[x]/(x^4)"),
-        (leibniz(5, 3), "R[x]/(x^5)"),
-        (leibniz(8), "R[x]/(x^8)"),
+        (leibniz(8, 3), "R[x]/(x^8)"),
         (crmhd(1), "R[x,y]/(x^2, y^2)"),
         (semidirect(1), "R"),
-        (semidirect(2), "R[x]/(x^2)"),
-        (semidirect(4), "R[x,y,z]/(x,y,z)^2"),
         (semidirect(5), "R[x,y,z,t]/(x,y,z,t)^2"),
         (trivial() + leibniz(3), "R[x]/(x^3) + R"),
         (leibniz(2) + leibniz(3), "R[x]/(x^3) + R[x]/(x^2)"),
         # x^3 = x splits into three lines, x^3 = x^2 into a double point and a line
         (algebra(3, {(1, 1): {2: 1}, (1, 2): {1: 1}, (2, 2): {2: 1}}), "R + R + R"),
         (algebra(3, {(1, 1): {2: 1}, (1, 2): {2: 1}, (2, 2): {2: 1}}), "R[x]/(x^2) + R"),
+        # x^2 = s, x s = c t, x y = m t, y^2 = b t: y - (m/c) s has square b t
+        (algebra(5, {(1, 1): {3: 3}, (1, 3): {4: 2}, (1, 2): {4: -1}, (2, 2): {4: 5}}), "R[x,y]/(x^3 - y^2, xy)"),
+        (algebra(5, {(1, 1): {3: 3}, (1, 3): {4: 2}, (1, 2): {4: -1}}), "R[x,y]/(x^4, xy, y^2)"),
+        # without a unit one is added
+        (algebra(1, {}, unital=False), "maximal ideal of R[x]/(x^2)"),
+        (algebra(3, {(0, 0): {1: 1}, (2, 2): {2: 5}}, unital=False), "R + maximal ideal of R[x]/(x^3)"),
+        (algebra(3, {(0, 0): {2: 1}, (1, 1): {2: 1}}, unital=False), "maximal ideal of R[x,y]/(x^2 - y^2, xy)"),
+        (
+            in_basis(complex_truncated_polynomials(2), [[1, 2, 0, 1], [0, 1, 1, 3], [1, 1, 2, 0], [0, 0, 1, 1]]),
+            "C[x]/(x^2)",
+        ),
+        (
+            in_basis(complex_truncated_polynomials(3), [[int(k - j in (0, 2, 3)) for k in range(6)] for j in range(6)]),
+            "C[x]/(x^3)",
+        ),
     ],
     ids=repr,
 )
@@ -43,27 +53,15 @@ def test_named_extensions_have_their_normal_form(extension, name):
     found = classify(extension)
     assert found.name == name
     assert found.field_extension == "Q"
-    assert found.is_local == (" + " not in name)
+    assert found.is_local == (" + " not in name and "maximal ideal" not in name)
+    assert found.is_unital == ("maximal ideal" not in name)
     assert_normal(extension, found)
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("form", FORMS, ids=repr)
-@settings(lean, max_examples=5)
-@given(data=st.data())
-def test_a_rational_basis_change_is_recognised(form, data):
-    check_basis_change(form, data)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("form", FORMS, ids=repr)
-@settings(lean, max_examples=20)
-@given(data=st.data())
-def test_many_rational_basis_changes_are_recognised(form, data):
-    check_basis_change(form, data)
-
-
-def check_basis_change(form, data):
+@settings(lean, max_examples=4)
+@given(st.data())
+@pytest.mark.parametrize("form", [form for n in range(1, 6) for form in normal_forms(n)], ids=repr)
+def test_a_change_of_basis_is_recognised(form, data):
     n = form.dimension
     rows = data.draw(st.lists(st.lists(numbers, min_size=n, max_size=n), min_size=n, max_size=n))
     moved = in_basis(form, rows)
@@ -71,8 +69,7 @@ def check_basis_change(form, data):
     found = classify(moved)
     assert found.normal_form.name == form.name
     assert found.field_extension == "Q"  # it is possible over Q, so no root may be asked for
-    back = in_basis(moved, found.change_of_basis)
-    assert back.tensor == form.tensor
+    assert in_basis(moved, found.change_of_basis).tensor == form.tensor
 
 
 @pytest.mark.thorough
@@ -109,21 +106,6 @@ def test_one_relation_between_two_generators_decides_by_its_discriminant(relatio
     assert factor.name == names[(discriminant > 0) - (discriminant < 0)]
 
 
-@pytest.mark.thorough
-@lean
-@given(cubes=st.tuples(numbers, numbers), b=numbers, mix=numbers)
-def test_chains_of_two_generators(cubes, b, mix):
-    """x^2 = s, x s = c t, x y = m t, y^2 = b t: y - (m/c) s has square b t."""
-    c, s = cubes
-    assume(c and s)
-    A = algebra(5, {(1, 1): {3: s}, (1, 3): {4: c}, (1, 2): {4: mix}, (2, 2): {4: b}})
-    wanted = "R[x,y]/(x^3 - y^2, xy)" if b else "R[x,y]/(x^4, xy, y^2)"
-    assert classify(A).name == wanted
-    swapped = [0, 2, 1, 3, 4]  # y comes first
-    B = in_basis(A, [[Fraction(int(j == k)) for j in range(5)] for k in swapped])
-    assert classify(B).name == wanted
-
-
 @pytest.mark.parametrize(
     ("squares", "field"),
     [
@@ -151,14 +133,6 @@ def test_square_roots_are_adjoined_only_where_they_are_needed(squares, field):
     assert_normal(A, found)
 
 
-def test_real_forms_coincide_over_the_complex_numbers():
-    definite = classify(algebra(4, {(1, 1): {3: 1}, (2, 2): {3: 1}}))
-    indefinite = classify(algebra(4, {(1, 1): {3: 1}, (2, 2): {3: -1}}))
-    assert definite.name == "R[x,y]/(x^2 - y^2, xy)"
-    assert indefinite.name == "R[x,y]/(x^2, y^2)"
-    assert definite.complex_name == indefinite.complex_name == "C[x,y]/(x^2, y^2)"
-
-
 def test_the_complex_numbers_are_one_field():
     found = classify([[[1, 0], [0, -2]], [[0, 1], [1, 0]]])  # e1 e1 = -2
     assert found.name == "C"
@@ -167,41 +141,20 @@ def test_the_complex_numbers_are_one_field():
     assert found.field_extension == "Q(sqrt(2))"
     assert found.complex_name == "C + C"
     assert found.change_of_basis == ((1, 0), (0, sp.sqrt(2) / 2))
-
-
-def test_dual_complex_numbers_have_dimension_four():
-    moved = in_basis(complex_truncated_polynomials(2), [[1, 2, 0, 1], [0, 1, 1, 3], [1, 1, 2, 0], [0, 0, 1, 1]])
-    found = classify(moved)
-    assert found.name == "C[x]/(x^2)"
-    assert found.factors[0].hilbert_function == (1, 1)
-    assert_normal(moved, found)
-
-
-def test_the_square_root_of_the_discriminant_is_lifted_through_all_powers():
-    rows = [[Fraction(int(j == k) + int(j == k + 2) + int(j == k + 3)) for j in range(6)] for k in range(6)]
-    moved = in_basis(complex_truncated_polynomials(3), rows)
-    found = classify(moved)
-    assert found.name == "C[x]/(x^3)"
-    assert_normal(moved, found)
-
-
-def test_a_real_quadratic_field_splits_over_the_reals():
-    A = algebra(4, {(1, 1): {0: 2}, (1, 2): {3: 1}, (1, 3): {2: 2}})  # Q(sqrt 2)[x]/(x^2)
-    found = classify(A)
-    assert found.name == "R[x]/(x^2) + R[x]/(x^2)"
-    assert found.field_extension == "Q(sqrt(2))"
-    assert_normal(A, found)
-    assert not A.is_local
+    definite, indefinite = (classify(algebra(4, {(1, 1): {3: 1}, (2, 2): {3: sign}})) for sign in (1, -1))
+    assert (definite.name, indefinite.name) == ("R[x,y]/(x^2 - y^2, xy)", "R[x,y]/(x^2, y^2)")
+    assert definite.complex_name == indefinite.complex_name == "C[x,y]/(x^2, y^2)"
 
 
 def test_fields_of_higher_degree_are_counted_by_their_places():
-    cubic = algebra(3, {(1, 1): {2: 1}, (1, 2): {0: 2}, (2, 2): {1: 2}})  # x^3 = 2: one real root
-    found = classify(cubic)
-    assert found.name == "C + R"
-    assert found.change_of_basis is None
-    assert found.field_extension == "Q(roots of x**3 - 2)"
+    cubic = classify(algebra(3, {(1, 1): {2: 1}, (1, 2): {0: 2}, (2, 2): {1: 2}}))  # x^3 = 2: one real root
+    assert (cubic.name, cubic.change_of_basis, cubic.field_extension) == ("C + R", None, "Q(roots of x**3 - 2)")
     real = algebra(3, {(1, 1): {2: 1}, (1, 2): {0: -1, 1: 3}, (2, 2): {1: -1, 2: 3}})  # x^3 = 3 x - 1: three
     assert classify(real).name == "R + R + R"
+    split = algebra(4, {(1, 1): {0: 2}, (1, 2): {3: 1}, (1, 3): {2: 2}})  # Q(sqrt 2)[x]/(x^2)
+    found = classify(split)
+    assert (found.name, found.field_extension) == ("R[x]/(x^2) + R[x]/(x^2)", "Q(sqrt(2))")
+    assert_normal(split, found)
 
 
 def test_a_symbol_gives_the_generic_answer_and_its_exceptions():
@@ -212,8 +165,6 @@ def test_a_symbol_gives_the_generic_answer_and_its_exceptions():
     assert found.change_of_basis[2][2] == sp.Symbol("epsilon")
     assert str(found) == "Leibniz(3, epsilon) is R[x]/(x^3) for epsilon != 0; epsilon = 0: R[x,y]/(x,y)^2"
     assert_normal(leibniz(3, "epsilon"), found)
-    assert classify(crmhd()).name == "R[x,y]/(x^2, y^2)"
-    assert_normal(crmhd(), classify(crmhd()))
 
 
 def test_exceptional_cases_are_told_with_their_own_conditions():
@@ -228,49 +179,6 @@ def test_exceptional_cases_are_told_with_their_own_conditions():
         assert classify(algebra(4, {(1, 1): {2: s}, (1, 2): {3: t}})).name == name
 
 
-def test_conditions_are_sufficient():
-    """Wherever the conditions hold, the classification of the numbers is the generic one."""
-    A = in_basis(leibniz(3), [[1, 2, 0], [0, 1, 1], [1, 0, 3]])
-    scaled = Extension([[[v * sp.Symbol("s") for v in row] for row in plane] for plane in A.tensor])
-    found = classify(scaled)
-    for value in (-2, Fraction(1, 3), 5):
-        assert all(condition.subs("s", value) != 0 for condition in found.conditions)
-        assert classify(scaled.substitute({"s": Fraction(value)})).name == found.name == "R[x]/(x^3)"
-
-
-def test_an_open_sign_is_refused():
-    A = algebra(4, {(1, 1): {3: "p"}, (2, 2): {3: "q"}})
-    with pytest.raises(ParameterError, match=r"sign of q/p; got no values for p, q"):
-        classify(A)
-    values = {"p": Fraction(1), "q": Fraction(-4)}
-    assert classify(A.substitute(values)).name == "R[x,y]/(x^2, y^2)"
-    assert classify(algebra(4, {(1, 1): {3: "p"}, (2, 2): {3: "p"}})).name == "R[x,y]/(x^2 - y^2, xy)"
-
-
-@pytest.mark.parametrize("entry", [sp.sqrt(sp.Symbol("p")), sp.sin(sp.Symbol("p")), sp.sqrt(2) * sp.Symbol("p")])
-def test_entries_without_an_exact_field_are_refused(entry):
-    with pytest.raises(ParameterError, match="rational numbers, algebraic numbers, or names"):
-        classify(algebra(3, {(1, 1): {2: entry}}))
-
-
-@pytest.mark.parametrize(
-    ("products", "n", "name"),
-    [
-        ({}, 1, "maximal ideal of R[x]/(x^2)"),
-        ({(0, 0): {1: 3}}, 2, "maximal ideal of R[x]/(x^3)"),
-        ({(0, 0): {1: 1}, (2, 2): {2: 5}}, 3, "R + maximal ideal of R[x]/(x^3)"),
-        ({(0, 0): {2: 1}, (1, 1): {2: 1}}, 3, "maximal ideal of R[x,y]/(x^2 - y^2, xy)"),
-    ],
-)
-def test_algebras_without_unit_are_classified_with_one_added(products, n, name):
-    A = algebra(n, products, unital=False)
-    found = classify(A)
-    assert not found.is_unital
-    assert not found.is_local
-    assert found.name == name
-    assert_normal(A, found)
-
-
 def test_beyond_the_list_invariants_remain():
     A = algebra(6, {(1, 1): {2: 1}, (3, 3): {4: 1}})
     found = classify(A)
@@ -281,35 +189,10 @@ def test_beyond_the_list_invariants_remain():
     assert "Hilbert function (1, 3, 2)" in str(found)
 
 
-def test_an_unchecked_tensor_is_checked():
-    W = [[list(row) for row in plane] for plane in leibniz(3).tensor]
-    W[2][0][2] = W[2][2][0] = -1
-    with pytest.raises(BracketError, match="associative"):
-        classify(W)
-    with pytest.raises(BracketError, match="associative"):
-        classify(Extension(W, check=False))
-
-
-def test_a_sign_in_the_tensor_changes_the_verdict():
-    for form, sign in ((normal_forms(4)[3], -1), (normal_forms(5)[5], -1)):
-        W = [[list(row) for row in plane] for plane in form.tensor]
-        W[3][2][2] = sign * W[3][2][2]  # y^2 = x^2 becomes y^2 = -x^2, and the reverse
-        if form.dimension == 5:
-            W[3][2][2] = 0
-        assert classify(W).name != form.name
-
-
-@pytest.mark.thorough
-def test_large_algebras_of_simple_kinds_are_recognised():
-    assert classify(leibniz(24)).name == "R[x]/(x^24)"
-    assert classify(semidirect(24)).name.endswith("^2")
-    with pytest.raises(ParameterError, match="up to 40 fields"):
-        classify(leibniz(41))
-
-
 @pytest.mark.thorough
 def test_a_dense_change_of_basis_is_verified_without_all_minors():
     """e'_i = e_i + e_(i+1) + ... in R[x]/(x^18): the way back has 2^18 minors of a dense matrix."""
+    assert classify(semidirect(24)).name.endswith("^2")
     n = 18
     products = {
         (i, j): {

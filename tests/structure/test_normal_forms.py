@@ -3,7 +3,6 @@ from itertools import product
 import flint
 import pytest
 
-from liepoisson.errors import ParameterError, UnknownNameError
 from liepoisson.structure.classification import classify
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.normal_forms import (
@@ -61,19 +60,14 @@ def invariants(form):
 
 
 def test_no_two_are_isomorphic():
-    found = {invariants(form): form.name for form in FORMS}
-    assert len(found) == len(FORMS)
-
-
-def test_complex_forms_differ_without_signs():
     """Over C the rank of the deciding quadratic form is all that remains of its signature."""
-    for n in range(1, 6):
-        seen = {}
-        for form in normal_forms(n):
-            hilbert, socle, signature = invariants(form)
-            seen.setdefault((hilbert, socle, sum(signature or ())), set()).add(complex_name(form.name))
-        assert all(len(names) == 1 for names in seen.values())
-        assert len(seen) == [1, 1, 2, 4, 9][n - 1]
+    found = [(form, *invariants(form)) for form in FORMS]
+    assert len({tuple(values) for _, *values in found}) == len(FORMS)
+    complex_forms = {(form.dimension, h, s, sum(signature or ())): set() for form, h, s, signature in found}
+    for form, h, s, signature in found:
+        complex_forms[form.dimension, h, s, sum(signature or ())].add(complex_name(form.name))
+    assert all(len(names) == 1 for names in complex_forms.values())
+    assert len(complex_forms) == 1 + 1 + 2 + 4 + 9
 
 
 @pytest.mark.parametrize("form", FORMS, ids=repr)
@@ -84,27 +78,12 @@ def test_corank_on_so3(form):
         assert wanted == form.dimension
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 6, 9])
-def test_families_go_on_beyond_dimension_five(n):
+@pytest.mark.parametrize("n", [1, 2, 3, 6])
+def test_families_go_on(n):
     for form in (truncated_polynomials(n), null_square(n)):
-        Extension(form.tensor)
-        assert form.dimension == n
+        assert Extension(form.tensor).dimension == n  # which it raises if it is none
         assert classify(form).name == form.name
     assert truncated_polynomials(n).hilbert_function() == (1,) * n
-
-
-@pytest.mark.parametrize("n", [1, 2, 3])
-def test_complex_polynomials_are_real_algebras(n):
     form = complex_truncated_polynomials(n)
-    Extension(form.tensor)
-    assert form.residue_field == "C"
-    assert form.dimension == 2 * n
-
-
-def test_other_dimensions_and_names_are_refused():
-    for n in (0, 6, 2.0, True, "3"):
-        with pytest.raises(ParameterError, match="dimensions 1 to 5"):
-            normal_forms(n)
+    assert (Extension(form.tensor).dimension, form.residue_field) == (2 * n, "C")
     assert normal_form_named("R[x]/(x^3)").tensor == normal_forms(3)[0].tensor
-    with pytest.raises(UnknownNameError, match=r"R\[x\]/\(x\^3\)"):
-        normal_form_named("R[x]/x^3")

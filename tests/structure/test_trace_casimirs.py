@@ -1,7 +1,5 @@
 """Casimirs in closed form: how many, that they are those of the search, and when they stand in its place."""
 
-from dataclasses import replace
-
 import pytest
 import sympy as sp
 
@@ -11,36 +9,27 @@ from liepoisson.catalog import zeitlin
 from liepoisson.formula.styles import UNICODE
 from liepoisson.model.system import System
 from liepoisson.report.describe import inspect
-from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.casimirs import shortage
-from liepoisson.structure.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.structure.lie.defining_matrices import DefiningMatrices, defining_matrices
+from liepoisson.structure.extensions import leibniz, semidirect, trivial
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.lie_algebras import gl, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.lie_algebras import gl, heisenberg, se, sine, so, su
 from liepoisson.structure.trace import Trace, traces_in
 from liepoisson.structure.trace_casimirs import modulo_casimirs, replaces_search, trace_casimirs
 
 COMPLETE = {
-    "so(3)": (so(3) @ trivial(), [2]),
     "so(4)": (so(4) @ trivial(), [2, 2]),
     "so(5)": (so(5) @ trivial(), [2, 4]),
-    "so(6)": (so(6) @ trivial(), [2, 3, 4]),
     "so(8)": (so(8) @ trivial(), [2, 4, 4, 6]),
     "so(3,1)": (so(3, 1) @ trivial(), [2, 2]),
-    "so(4,2)": (so(4, 2) @ trivial(), [2, 3, 4]),
     "so(3,2)": (so(3, 2) @ trivial(), [2, 4]),
     "su(5)": (su(5) @ trivial(), [2, 3, 4, 5]),
-    "sl(4)": (sl(4) @ trivial(), [2, 3, 4]),
     "gl(3)": (gl(3) @ trivial(), [1, 2, 3]),
     "sine(5)": (sine(5) @ trivial(), [2, 3, 4, 5]),
-    "so(5) @ leibniz(3)": (so(5) @ leibniz(3), [2, 2, 2, 4, 4, 4]),
-    "su(3) @ semidirect(2)": (su(3) @ semidirect(2), [2, 2, 3, 3]),
     "su(3) @ semidirect(3)": (su(3) @ semidirect(3), [2, 2, 2, 3, 3, 3, 3, 4]),
-    "so(3) @ crmhd": (so(3) @ crmhd(), [2, 2, 2, 2]),
     "sine(3) @ leibniz(3)": (sine(3) @ leibniz(3), [2, 2, 2, 3, 3, 3]),
     "su(3) + so(4)": ((su(3) + so(4)) @ trivial(), [2, 2, 2, 3]),
 }
-SMALL = ["so(3)", "so(4)", "so(5)", "so(3,1)", "so(3,2)", "gl(3)", "su(3) @ semidirect(2)", "so(3) @ crmhd"]
+SMALL = ["so(4)", "so(5)", "so(3,1)", "gl(3)"]
 
 
 @pytest.mark.parametrize("name", COMPLETE)
@@ -86,13 +75,6 @@ def rank_of(rows):
     return rank([{place[m]: field.read(c) for m, c in row.items()} for row in rows], field)
 
 
-def test_the_twisted_top_in_traces():
-    """C1 = |alpha|^2 + 2 epsilon l.beta, C2, C3, times -2, the trace form of so(3)."""
-    bracket = so(3) @ leibniz(3, "epsilon")
-    traces = [generator.expand(trace=True) for generator in bracket.trace_casimirs.generators]
-    assert [sp.cancel(t / c) for t, c in zip(traces, bracket.casimirs(), strict=True)] == [-2, -2, -2]
-
-
 def test_small_brackets_keep_polynomials():
     for bracket in (so(3) @ trivial(), so(4) @ trivial(), su(3) @ trivial(), so(5) @ leibniz(3)):
         assert not replaces_search(bracket)
@@ -100,16 +82,6 @@ def test_small_brackets_keep_polynomials():
     assert replaces_search(su(5) @ trivial())
     assert replaces_search(su(5) @ semidirect(3))
     assert not replaces_search(se(3) @ trivial())
-
-
-@pytest.mark.thorough
-def test_large_brackets_have_traces():
-    bracket = sine(7) @ trivial()
-    assert [str(c) for c in bracket.casimirs()] == [f"tr(l**{k})" for k in range(2, 8)]
-    report = bracket.casimir_report()
-    assert (report.complete, report.verified, report.independent, report.corank) == (True, True, 6, 6)
-    assert bracket.n_unknown_casimirs == 0
-    assert bracket.rank_certificate().proved
 
 
 @pytest.mark.thorough
@@ -135,12 +107,6 @@ def test_symbols_are_generic_and_the_strength_is_examined():
     assert [g.subs(epsilon, sp.Rational(1, 3)) for g in report.generators] == special
 
 
-@pytest.mark.parametrize("algebra", [se(3), heisenberg(2), LieAlgebra.from_brackets(3, so(3).brackets)], ids=str)
-def test_none_without_matrices(algebra):
-    assert trace_casimirs(algebra @ trivial()) is None
-    assert trace_casimirs((algebra + so(4)) @ trivial()) is None
-
-
 def test_an_algebra_with_the_matrices_of_another_is_refused():
     """The negative control: so(4) with one sign of its structure constants changed still calls itself so(4)."""
     brackets = {pair: dict(row) for pair, row in so(4).brackets.items()}
@@ -149,16 +115,6 @@ def test_an_algebra_with_the_matrices_of_another_is_refused():
     wrong = LieAlgebra.from_brackets(6, brackets, check=False)
     wrong.family = so(4).family
     assert trace_casimirs(wrong @ trivial()) is None
-
-
-def test_the_check_at_a_point_alone_refuses_a_wrong_matrix(monkeypatch):
-    """Without the proof on the basis: X with one sign wrong is caught by J grad C != 0."""
-    right = defining_matrices(su(3))
-    first = {place: tuple((-q, a) for q, a in roots) for place, roots in right.matrices[0].items()}
-    wrong = replace(right, matrices=(first, *right.matrices[1:]))
-    monkeypatch.setattr("liepoisson.structure.trace_casimirs.defining_matrices", lambda _: wrong)
-    monkeypatch.setattr(DefiningMatrices, "defect", lambda *_: "")
-    assert trace_casimirs(su(3) @ trivial()) is None
 
 
 @pytest.mark.thorough
@@ -172,25 +128,6 @@ def test_casimirs_commute_with_everything():
         assert bracket(casimir**2 + casimir, h) == 0
     C = bracket.casimirs()[2]
     assert bracket(C * x[0], h) == (C * bracket(x[0], h)).expand()
-
-
-def test_other_traces_are_no_casimirs():
-    """tr(l beta) + tr(alpha^2)/2 is one for epsilon = 1; tr(l beta) alone moves."""
-    bracket = so(3) @ leibniz(3)
-    C = bracket.trace_casimirs.generators[0]
-    part = max(traces_in(C), key=str)
-    reduced, _ = modulo_casimirs(part, bracket)
-    assert traces_in(reduced) != {part}
-    h = bracket.variables[0] * bracket.variables[4]
-    assert bracket(part, h).expand(trace=True).expand() != 0
-    assert (bracket(part, h) - bracket(part.expand(trace=True), h)).expand(trace=True).expand() == 0
-
-
-def test_an_integral_that_is_a_trace_is_constant():
-    bracket = Bracket(su(5), trivial())
-    system = System(bracket, sum(k * x**2 for k, x in enumerate(bracket.variables)))
-    assert system.is_constant(bracket.casimirs()[-1])
-    assert list(system.invariants) == ["H", "C1", "C2", "C3", "C4"]
 
 
 @pytest.mark.thorough
@@ -214,3 +151,20 @@ def test_reports_say_that_functions_on_leaves_are_missing():
     assert shortage(so(3) @ trivial()) == ""
     lines = str(System(bracket, "dot(l, l)/2")).splitlines()
     assert "    (only 0 of 1 independent Casimirs known)" in lines
+
+
+@pytest.mark.parametrize("algebra", [se(3), heisenberg(2), LieAlgebra.from_brackets(3, so(3).brackets)], ids=str)
+def test_none_without_matrices(algebra):
+    assert trace_casimirs((algebra + so(4)) @ trivial()) is None
+
+
+def test_the_twisted_top_in_traces():
+    """C1 = |alpha|^2 + 2 epsilon l.beta, C2, C3, times -2, the trace form of so(3); tr(l beta) alone moves."""
+    bracket = so(3) @ leibniz(3, "epsilon")
+    traces = bracket.trace_casimirs.generators
+    ratios = [sp.cancel(t.expand(trace=True) / c) for t, c in zip(traces, bracket.casimirs(), strict=True)]
+    assert ratios == [-2, -2, -2]
+    part, h = max(traces_in(traces[0]), key=str), bracket.variables[0] * bracket.variables[4]
+    assert traces_in(modulo_casimirs(part, bracket)[0]) != {part}
+    assert bracket(part, h).expand(trace=True).expand() != 0
+    assert (bracket(part, h) - bracket(part.expand(trace=True), h)).expand(trace=True).expand() == 0

@@ -9,23 +9,12 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.linear_algebra import rank
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import crmhd, leibniz, semidirect
-from liepoisson.structure.trace_words import balanced_combinations, canonical, leibniz_combinations, rotations
+from liepoisson.structure.trace_words import balanced_combinations, canonical, leibniz_combinations
 
 epsilon = sp.Symbol("epsilon")
 
 
-def test_rotations_are_one_word():
-    assert canonical((2, 0, 1)) == canonical((1, 2, 0)) == (0, 1, 2)
-    assert len(rotations((0, 1, 0, 1))) == 2
-    assert len(rotations((0, 0, 1, 1))) == 4
-
-
-def test_the_squares_of_the_twisted_top():
-    """tr(alpha^2) + 2 epsilon tr(l beta), tr(alpha beta), tr(beta^2)."""
-    assert list(leibniz_combinations(3, 2, epsilon)) == [{(0, 2): 2 * epsilon, (1, 1): 1}, {(1, 2): 1}, {(2, 2): 1}]
-
-
-@pytest.mark.parametrize(("n", "degree"), [(1, 4), (2, 3), (3, 2), (3, 4), (4, 3), (5, 3)])
+@pytest.mark.parametrize(("n", "degree"), [(1, 4), (2, 3), (3, 2), (3, 4), (4, 3)])
 def test_leibniz_words_are_the_powers_of_z(n, degree):
     """Against the product (epsilon x0 z^(n-1) + ... + x_(n-1))^degree of noncommuting x, multiplied out by SymPy."""
     z = sp.Symbol("z")
@@ -44,7 +33,7 @@ def test_leibniz_words_are_the_powers_of_z(n, degree):
         assert ratio.pop().is_Integer
 
 
-@pytest.mark.parametrize(("n", "degree"), [(2, 2), (2, 4), (3, 2), (3, 3)])
+@pytest.mark.parametrize(("n", "degree"), [(2, 4), (3, 3)])
 def test_linear_algebra_finds_the_powers_of_z(n, degree):
     closed, found = list(leibniz_combinations(n, degree, epsilon)), balanced_combinations(leibniz(n, epsilon), degree)
     assert len(found) == len(closed) == n
@@ -63,26 +52,10 @@ def test_passive_fields_give_all_their_words():
     assert len(found) == 6
 
 
-def test_magnetohydrodynamics():
-    """psi.psi, v.psi, p.psi, v.p - beta_e omega.psi."""
-    found = balanced_combinations(crmhd(), 2)
-    beta_e = sp.Symbol("beta_e")
-    wanted = [{(3, 3): 1}, {(1, 3): 1}, {(2, 3): 1}, {(1, 2): 1, (0, 3): -beta_e}]
-    for combination in wanted:
-        assert any(
-            set(combination) == set(c) and len({sp.cancel(c[w] / sp.sympify(combination[w])) for w in c}) == 1
-            for c in found
-        )
-    assert len(found) == 4
-
-
 def test_complex_numbers_double_the_traces():
     """so(3) (x) C = so(3, 1): real and imaginary part of tr X^2."""
     numbers = Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: -1}})
     found = balanced_combinations(numbers, 2)
     assert [sorted(c) for c in found] == [[(0, 1)], [(0, 0), (1, 1)]]
     assert sp.cancel(found[1][0, 0] / found[1][1, 1]) == -1
-
-
-def test_too_many_words_are_left_out():
-    assert balanced_combinations(crmhd(), 6) == []
+    assert (len(balanced_combinations(crmhd(), 2)), balanced_combinations(crmhd(), 6)) == (4, [])  # too many words

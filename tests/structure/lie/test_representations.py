@@ -1,23 +1,16 @@
 from fractions import Fraction
 
-import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.structure.lie.representations import semidirect_sum
 from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.lie_algebras import abelian, heisenberg, se, sl, so, su
 
 HAT = [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]]
 SIGMA = [sp.Matrix([[0, 1], [1, 0]]), sp.Matrix([[0, -sp.I], [sp.I, 0]]), sp.Matrix([[1, 0], [0, -1]])]
-
-
-def test_rotations_of_space_are_so3():
-    assert LieAlgebra.from_matrices(HAT).brackets == so(3).brackets
-    assert LieAlgebra.from_matrices([np.array(x) for x in HAT]).brackets == so(3).brackets
 
 
 def test_spin_matrices_are_so3():
@@ -37,42 +30,6 @@ def test_irrational_and_symbolic_matrices():
     }
     scaled = [[[sp.Symbol("s") * v for v in row] for row in x] for x in HAT]
     assert LieAlgebra.from_matrices(scaled).brackets[0, 1] == {2: sp.Symbol("s")}
-
-
-def test_dependent_matrices_are_refused():
-    doubled = [[2 * a + b for a, b in zip(r, s, strict=True)] for r, s in zip(HAT[0], HAT[1], strict=True)]
-    with pytest.raises(BracketError, match=r"matrix 2 is a combination of the matrices before it \(0, 1\)"):
-        LieAlgebra.from_matrices([HAT[0], HAT[1], doubled])
-    with pytest.raises(BracketError, match="it is zero"):
-        LieAlgebra.from_matrices([[[0, 0], [0, 0]]])
-
-
-def test_open_spans_are_refused():
-    with pytest.raises(BracketError, match="that of matrices 0 and 1 is outside"):
-        LieAlgebra.from_matrices(HAT[:2])
-
-
-def test_complex_constants_are_refused():
-    # sigma_1, sigma_2, sigma_3 themselves have [sigma_1, sigma_2] = 2 i sigma_3.
-    with pytest.raises(BracketError, match=r"outside of their real span. Multiply all of them by i"):
-        LieAlgebra.from_matrices(SIGMA)
-
-
-@pytest.mark.parametrize("matrices", [[], "ab", 3, [1, 2], [[[1, 2]]], [[[1, 2], [3]]], [["ab", "cd"]]])
-def test_only_square_matrices_are_read(matrices):
-    with pytest.raises(ShapeError, match="square matri"):
-        LieAlgebra.from_matrices(matrices)
-
-
-def test_sizes_must_agree():
-    with pytest.raises(ShapeError, match=r"one size; got the sizes \[1, 2\]"):
-        LieAlgebra.from_matrices([[[1]], [[1, 0], [0, 1]]])
-
-
-@pytest.mark.parametrize("entry", [float("nan"), sp.oo, "1+", True, complex(0, float("inf")), sp.oo * sp.I])
-def test_only_exact_entries_are_read(entry):
-    with pytest.raises(ParameterError, match=r"matrices\[0\]"):
-        LieAlgebra.from_matrices([[[entry]]])
 
 
 def test_se3_is_a_semidirect_sum():
@@ -98,17 +55,8 @@ def test_a_complex_representation_acts_on_a_real_space():
     assert repr(made) == "so(3) ⋉ R^4"
 
 
-def test_what_is_no_representation_is_refused():
-    with pytest.raises(BracketError, match=r"fails for \(i, j\) = \(0, 1\)"):
-        semidirect_sum(so(3), [HAT[0], HAT[1], [[2 * v for v in row] for row in HAT[2]]])
-    with pytest.raises(ShapeError, match="3 matrices, one per basis element of so"):
-        semidirect_sum(so(3), HAT[:2])
-
-
 def test_symbols_may_stand_in_a_representation():
-    # The plane with [r, z] = (s + i) z: spirals.
+    """The plane with [r, z] = (s + i) z: spirals."""
     spiral = semidirect_sum(abelian(1), [[["s", -1], [1, "s"]]])
-    assert spiral.symbols == {"s"}
     assert spiral.jacobi_residuals() == {}
-    circle = spiral.substitute({"s": Fraction(0)})
-    assert circle.brackets == se(2).brackets
+    assert spiral.substitute({"s": Fraction(0)}).brackets == se(2).brackets

@@ -5,8 +5,12 @@ import sympy as sp
 
 from liepoisson.structure.extensions import leibniz, semidirect
 from liepoisson.structure.lie_algebras import so
+from liepoisson.structure.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.structure.poisson.pfaffians import PfaffianIdeal
 from liepoisson.structure.poisson.polynomials import expression_of
+
+CHARGED, TWISTED = so(3) @ semidirect(3), so(3) @ leibniz(3, "epsilon")
+ALPHA, BETA = (3, 4, 5), (6, 7, 8)
 
 
 @pytest.mark.parametrize("size", [2, 4])
@@ -23,17 +27,12 @@ def test_squares_of_pfaffians_are_principal_minors(size):
     assert squares == {sp.Poly(minor).primitive()[1].as_expr() for minor in minors}
 
 
-def test_powers_of_beta_are_pfaffians_only_with_a_twist():
-    one = (so(3) @ leibniz(3)).tensor.field.one
-    beta = [{(i,): one} for i in (6, 7, 8)]
-    assert PfaffianIdeal((so(3) @ leibniz(3)).tensor, 6, 3).contains_powers_of(beta) == ""
-    assert PfaffianIdeal((so(3) @ semidirect(3)).tensor, 6, 3).contains_powers_of(beta) is None
-
-
-def test_the_assumption_on_parameters_is_named():
-    tensor = (so(3) @ leibniz(3, "epsilon")).tensor
-    beta = [{(i,): tensor.field.one} for i in (6, 7, 8)]
-    assert PfaffianIdeal(tensor, 6, 3).contains_powers_of(beta) == "epsilon != 0"
+@pytest.mark.parametrize(
+    ("bracket", "assumption"), [(so(3) @ leibniz(3), ""), (CHARGED, None), (TWISTED, "epsilon != 0")]
+)
+def test_powers_of_beta_are_pfaffians_only_with_a_twist(bracket, assumption):
+    beta = [{(i,): bracket.tensor.field.one} for i in BETA]
+    assert PfaffianIdeal(bracket.tensor, 6, 3).contains_powers_of(beta) == assumption
 
 
 def test_many_coordinates_leave_the_blocks_with_two_components_of_every_field():
@@ -41,5 +40,19 @@ def test_many_coordinates_leave_the_blocks_with_two_components_of_every_field():
     largest = PfaffianIdeal(tensor, 8, 3)
     assert not largest.is_full
     # J of x1, x2 of four fields is an arrangement of third components: each Pfaffian is a polynomial in these alone
-    assert [{i % 3 for p in (g,) for monomial in p for i in monomial} for g in largest.generators] == [{0}, {1}, {2}]
+    assert [{i % 3 for monomial in g for i in monomial} for g in largest.generators] == [{0}, {1}, {2}]
     assert PfaffianIdeal(tensor, 6, 3).generators == []
+
+
+def test_the_rank_of_the_charged_top_drops_on_parallel_fields_and_that_of_the_twisted_top_does_not():
+    assert vanish_on_parallel_fields(PfaffianIdeal(CHARGED.tensor, 6, 3).generators, (ALPHA, BETA))
+    assert not vanish_on_parallel_fields(PfaffianIdeal(CHARGED.tensor, 4, 3).generators, (ALPHA, BETA))
+    assert not vanish_on_parallel_fields(PfaffianIdeal(TWISTED.tensor, 6, 3).generators, (ALPHA, BETA))
+
+
+def test_the_charged_top_has_five_quadratic_casimirs_there():
+    """l.alpha = s l.n and l.beta = t l.n beside those of alpha, beta; alpha_1 beta_2 - alpha_2 beta_1 = 0 is none."""
+    l, alpha, beta = CHARGED.fields.values()
+    polynomials = casimirs_on_parallel_fields(CHARGED.tensor, (ALPHA, BETA))
+    found = {expression_of(p, CHARGED.variables, CHARGED.tensor.field) for p in polynomials}
+    assert found == {l.dot(alpha), l.dot(beta), alpha.dot(alpha), alpha.dot(beta), beta.dot(beta)}
