@@ -36,14 +36,13 @@ PLACES = [-2000.0, -800.0, -390.0, -31.0, -3.1, -0.3, 0.4, 2.7, 33.0, 390.0, 800
 
 
 @pytest.mark.parametrize("potential", POTENTIALS)
-@pytest.mark.parametrize("tol", [None, 1e-15])
-def test_the_force_is_right_wherever_it_fits_into_a_double(potential, tol):
+def test_the_force_is_right_wherever_it_fits_into_a_double(potential):
     """The change of p in a time too short for anything else to change, against 60 digits."""
     system = lp.System(lp.canonical(1), f"p1^2/2 + {potential}")
     q = system.variables[0]
     force = sp.lambdify(q, -system.hamiltonian.diff(q), "mpmath")
-    method = lp.RungeKutta() if tol is None else lp.Taylor(tol=tol)
-    for place in PLACES:
+    for k, place in enumerate(PLACES):
+        method = lp.RungeKutta() if k % 2 else lp.Taylor(tol=1e-15)
         with mpmath.workdps(2000):
             right = mpmath.re(force(mpmath.mpf(place)))
             right = float(right) if abs(right) < 1e300 else None

@@ -72,11 +72,3 @@ def test_a_diagonal_kinetic_energy_splits_into_the_rotations_about_the_axes() ->
         ((2, 1.0),),
     ]
     assert [derivative for _, derivative, _ in pieces] == [(1.0,), (0.0, 1 / 3), (0.0, 0.5), (0.0, 1.0)]
-
-
-def test_what_is_not_a_polynomial_is_refused() -> None:
-    bracket = lp.so(3) @ lp.leibniz(3, epsilon=1)
-    with pytest.raises(UnsupportedFieldError, match="polynomial"):
-        lp.System(bracket, "sqrt(1 + l1^2)").pieces()
-    with pytest.raises(ParameterError, match="mass"):
-        lp.System(bracket, "mass*dot(l, l)", symbols=["mass"]).pieces()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from liepoisson.compile.private_symbols import in_private_symbols, name_of_function, numpy_function
-from liepoisson.errors import ParameterError, UnsupportedFieldError
+from liepoisson.compile.private_symbols import in_private_symbols, numpy_function
+from liepoisson.errors import ParameterError
 
 X, Y = sp.symbols("pi e")
 FUNCTIONS = [
@@ -41,16 +41,3 @@ def test_symbols_that_are_printed_alike_are_different():
     with pytest.raises(ParameterError, match="every parameter must be a number for numerical work; e has none"):
         numpy_function((X, Y), [X + other])
     assert numpy_function((Y, other), [Y - 2 * other])(1.0, 3.0) == [-5.0]
-
-
-@pytest.mark.parametrize(
-    "expression", [sp.gamma(X), sp.zeta(X), sp.LambertW(X), sp.besselj(0, X), sp.Function("exp")(X)]
-)
-def test_what_numpy_does_not_have_is_refused(expression):
-    with pytest.raises(UnsupportedFieldError):
-        numpy_function((X, Y), [expression])
-
-
-def test_functions_are_told_by_what_they_are():
-    assert name_of_function(sp.sin(X)) == "sin"
-    assert name_of_function(sp.Function("sin")(X)) is None

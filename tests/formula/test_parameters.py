@@ -8,9 +8,6 @@ from liepoisson.algebra.exact_numbers import as_float, exceeds_sum, is_negative,
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import read_parameter, read_vector
 
-# Text that would fill the memory, and things that are not real numbers.
-HARMFUL = ("9" * 300, "1e999999999", None, True, 1j, sp.nan, sp.oo, sp.I, [1], object(), sp.Matrix([1]))
-
 
 @pytest.mark.parametrize(
     ("given", "read"),
@@ -28,9 +25,9 @@ HARMFUL = ("9" * 300, "1e999999999", None, True, 1j, sp.nan, sp.oo, sp.I, [1], o
         (sp.Rational(5, 7), Fraction(5, 7)),
         (sp.Integer(4), Fraction(4)),
         (sp.Float("0.1"), Fraction(1, 10)),
+        ("(1 + 2)/9", Fraction(1, 3)),
+        ("exp(1)/2", sp.E / 2),
         ("epsilon", sp.Symbol("epsilon")),
-        ("2*epsilon", 2 * sp.Symbol("epsilon")),
-        ("-m", -sp.Symbol("m")),
         ("sqrt(2)*k*m/3", sp.sqrt(2) * sp.Symbol("k") * sp.Symbol("m") / 3),
         (sp.sqrt(2), sp.sqrt(2)),
     ],
@@ -41,43 +38,29 @@ def test_parameters_are_read_exactly(given, read):
     assert isinstance(result, Fraction if isinstance(read, Fraction) else sp.Expr)
 
 
+VECTOR = "(a1, a2, a3)"
+
+
 @pytest.mark.parametrize(
-    "bad",
+    ("call", "error", "words"),
     [
-        float("nan"),
-        float("inf"),
-        np.float64("-inf"),
-        "nan",
-        "inf",
-        "1/0",
-        "",
-        "2*inf",
-        "-nan",
-        "2*sin",
-        "x[1]",
-        "__import__('os')",
-        np.timedelta64(1, "s"),
-        *HARMFUL,
+        *((lambda bad=bad: read_parameter(bad, "mass"), ParameterError, "^mass must be .*got") for bad in (
+            float("nan"), float("inf"), np.float64("-inf"), "nan", "1/0", "", "2*inf", "-nan", "2*sin", "x[1]",
+            "__import__('os')", np.timedelta64(1, "s"), "9" * 300, "1e999999999", None, True, 1j, sp.nan, sp.oo, sp.I,
+            [1], object(), sp.Matrix([1]))),
+        *((lambda bad=bad: read_parameter(bad, "x"), ParameterError, r'Write for example .*"sqrt\(2\)"')
+          for bad in ("sqrt(-1)", "sqrt(2", "dot(1, 2)", "abs(-1)")),
+        *((lambda bad=bad: read_vector(bad, "a", VECTOR), ShapeError, r"a must be 3 numbers \(a1, a2, a3\); got")
+          for bad in ((1, 2), (1, 2, 3, 4), [], 5, "abc", None, {1: 2, 2: 3, 3: 4}, np.eye(3), [[1], [2], [3]])),
+        (lambda: read_vector((float("nan"), 0, 0), "a", VECTOR), ParameterError, "^a1 must be"),
+        (lambda: read_vector((1, 2, "1/0"), "inertia", "(I1, I2, I3)"), ParameterError, "^I3 must be"),
+        (lambda: as_float(2 * sp.Symbol("kappa"), "epsilon"), ParameterError, "epsilon must be .*free symbol kappa"),
+        (lambda: as_float(Fraction(10) ** 400, "a[0]"), ParameterError, "double"),
     ],
-)
-def test_what_is_not_a_finite_number_or_name_is_refused(bad):
-    with pytest.raises(ParameterError, match=r"^mass must be .*got"):
-        read_parameter(bad, "mass")
-
-
-@pytest.mark.parametrize(
-    "bad", [(1, 2), (1, 2, 3, 4), [], 5, "abc", None, {1: 2, 2: 3, 3: 4}, np.eye(3), [[1], [2], [3]]]
-)
-def test_a_vector_has_three_components(bad):
-    with pytest.raises(ShapeError, match=r"a must be 3 numbers \(a1, a2, a3\); got"):
-        read_vector(bad, "a", "(a1, a2, a3)")
-
-
-def test_a_component_is_called_as_it_is_written():
-    with pytest.raises(ParameterError, match=r"^a1 must be"):
-        read_vector((float("nan"), 0, 0), "a", "(a1, a2, a3)")
-    with pytest.raises(ParameterError, match=r"^I3 must be"):
-        read_vector((1, 2, "1/0"), "inertia", "(I1, I2, I3)")
+)  # fmt: skip
+def test_refusals(call, error, words):
+    with pytest.raises(error, match=words):
+        call()
 
 
 def test_sequences_of_every_kind_are_vectors():
@@ -121,7 +104,6 @@ def test_a_polynomial_that_does_not_vanish_is_not_simplified(monkeypatch):
     assert is_zero((x + y) ** 2 - x**2 - 2 * x * y - y**2)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     "number",
     [
@@ -139,26 +121,8 @@ def test_coefficients_that_vanish_without_showing_it_are_zero(number):
     assert not is_zero(number + sp.Rational(1, 10**20))
 
 
-@pytest.mark.thorough
 def test_what_is_no_polynomial_is_simplified():
     x, y = sp.symbols("x y")
     assert is_zero(1 / (x + y) - (x - y) / (x**2 - y**2))
     assert is_zero(sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1)
     assert not is_zero(1 / (x + y) - 1 / (x - y))
-
-
-def test_a_symbolic_parameter_has_no_float_and_is_named():
-    with pytest.raises(ParameterError, match=r"epsilon must be a number.*free symbol kappa"):
-        as_float(2 * sp.Symbol("kappa"), "epsilon")
-    with pytest.raises(ParameterError, match="double"):
-        as_float(Fraction(10) ** 400, "a[0]")
-    assert as_float(sp.sqrt(2), "a[0]") == np.sqrt(2)
-
-
-def test_a_formula_is_exact():
-    for text in ("sqrt(2)", "sqrt(2)/2", "pi", "exp(1)", "2*(1/3)", "-sqrt(3)"):
-        assert read_parameter(text, "x") == sp.sympify(text)
-    assert read_parameter("(1 + 2)/9", "x") == Fraction(1, 3)
-    for text in ("2*sin", "sqrt(-1)", "sqrt(2", "dot(1, 2)", "abs(-1)"):
-        with pytest.raises(ParameterError, match=r'Write for example .*"sqrt\(2\)"'):
-            read_parameter(text, "x")

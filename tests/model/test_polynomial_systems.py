@@ -9,14 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
-from liepoisson.algebra.rational_polynomials import RationalPolynomial, TooLargeError, expression_of, in_words
+from liepoisson.algebra.rational_polynomials import RationalPolynomial, expression_of, in_words
 from liepoisson.compile.lowering import lower
-from liepoisson.compile.polynomial_dynamics import bracket_with
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
 from liepoisson.model.polynomial_formula import read_polynomial
 from liepoisson.model.system_text import formula_text
-from liepoisson.structure.bracket_scope import scope_of
 
 READ = tuple(
     name
@@ -59,6 +57,8 @@ def test_equations_field_and_invariants_are_those_of_sympy(name):
     wanted = [sp.expand(invariant) for invariant in other.invariants.values()]
     assert list(system.polynomial_invariants) == list(other.invariants)
     assert expressions(system, system.polynomial_invariants.values()) == wanted
+    for rate, expression in zip(system.polynomial_rates, system.equations.values(), strict=True):
+        assert in_words(rate, system.component_names) == formula_text(sp.expand(expression))
 
 
 @pytest.mark.parametrize("name", READ)
@@ -76,13 +76,6 @@ def test_values_and_derivatives_are_those_of_compiled_expressions(name):
     np.testing.assert_allclose(system.vector_field(x), other.vector_field(x), rtol=1e-13, atol=1e-14)
     for key, values in other.invariant_values(x).items():
         np.testing.assert_allclose(system.invariant_values(x)[key], values, rtol=1e-13, atol=1e-14)
-
-
-@pytest.mark.parametrize("name", READ)
-def test_equations_are_written_as_sympy_writes_them(name):
-    system = lp.catalog.system(name)
-    for rate, expression in zip(system.polynomial_rates, system.equations.values(), strict=True):
-        assert in_words(rate, system.component_names) == formula_text(sp.expand(expression))
 
 
 SCOPE = Scope(fields={"u": ("1", "2", "3")}, parameters={"k": Fraction(2, 3), "v": (1, "1/2", -2)})
@@ -134,18 +127,6 @@ def test_powers_of_powers_and_products_of_sums_are_bounded(text):
     assert read_polynomial(text, Scope(fields={"u": ("1", "2", "3")}), ("u1", "u2", "u3")) is None
 
 
-def test_brackets_that_are_too_large_are_left_to_sympy(monkeypatch):
-    """A function may have few terms and its brackets many: the sums in these are multiplied in another order."""
-    system = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha1")
-
-    def refuse(*_):
-        raise TooLargeError
-
-    monkeypatch.setattr("liepoisson.model.polynomial_view.rates_of", refuse)
-    assert system.is_casimir("dot(l, alpha)")
-    assert not system.is_casimir("dot(l, l)")
-
-
 def test_tapes_do_not_depend_on_names_and_on_the_order_of_terms():
     text = "({x}^2 + {y}^2)/2 + {x}^2*{y}/3 - {y}^3/7 + 3*({x} - 2*{y})^2*{x}"
     tapes = []
@@ -157,25 +138,11 @@ def test_tapes_do_not_depend_on_names_and_on_the_order_of_terms():
     assert system.function_tape("q9/5 + q10^3") == system.function_tape("q10^3 + q9/5")
 
 
-def test_a_parameter_that_drops_out_is_refused_as_before():
-    bracket = lp.so(3) @ lp.extensions.trivial()
-    for text in ("dot(l, l) + k - k", "dot(l, l)*k^0"):
-        with pytest.raises(lp.errors.ParameterError, match="'k' occurs in neither"):
-            lp.systems.System(bracket, text, {"k": 2})
-
-
 def test_a_false_integral_is_refused_as_before():
     system = lp.systems.System(lp.so(3) @ lp.extensions.trivial(), "l1^2 + 2*l2^2", integrals={"P": "l3"})
     assert system.polynomial_invariants is None
     with pytest.raises(lp.errors.ParameterError, match="the integral P must be constant"):
         system.invariant_values([1.0, 2.0, 3.0])
-
-
-def test_brackets_with_the_hamiltonian_are_derivatives_along_the_motion():
-    system = lp.catalog.system("kovalevskaya")
-    function = read_polynomial("l1*alpha2^2 - l3", scope_of(system.bracket), system.component_names)
-    rate = bracket_with(system.polynomial_rates, function)
-    assert expression_of(rate, system.variables) == sp.expand(system.derivative("l1*alpha2^2 - l3"))
 
 
 def test_sums_in_products_stay_sums():

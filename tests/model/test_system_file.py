@@ -4,10 +4,11 @@ from fractions import Fraction
 
 import pytest
 import sympy as sp
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.errors import ExpressionError, MissingFileError, SystemFileError
+import liepoisson as lp
+from liepoisson.errors import SystemFileError
 from liepoisson.model.system_file import Integral, SystemFile
 from liepoisson.model.system_file_reader import parse_system_file, read_system_file
 
@@ -30,6 +31,10 @@ MINIMAL = '[bracket]\nalgebra = "so(3)"\n[hamiltonian]\nexpression = "dot(l, l)/
 
 
 REST = MINIMAL.partition("[hamiltonian]")[1] + MINIMAL.partition("[hamiltonian]")[2]
+# [e0, e1] = e2, [e2, e3] = e0: [[e0, e1], e3] = e0 and the other two cyclic terms vanish
+WRONG = [[[0] * 4 for _ in range(4)] for _ in range(4)]
+WRONG[0][1][2] = WRONG[2][3][0] = 1
+WRONG[1][0][2] = WRONG[3][2][0] = -1
 NOT_ASSOCIATIVE = [[[0, 0], [0, 1]], [[1, 0], [0, 0]]]
 
 
@@ -59,26 +64,32 @@ def test_defaults_are_one_field_and_the_name_of_the_file(tmp_path):
     assert file.name == "free-body"
     assert file.bracket.dimension == 3
     assert file.system().name == "free-body"
+    path.write_bytes(b"\xef\xbb\xbf" + MINIMAL.replace("\n", "\r\n").encode())
+    assert read_system_file(path).bracket.dimension == 3
 
 
-def test_brackets_are_given_by_tensors_and_matrices():
-    rotations = [
-        [[0, 0, 0], [0, 0, -1], [0, 1, 0]],
-        [[0, 0, 1], [0, 0, 0], [-1, 0, 0]],
-        [[0, -1, 0], [1, 0, 0], [0, 0, 0]],
-    ]
-    text = changed('algebra = "so(3)"', f"matrices = {rotations}\nW = [[[1, 0], [0, 0]], [[0, 1], [1, 0]]]", MINIMAL)
-    text = changed("W =", 'variables = ["l", "p"]\nW =', text)
-    by_matrices = parse_system_file(text).bracket
-    by_name = parse_system_file('[bracket]\nalgebra="so(3)"\nextension="semidirect(2)"\nvariables=["l","p"]\n' + REST)
-    assert by_matrices.poisson_tensor() == by_name.bracket.poisson_tensor()
-    constants = [[[0, 0], [0, "k"]], [[0, "-k"], [0, 0]]]
-    text = (
-        f'[bracket]\nstructure_constants = {constants}\nbasis_names = ["a", "b"]\n[parameters]\nsymbols = ["k"]\n'
-        + REST
-    )
-    bracket = parse_system_file(text).bracket
-    assert bracket(*bracket.variables) == -sp.Symbol("k") * sp.Symbol("lb")
+ROTATIONS = [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]]
+SCALED = [[[0, 0], [0, "k"]], [[0, "-k"], [0, 0]]]
+
+
+@pytest.mark.parametrize(
+    ("bracket", "bare"),
+    [
+        (f'matrices = {ROTATIONS}\nW = [[[1, 0], [0, 0]], [[0, 1], [1, 0]]]\nvariables = ["l", "p"]',
+         lambda: lp.so(3) @ lp.semidirect(2).rename("l", "p")),
+        (f'structure_constants = {SCALED}\nbasis_names = ["a", "b"]\n[parameters]\nsymbols = ["k"]',
+         lambda: lp.LieAlgebra(SCALED, basis_names=("a", "b")) @ lp.trivial()),
+        ('canonical = 2', lambda: lp.canonical(2)),
+        ('canonical = ["x", "y"]', lambda: lp.canonical(names=("x", "y"))),
+        ('canonical = ["x"]\nmomenta = ["u"]', lambda: lp.canonical(names=("x",), momenta=("u",))),
+        ('algebra = "so(3)"\nconstant.l1.l2 = "k[3]"\nconstant.l2.l3 = "k[1]"\n[parameters]\nk = ["1/2", 0, 3]',
+         lambda: (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "k3", ("l2", "l3"): "k1"})),
+    ],
+)  # fmt: skip
+def test_brackets_are_given_in_six_ways(bracket, bare):
+    read = parse_system_file(f'[bracket]\n{bracket}\n[hamiltonian]\nexpression = "1"').bracket
+    assert read.coordinate_names_in_order == bare().coordinate_names_in_order
+    assert read.poisson_tensor() == bare().poisson_tensor()
 
 
 def test_symbols_keep_parameters_symbolic():
@@ -95,14 +106,6 @@ def test_numbers_are_exact_and_may_be_formulas():
     for written, expected in numbers.items():
         assert parse_system_file(changed("epsilon = 1", f"epsilon = {written}")).parameters["epsilon"] == expected
     assert parse_system_file(changed("epsilon = 1", 'epsilon = "sqrt(2)/2"')).parameters["epsilon"] == sp.sqrt(2) / 2
-
-
-@pytest.mark.thorough
-def test_matrices_are_parameters_too():
-    text = changed("[hamiltonian]", "[parameters]\nA = [[2, 1, 0], [1, 2, 0], [0, 0, 1]]\n[hamiltonian]", MINIMAL)
-    system = parse_system_file(changed("dot(l, l)/2", "dot(l, inv(A)*l)/2", text)).system()
-    l1, l2, l3 = system.variables
-    assert sp.simplify(system.hamiltonian - ((2 * l1**2 - 2 * l1 * l2 + 2 * l2**2) / 3 + l3**2) / 2) == 0
 
 
 def test_integrals_and_references_are_read():
@@ -166,7 +169,6 @@ source = "printed in a book"
         ("epsilon = 1", "epsilon = true", "got True"),
         ("epsilon = 1", "epsilon = 1979-05-27", "got a date"),
         ("epsilon = 1", "epsilon = " + "9" * 300, "200 digits"),
-        ("epsilon = 1", "epsilon = " + "9" * 10_000, "200 digits"),
         ("epsilon = 1", "epsilon = 0x" + "f" * 10_000, "200 digits"),
         ("epsilon = 1", 'epsilon = "delta"', r"\[parameters\] epsilon: the name 'delta' is unknown"),
         ("epsilon = 1", 'epsilon = "1/0"', "must not vanish"),
@@ -189,6 +191,14 @@ source = "printed in a book"
         ("a = [", "a = " + "[" * 5000, "nested too deeply"),
         ("a = ", "a" + ".a" * 5000 + " = ", "parts"),
         ("[bracket]", "[[bracket]]", "bracket: wanted a table; got a list"),
+        ('"l1^2/(2*I1)', '"""\nl1^2 +\n  alhpa""" #', r"line 13: .*\(line 2, column 3 of the formula\)"),
+        ('algebra   = "so(3)"', 'canonical = ["x"]', "algebra|extension"),
+        ('extension = "leibniz(3, epsilon)"', 'extension = "semidirect(3)"\nconstant.l1.alpha1 = 1', "2-cocycle"),
+        ('algebra   = "so(3)"', f"structure_constants = {WRONG}", r"line 5: \[bracket\] structure_constants: .*Jacobi"),
+        *(('algebra   = "so(3)"', f'algebra = "so(3)"\n{constant}', message) for constant, message in (
+            ("constant.l1.n2 = 1", "n2"), ('constant.l1.l2 = "h"', "h"),
+            ("constant.l1.l2 = 1\nconstant.l2.l1 = 1", "twice"),
+            ("constant.l1 = 3", r"\[bracket\] constant l1: wanted a table"))),
     ],
 )  # fmt: skip
 def test_mistakes_are_told_with_key_and_line(old, new, message):
@@ -227,94 +237,23 @@ def test_mistakes_in_integrals_and_references_are_told(addition, message):
         parse_system_file(TOP + "\n" + addition)
 
 
+@pytest.mark.parametrize(("formula", "message"), [("l[4]", "must not exceed the shape"), ("abs(l1)", "not smooth")])
 @pytest.mark.parametrize(
-    ("formula", "message"),
+    ("key", "addition"),
     [
-        ("l", "one shape"),
-        ("dot(l, 3)", "dot takes two vectors"),
-        ("l[4]", "must not exceed the shape"),
-        ("(l1 + l2)^65", "between -64 and 64"),
-        ("abs(l1)", "not smooth"),
-        ("l1/(epsilon - 1)", "must not vanish"),
+        (r"line 13: \[hamiltonian\] expression", ""),
+        (r"line 16: \[integrals\] K", '[integrals]\nK = "l1 + ({0})"'),
+        (r"line 16: \[integrals\] K on", '[integrals]\nK = {{expression = "l1", on = "{0} = 0"}}'),
+        (r"line 15: \[integrals\] K", '[integrals.K]\non = "l2"\nexpression = "l1 + ({0})"'),
     ],
 )
-def test_a_formula_without_meaning_is_refused_when_the_system_is_made(formula, message):
-    text = changed("dot(a, alpha)", f"dot(a, alpha) + ({formula})")
+def test_a_formula_without_meaning_is_refused_when_the_system_is_made(formula, message, key, addition):
+    text = (
+        TOP + "\n" + addition.format(formula) if addition else changed("dot(a, alpha)", f"dot(a, alpha) + ({formula})")
+    )
     place = r" \(column \d+ of the formula\)\.\n"
-    key = r"^system file, line 13: \[hamiltonian\] expression: [^\n]*"
-    with pytest.raises(SystemFileError, match=f"{key}{message}.*{place}") as caught:
+    with pytest.raises(SystemFileError, match=f"(?s)^system file, {key}: [^\n]*{message}.*{place}"):
         parse_system_file(text).system()
-    assert isinstance(caught.value.__cause__, ExpressionError)
-    written = {
-        r"line 16: \[integrals\] K": f'[integrals]\nK = "l1 + ({formula})"',
-        r"line 16: \[integrals\] K on": f'[integrals]\nK = {{expression = "l1", on = "{formula} = 0"}}',
-        r"line 15: \[integrals\] K": f'[integrals.K]\non = "l2"\nexpression = "l1 + ({formula})"',
-    }
-    if formula == "l":
-        message += "|must be a scalar"
-    for key, addition in written.items():
-        with pytest.raises(SystemFileError, match=f"^system file, {key}: [^\n]*({message}).*{place}"):
-            parse_system_file(TOP + "\n" + addition).system()
-
-
-def test_places_in_a_formula_of_several_lines_are_told_by_line_and_column():
-    text = changed('"l1^2/(2*I1)', '"""\nl1^2 +\n  alhpa""" #')
-    with pytest.raises(SystemFileError, match=r"line 13: \[hamiltonian\] .*\(line 2, column 3 of the formula\)"):
-        parse_system_file(text)
-
-
-def test_a_file_made_in_python_has_keys_without_lines():
-    file = replace(parse_system_file(TOP), toml=None, hamiltonian="l[4]")
-    with pytest.raises(SystemFileError, match=r"^system file: \[hamiltonian\] expression: an index"):
-        file.system()
-
-
-def test_an_algebra_that_fails_jacobi_is_refused():
-    # se(3) with the basis r1, r2, r3, t1, t2, t3 and one wrong sign
-    cyclic = [(0, 1, 2), (1, 2, 0), (2, 0, 1)]
-    constants = [[[0] * 6 for _ in range(6)] for _ in range(6)]
-    for i, j, k in cyclic:
-        for shift, target in (((0, 0), 0), ((0, 3), 3), ((3, 0), 3)):
-            p, q, r = i + shift[0], j + shift[1], k + target
-            constants[p][q][r], constants[q][p][r] = 1, -1
-    text = f'[bracket]\nstructure_constants = {constants}\n[hamiltonian]\nexpression = "dot(l, l)"'
-    assert parse_system_file(text).bracket.dimension == 6
-    constants[0][1][2], constants[1][0][2] = -1, 1
-    text = f'[bracket]\nstructure_constants = {constants}\n[hamiltonian]\nexpression = "dot(l, l)"'
-    with pytest.raises(SystemFileError, match=r"line 2: \[bracket\] structure_constants: .*Jacobi"):
-        parse_system_file(text)
-
-
-def test_files_that_can_not_be_read_are_refused(tmp_path):
-    with pytest.raises(MissingFileError, match="no file"):
-        read_system_file(tmp_path / "missing.toml")
-    with pytest.raises(SystemFileError, match="folder"):
-        read_system_file(tmp_path)
-    with pytest.raises(SystemFileError, match="cannot be read"):
-        read_system_file(tmp_path / "a\0b")
-    latin = tmp_path / "latin.toml"
-    latin.write_bytes(b'name = "x"\nsource = "Poincar\xe9"\n')
-    with pytest.raises(SystemFileError, match=r"line 2: .*UTF-8"):
-        read_system_file(latin)
-    result = tmp_path / "result.nc"
-    result.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(2_000_000))
-    with pytest.raises(SystemFileError, match=r"NetCDF file, as the results .* lp\.load\(.*result\.nc'\)"):
-        read_system_file(result)
-    large = tmp_path / "large.toml"
-    large.write_text("# " + "x" * 1_000_000)
-    with pytest.raises(SystemFileError, match="1000000 bytes"):
-        read_system_file(large)
-    marked = tmp_path / "marked.toml"
-    marked.write_bytes(b"\xef\xbb\xbf" + MINIMAL.replace("\n", "\r\n").encode())
-    assert read_system_file(marked).bracket.dimension == 3
-
-
-@pytest.mark.parametrize("filling", ["a", "a.", '"', "'a'.", "[", "a = 1\n", "\n", "[a]\n", "a.b.c.d=1\n", '"a" . '])
-def test_hostile_files_are_refused_quickly(filling):
-    start = time.perf_counter()
-    with pytest.raises(SystemFileError):
-        parse_system_file(filling * (200_000 // len(filling)))
-    assert time.perf_counter() - start < 10
 
 
 LINES = [line for line in (TOP + MINIMAL).split("\n") if line] + [
@@ -326,7 +265,7 @@ LINES = [line for line in (TOP + MINIMAL).split("\n") if line] + [
 ]
 
 
-@pytest.mark.thorough
+@settings(max_examples=30)
 @given(st.one_of(st.text(max_size=200), st.lists(st.sampled_from(LINES), max_size=14).map("\n".join)))
 def test_any_text_is_a_system_file_or_refused(text):
     try:
@@ -338,7 +277,6 @@ def test_any_text_is_a_system_file_or_refused(text):
     assert message.startswith("system file")
 
 
-@pytest.mark.thorough
 def test_components_of_large_matrices_have_names_of_their_own():
     # so(5) has ten dimensions; in A1_10 the indices are set off, as (1, 11) and (11, 1) must be in larger ones
     A = [[0] * 10 for _ in range(10)]
@@ -349,7 +287,38 @@ def test_components_of_large_matrices_have_names_of_their_own():
     assert sp.expand(system.hamiltonian - (M12**2 + 7 * M12 * M45 + 7 * M13)) == 0
 
 
-@pytest.mark.parametrize("path", [None, 5, b"top.toml", ["top.toml"]])
-def test_a_path_is_a_text_or_a_path(path):
-    with pytest.raises(SystemFileError, match="given by its path"):
-        read_system_file(path)
+def test_the_text_of_a_file_made_in_python_has_keys_without_lines():
+    file = replace(parse_system_file(TOP), toml=None, hamiltonian="l[4]")
+    with pytest.raises(SystemFileError, match=r"^system file: \[hamiltonian\] expression: an index"):
+        file.system()
+
+
+@pytest.mark.parametrize("filling", ["a", "a.", "'a'.", "[", "a = 1\n", "a.b.c.d=1\n"])
+def test_hostile_files_are_refused_quickly(filling):
+    start = time.perf_counter()
+    with pytest.raises(SystemFileError):
+        parse_system_file(filling * (200_000 // len(filling)))
+    assert time.perf_counter() - start < 10
+
+
+@pytest.mark.parametrize(
+    ("bracket", "value", "message"),
+    [
+        ("canonical = 1.5", "", "from 1 to 100"),
+        ('canonical = "x"', "", "canonical"),
+        ('canonical = ["x", "y"]\nmomenta = ["u"]', "", "one momentum for each"),
+        (
+            'canonical = ["x"]',
+            '[[reference]]\nstate = {p_x = 4}\nquantity = "H"\nvalue = 1',
+            "for each field; x has none",
+        ),
+        (
+            'canonical = ["x"]',
+            '[[reference]]\nstate = {x = [1, 2], p_x = 4}\nquantity = "H"\nvalue = 1',
+            "wanted 1 comp",
+        ),
+    ],
+)
+def test_mistakes_in_canonical_files(bracket, value, message):
+    with pytest.raises(SystemFileError, match=message):
+        parse_system_file(f'[bracket]\n{bracket}\n[hamiltonian]\nexpression = "1"\n{value}')

@@ -7,14 +7,12 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.algebra.rational_polynomials import RationalPolynomial, expression_of, in_words, values_of
+from liepoisson.algebra.rational_polynomials import expression_of, values_of
 from liepoisson.compile.private_symbols import evaluated
 from liepoisson.formula.arithmetic import expanded_terms
 from liepoisson.model.known_integrals import known_integrals, known_polynomials
-from liepoisson.model.system_text import formula_text
 from liepoisson.model.top_recognition import MOST_TERMS, match_polynomial_top, match_top, recognised_top
 from liepoisson.model.tops import Top
-from liepoisson.poincare.surfaces import good_surface
 
 TOPS = {
     "free, spherical": Top.free_rigid_body((2, 2, 2)),
@@ -98,21 +96,3 @@ def test_tops_are_not_looked_for_in_long_hamiltonians():
     system = lp.System(lp.so(3) @ lp.semidirect(3), energy)
     assert system.polynomial_hamiltonian.written_out[0] == expanded_terms(system.hamiltonian) == 3 + 21**2 > MOST_TERMS
     assert recognised_top(system) is None
-
-
-@pytest.mark.parametrize("name", ["twisted-kovalevskaya", "twisted-lagrange", "charged-twisted-lagrange"])
-def test_the_surface_is_written_as_sympy_writes_it(name):
-    system = lp.catalog.system(name)
-    surface = good_surface(system)
-    assert in_words(system.polynomial(surface), system.component_names) == formula_text(system.expression(surface))
-
-
-def test_polynomials_are_added_and_multiplied_as_numbers_are():
-    x, y = map(RationalPolynomial.coordinate, (0, 1))
-    half = Fraction(1, 2)
-    assert half * (x + 2) - (x / Fraction(2) + 1) == 0
-    assert ((x - y) ** 2).expanded == (x * x - 2 * x * y + y**2).expanded
-    assert (1 + x - 1) == x
-    assert -(x - y) == y - x
-    with pytest.raises(TypeError):
-        _ = x * "y"

@@ -8,7 +8,6 @@ from liepoisson.report.counterexamples import is_nonzero_on, is_nonzero_somewher
 x, y, z = variables = sp.symbols("x y z")
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("function", "zero", "expected"),
     [

@@ -33,28 +33,16 @@ def plain(expression, notation=NOTATION):
         (l.dot(alpha) + epsilon * inertia[0] * a[2] * beta[2], "l.alpha + epsilon*I1*a3*beta3"),
         (l.dot(alpha.cross(beta)) / 3, "1/3 l.(alpha x beta)"),
         (l.dot(beta.cross(alpha)), "-l.(alpha x beta)"),
-        (-a.dot(l.cross(beta)), "-a.(l x beta)"),
-        ((2 * a + b).dot(alpha), "2 a.alpha + b.alpha"),
         (sum(inertia[i] * l[i] * alpha[i] for i in range(3)), "l.I alpha"),
         (l.dot(alpha) ** 2 - 1, "(l.alpha)^2 - 1"),
         (sp.sqrt(alpha.dot(alpha) + 1) * l[0], "sqrt(|alpha|^2 + 1)*l1"),
-        (sp.exp(-l.dot(l)), "exp(-|l|^2)"),
         (l[0] ** 2 + l[1] ** 2 + 2 * l[2] ** 2, "l1^2 + l2^2 + 2*l3^2"),
-        (l[0] ** 2 + l[1] ** 2, "l1^2 + l2^2"),
         (a[0] * alpha[0] + a[1] * alpha[1] + 2 * a[2] * alpha[2], "a1*alpha1 + a2*alpha2 + 2*a3*alpha3"),
-        (l[0] * l[1] * alpha[2], "l1*l2*alpha3"),
         (sum(a[i] * l[i] / inertia[i] for i in range(3)) + kinetic, "1/2 l.I^-1 l + a.I^-1 l"),
         (sum(a[i] * l[i] / inertia[0] for i in range(3)), "1/I1 a.l"),
-        (epsilon + 1, "1 + epsilon"),
         (kinetic + (a[1] - a[2]) ** 2 * a[0] / 2 * beta[0] ** 2, "1/2 l.I^-1 l + (a2 - a3)^2*a1*beta1^2/2"),
-        (l.dot(l) + (1 + epsilon) * beta[0] ** 2, "|l|^2 + (1 + epsilon)*beta1^2"),
         ((alpha - a).dot(alpha - a), "|alpha - a|^2"),
-        (3 * (alpha + a).dot(alpha + a) + beta.dot(l), "3 |alpha + a|^2 + l.beta"),
-        (1 / sp.sqrt((alpha - a).dot(alpha - a)), "1/|alpha - a|"),
         ((alpha - a).dot(alpha - a) + a[0] ** 2, "|alpha|^2 - 2 a.alpha + 2*a1^2 + a2^2 + a3^2"),
-        (alpha.dot(alpha) - 2 * a.dot(alpha), "|alpha|^2 - 2 a.alpha"),
-        (alpha.dot(A * alpha) / 2, "1/2 alpha.A alpha"),
-        (l.dot(A * alpha), "l.A alpha"),
         (l.dot(A.T * alpha), "alpha.A l"),
         (l.dot(symmetric * l), "l.S l"),
         (sp.sqrt(1 + l.dot(symmetric * alpha)), "sqrt(l.S alpha + 1)"),
@@ -72,20 +60,11 @@ def test_a_matrix_with_one_entry_changed_is_not_mistaken():
     assert ".A " not in plain(alpha.dot(A * alpha) + alpha[0] * alpha[1])
 
 
-def test_casimirs_read_as_in_the_paper():
-    assert [plain(c) for c in BRACKET.casimirs()] == ["|alpha|^2 + 2 epsilon l.beta", "alpha.beta", "|beta|^2"]
-
-
-def test_a_product_of_forms_that_is_given_expanded_stays_in_components():
-    assert "alpha1^2" in plain(sp.expand(l.dot(alpha) ** 2))
-
-
 numbers = st.integers(-3, 3)
 invariants = [l.dot(l), l.dot(alpha), alpha.dot(beta), beta.dot(beta), a.dot(l), b.dot(beta), l.dot(alpha.cross(beta))]
 
 
-@pytest.mark.thorough
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(st.lists(numbers, min_size=7, max_size=7), st.lists(numbers, min_size=9, max_size=9), st.booleans())
 def test_formulas_equal_what_they_print(weights, linear, with_parameter):
     """The formal symbols, replaced by what they stand for, give the expression back."""
@@ -99,7 +78,7 @@ def test_formulas_equal_what_they_print(weights, linear, with_parameter):
         assert NOTATION.formula(expression).atoms
 
 
-@pytest.mark.thorough
+@settings(max_examples=30)
 @given(st.sampled_from(range(9)), st.sampled_from(range(9)), st.sampled_from([-1, 1, 2]))
 def test_an_expression_that_is_slightly_different_is_not_mistaken(i, j, weight):
     """Adding one monomial to C1 changes what is printed."""
@@ -133,21 +112,14 @@ def test_invariant_metric(algebra, metric):
     assert invariant_metric(algebra) == metric
 
 
-def test_the_metric_of_so21_makes_the_scalar_product():
-    bracket = so(2, 1) @ semidirect(2)
-    notation = VectorNotation(bracket)
-    u, v = bracket.fields.values()
-    assert plain(u[0] * v[0] + u[1] * v[1] - u[2] * v[2], notation) == "l.alpha"
-    assert plain(u.dot(v), notation) == "l1*alpha1 + l2*alpha2 + l3*alpha3"
-    assert plain(-(v[0] ** 2) - v[1] ** 2 + v[2] ** 2, notation) == "-|alpha|^2"
-
-
 def test_one_dot_has_one_meaning():
     """With the product of so(2,1), a parameter's pairing with a field stays in components, and u.v is defined."""
     bracket = so(2, 1) @ semidirect(2)
     notation = VectorNotation(bracket)
     u, v = bracket.fields.values()
     assert plain(a.dot(v), notation) == "a1*alpha1 + a2*alpha2 + a3*alpha3"
+    assert plain(-(v[0] ** 2) - v[1] ** 2 + v[2] ** 2, notation) == "-|alpha|^2"
+    assert plain(u.dot(v), notation) == "l1*alpha1 + l2*alpha2 + l3*alpha3"
     weighted = sum(a[i] * u[i] / inertia[i] for i in range(3))
     assert "." not in plain(weighted, notation)
     product, square = u[0] * v[0] + u[1] * v[1] - u[2] * v[2], u[0] ** 2 + u[1] ** 2 - u[2] ** 2
@@ -160,9 +132,3 @@ def test_one_dot_has_one_meaning():
     assert defined(product, square) == defined(square) == [meaning, "|u|^2 = u.u"]
     assert defined(a.dot(v), u[0] ** 2) == []
     assert defined(l.dot(alpha), alpha.dot(alpha), by=NOTATION) == []
-
-
-def test_six_components_have_a_length_too():
-    bracket = so(4) @ leibniz(1)
-    notation = VectorNotation(bracket)
-    assert plain(sum(x**2 for x in bracket.variables), notation) == "|l|^2"
