@@ -1,11 +1,14 @@
 from fractions import Fraction
+from itertools import combinations
 
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from sympy import legendre_symbol, primefactors
 
 from liepoisson.algebra.real_fields import RealRationals, Surd, real_field
+from liepoisson.algebra.ternary_forms import three_equal_squares, zero_vector
 from liepoisson.errors import ParameterError
 
 Q = RealRationals()
@@ -71,15 +74,6 @@ def test_squares_and_signs(value, radicand, sign):
             field.sign(given)
 
 
-def test_fields_with_symbols_remember_what_they_relied_on():
-    field = real_field([epsilon, sp.Integer(1)])
-    field.rely_on(field.read(epsilon * (epsilon**2 + 1) / 2))  # the second factor has no real zero
-    field.rely_on(field.read(3 * epsilon))
-    assert field.conditions == (epsilon,)
-    field.read(1 / (epsilon - 1))
-    assert set(field.conditions) == {epsilon, epsilon - 1}
-
-
 def test_factors_and_real_roots():
     assert Q.factors([Fraction(c) for c in (1, 0, -1)]) == [[1, -1], [1, 1]]
     assert Q.factors([Fraction(c) for c in (2, 0, -4)]) == [[1, 0, -2]]
@@ -87,3 +81,66 @@ def test_factors_and_real_roots():
     assert Q.real_roots([Fraction(c) for c in (1, 0, -3, 1)]) == 3
     with pytest.raises(ParameterError, match="rational coefficients"):
         real_field([sp.sqrt(2)]).real_roots([1, 0, 0, -2])
+
+
+nonzero = st.integers(-30, 30).filter(bool)
+
+
+def value(form, u, v):
+    return sum(a * form[i][j] * b for i, a in enumerate(u) for j, b in enumerate(v))
+
+
+def diagonal(*values):
+    return [[Fraction(v) if i == j else Fraction(0) for j in range(3)] for i, v in enumerate(values)]
+
+
+def hilbert_symbol(a, b, p):
+    """(a, b)_p for integers and an odd prime: Serre, A Course in Arithmetic, chapter III."""
+    (alpha, u), (beta, v) = (divided(number, p) for number in (a, b))
+    sign = (-1) ** (alpha * beta * (p - 1) // 2)
+    return sign * legendre_symbol(u, p) ** beta * legendre_symbol(v, p) ** alpha
+
+
+def divided(number, p):
+    power = 0
+    while number % p ** (power + 1) == 0:
+        power += 1
+    return power, number // p**power
+
+
+@settings(max_examples=40, deadline=None)
+@given(nonzero, nonzero, nonzero)
+def test_a_zero_is_found_exactly_when_there_is_one_modulo_all_primes(a, b, c):
+    """Hasse and Minkowski; by the product formula the prime 2 need not be looked at."""
+    assume(min(a, b, c) < 0 < max(a, b, c))
+    exists = all(hilbert_symbol(-a * c, -b * c, p) == 1 for p in primefactors(a * b * c) if p > 2)
+    form = diagonal(a, b, c)
+    vector = zero_vector(form)
+    assert (vector is not None) == exists
+    if vector is not None:
+        assert any(vector)
+        assert value(form, vector, vector) == 0
+
+
+@settings(max_examples=12, deadline=None)
+@given(st.lists(st.fractions(-9, 9, max_denominator=5), min_size=9, max_size=9), st.fractions(-8, 8, max_denominator=7))
+def test_a_multiple_of_three_squares_is_recognised(entries, scale):
+    rows = [entries[:3], entries[3:6], entries[6:]]
+    form = [[scale * sum(a * b for a, b in zip(u, v, strict=True)) for v in rows] for u in rows]
+    (a, b, c), (d, e, f), (g, h, i) = form
+    assume(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) != 0)
+    found = three_equal_squares(form)
+    assert found is not None
+    assert len({value(form, v, v) for v in found}) == 1
+    assert all(value(form, u, v) == 0 for u, v in combinations(found, 2))
+
+
+@pytest.mark.parametrize(
+    ("squares", "are_equal"),
+    [
+        *((s, True) for s in ((9, 1, 1), (49, 1, 9), (25, 2, 2), (-18, -2, -2))),
+        *((s, False) for s in ((1, 1, 3), (1, 1, 7), (1, 2, 5), (1, 1, 21))),  # anisotropic at an odd prime
+    ],
+)
+def test_multiples_of_three_squares_by_hand(squares, are_equal):
+    assert (three_equal_squares(diagonal(*squares)) is not None) is are_equal

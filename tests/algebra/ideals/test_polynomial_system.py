@@ -2,10 +2,8 @@
 
 import pytest
 import sympy as sp
-from flint import arb
-from known_systems import cyclic, katsura
+from known_systems import cyclic
 
-from liepoisson.algebra.ideals.certified_roots import precision
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
@@ -52,29 +50,6 @@ def test_all_seventy_cyclic_roots_are_distinct_and_ten_are_real():
     assert (roots.degree, roots.n_distinct, roots.n_real) == (70, 70, 10)
 
 
-def test_katsura_solutions_satisfy_their_equations():
-    equations = katsura(4)
-    of = PolynomialSystem(equations[0].context(), tuple(equations))
-    found = of.solutions()
-    assert found.n_real == 12
-    for s in found.complex(80):
-        with precision(200):
-            x = s.values
-            first = x[0] + 2 * sum(x[1:], arb(0)) - 1
-            squares = x[0] ** 2 + 2 * sum((v**2 for v in x[1:]), arb(0)) - x[0]
-            assert first.contains(0)
-            assert squares.contains(0)
-            assert abs(first) < 1e-20
-
-
-def test_close_solutions_are_told_apart():
-    gap = sp.Rational(1, 10**40)
-    found = system((X - 1) ** 2 - gap**2, Y - X).real_solutions()
-    assert len(found) == 2
-    assert not found[0].values[0].overlaps(found[1].values[0])
-    assert system((X - 1) ** 2 + gap**2, Y - X).real_solutions() == []
-
-
 def test_signs_are_exact():
     of = system(X**2 - 2, Y**2 - X)
     found = of.solutions()
@@ -115,12 +90,6 @@ def test_components(equations, assumptions, expected):
 def test_real_components_where_sums_of_squares_vanish_with_all_of_their_terms(equations, expected):
     assert shown(system(*equations).components(is_real=True)) == expected
     assert system(*equations).is_inconsistent is (not expected)
-
-
-def test_dimension_degree_and_saturation():
-    of = system(X * Y, X * Z)
-    assert [(c.dimension, c.degree) for c in of.components()] == [(2, 1), (1, 1)]
-    assert str(of.saturated(X).groebner().polynomials) == str(system(Y, Z).groebner().polynomials)
 
 
 @pytest.mark.parametrize(
