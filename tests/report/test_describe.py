@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,13 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.styles import PLAIN, UNICODE
 from liepoisson.model.system import System
 from liepoisson.model.tops import Top
+from liepoisson.report import limits
+from liepoisson.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
 from liepoisson.report.describe import describe, inspect
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import leibniz, semidirect, trivial
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.lie_algebras import affine, heisenberg, se, so
+from liepoisson.structure.lie_algebras import abelian, affine, heisenberg, se, so
 
 SNAPSHOTS = Path(__file__).parents[1] / "snapshots"
 J, c, d = (sp.symbols(f"{name}1:4") for name in "Jcd")
@@ -85,29 +88,6 @@ def test_what_a_report_tells(system, there, absent):
     assert [words for words in absent if words in text] == []
 
 
-def test_record_is_json_with_one_object_per_topic():
-    record = json.loads(json.dumps(inspect(SYMBOLIC).record()))
-    assert list(record) == [
-        *("name", "source", "algebra", "extension", "bracket", "casimirs", "rank", "strata", "symmetries"),
-        *("hamiltonian", "equations", "integrals", "kernel", "failed"),
-    ]
-    assert [c["text"] for c in record["casimirs"]["generators"]] == [
-        "|alpha|^2 + 2 epsilon l.beta",
-        "alpha.beta",
-        "|beta|^2",
-    ]
-    assert record["casimirs"]["verified"] is record["casimirs"]["complete"] is True
-    assert record["rank"] == {"lower": 6, "upper": 6, "corank": 3, "proved": True}
-    assert [(s["rank"], s["proved"]) for s in record["strata"]] == [(6, True), (4, True), (2, True), (0, True)]
-    assert record["equations"]["vector"][0]["text"] == "l' = l x omega + alpha x a + beta x b"
-    assert record["equations"]["definitions"][0]["text"] == "omega = I^-1 l"
-    assert record["kernel"] == {
-        "kind": None,
-        "missing_values": ["I1", "I2", "I3", "a1", "a2", "a3", "b1", "b2", "b3", "epsilon"],
-        "obstacle": "needs values for I1, I2, I3, a1, a2, a3, b1, b2, b3, epsilon",
-    }
-
-
 @pytest.mark.parametrize(
     ("system", "kind"),
     [
@@ -118,21 +98,6 @@ def test_record_is_json_with_one_object_per_topic():
 )
 def test_the_kernel_follows_the_equations(system, kind):
     assert inspect(system).record()["kernel"]["kind"] == kind
-
-
-def test_integrals_are_proved_or_refuted():
-    """Chaplygin's integral is constant where l.alpha = 0, and neither it nor l1 is constant elsewhere."""
-    good = catalog.system("goryachev-chaplygin")
-    (integral,) = inspect(good).record()["integrals"]
-    assert integral["proved"]
-    assert integral["on"]["text"] == "l.alpha"
-    hamiltonian, bracket, G = good.hamiltonian, good.bracket, sp.sympify(integral["expression"].replace("^", "**"))
-    claims = inspect(System(bracket, hamiltonian, integrals={"G": G, "l1": sp.Symbol("l1")})).record()["integrals"]
-    assert [claim["proved"] for claim in claims] == [False, False]
-    assert "l.alpha" not in claims[1]["derivative"]["text"]
-    _, alpha = bracket.fields.values()
-    elsewhere = System(bracket, hamiltonian, partial_integrals={"G": (G, alpha[2])})
-    assert not inspect(elsewhere).record()["integrals"][0]["proved"]
 
 
 def test_a_bracket_that_is_none_is_said_to_fail():
@@ -169,29 +134,6 @@ def test_an_integral_that_is_known_already_is_listed_once():
         assert [entry["name"] for entry in inspect(system).record()["integrals"]] == listed
 
 
-def test_describe_is_the_short_form():
-    assert describe(Top.twisted_lagrange(b3=2)) == "\n".join(
-        [
-            "twisted Lagrange top",
-            "  bracket      so(3) ⊗ Leibniz(3, epsilon = 1)",
-            "  parameters   I = (1, 1, 1/2), a = (0, 0, 1), b = (0, 0, 2), epsilon = 1",
-            "  Hamiltonian  H = 1/2 l·I^-1 l + a·alpha + b·beta",
-            "  equations",
-            "    l' = l × omega + alpha × a + beta × b",
-            "    alpha' = alpha × omega + epsilon beta × a",
-            "    beta' = beta × omega",
-            "    omega = I^-1 l",
-            "  invariants",
-            "    H = l1^2/2 + l2^2/2 + l3^2 + alpha3 + 2*beta3",
-            "    C1 = |alpha|^2 + 2 l·beta",
-            "    C2 = alpha·beta",
-            "    C3 = |beta|^2",
-            "    l3 = l3",
-            "    P' = l·alpha + 2 l·beta + beta3",
-        ]
-    )
-
-
 SEMIDIRECT_TOP = (so(3) @ semidirect(2), "dot(l, l)/2 + alpha[3]")
 
 
@@ -212,3 +154,112 @@ def test_claims_on_a_set_are_refuted_by_a_real_point_only(zero, verdict):
     for constant in ("0", "1"):
         with pytest.raises(ParameterError, match="function of the coordinates"):
             inspect(System(*SEMIDIRECT_TOP, partial_integrals={"K": ("l1", constant)}))
+
+
+def test_record_is_json_with_one_object_per_topic():
+    record = json.loads(json.dumps(inspect(SYMBOLIC).record()))
+    assert list(record) == [
+        *("name", "source", "algebra", "extension", "bracket", "casimirs", "rank", "strata", "symmetries"),
+        *("hamiltonian", "equations", "integrals", "kernel", "failed"),
+    ]
+    texts = [c["text"] for c in record["casimirs"]["generators"]]
+    assert texts == ["|alpha|^2 + 2 epsilon l.beta", "alpha.beta", "|beta|^2"]
+    assert record["casimirs"]["verified"] is record["casimirs"]["complete"] is True
+    assert record["rank"] == {"lower": 6, "upper": 6, "corank": 3, "proved": True}
+    assert [(s["rank"], s["proved"]) for s in record["strata"]] == [(6, True), (4, True), (2, True), (0, True)]
+    assert record["equations"]["vector"][0]["text"] == "l' = l x omega + alpha x a + beta x b"
+    missing = ["I1", "I2", "I3", "a1", "a2", "a3", "b1", "b2", "b3", "epsilon"]
+    obstacle = f"needs values for {', '.join(missing)}"
+    assert record["kernel"] == {"kind": None, "missing_values": missing, "obstacle": obstacle}
+
+
+def test_integrals_are_proved_or_refuted():
+    """Chaplygin's integral is constant where l.alpha = 0, and neither it nor l1 is constant elsewhere."""
+    good = catalog.system("goryachev-chaplygin")
+    (integral,) = inspect(good).record()["integrals"]
+    assert (integral["proved"], integral["on"]["text"]) == (True, "l.alpha")
+    G, (_, alpha) = sp.sympify(integral["expression"].replace("^", "**")), good.bracket.fields.values()
+    integrals, partial = {"G": G, "l1": sp.Symbol("l1")}, {"F": (G, alpha[2])}
+    wrong = System(good.bracket, good.hamiltonian, integrals=integrals, partial_integrals=partial)
+    claims = inspect(wrong).record()["integrals"]
+    assert [claim["proved"] for claim in claims] == [False, False, False]
+    assert "l.alpha" not in claims[1]["derivative"]["text"]
+
+
+def test_describe_is_the_short_form():
+    lines = describe(Top.twisted_lagrange(b3=2)).split("\n")
+    assert lines[:5] == [
+        "twisted Lagrange top",
+        "  bracket      so(3) ⊗ Leibniz(3, epsilon = 1)",
+        "  parameters   I = (1, 1, 1/2), a = (0, 0, 1), b = (0, 0, 2), epsilon = 1",
+        "  Hamiltonian  H = 1/2 l·I^-1 l + a·alpha + b·beta",
+        "  equations",
+    ]
+    assert lines[9:12] == [
+        "  invariants",
+        "    H = l1^2/2 + l2^2/2 + l3^2 + alpha3 + 2*beta3",
+        "    C1 = |alpha|^2 + 2 l·beta",
+    ]
+    assert lines[-1] == "    P' = l·alpha + 2 l·beta + beta3"
+
+
+def test_many_coordinates():
+    began = time.process_time()
+    report = inspect(System(abelian(301) @ trivial(), "l[1]^2"))
+    assert time.process_time() - began < 10
+    for key in ("bracket", "casimirs", "rank", "strata", "symmetries", "equations"):
+        assert report.record()[key] == {"not_computed": "301 coordinates (limit 200)"}
+    assert report.record()["algebra"] == {"not_computed": "301 dimensions (limit 300)"}
+    assert "Casimirs         not computed: 301 coordinates (limit 200)" in report.text(PLAIN)
+    assert not report.failed
+
+
+def test_many_fields():
+    bracket = abelian(1) @ leibniz(41)
+    record = inspect(System(bracket, bracket.variables[0] ** 2)).record()
+    assert record["extension"] == {"not_computed": "41 fields (limit 40)"}
+    assert record["symmetries"] == {"not_computed": "41 fields (limit 20)"}
+    assert record["casimirs"]["complete"]
+
+
+def test_a_long_hamiltonian(monkeypatch):
+    monkeypatch.setattr(limits, "MOST_TERMS", 5)
+    bracket = so(3) @ trivial()
+    l1, l2, _ = bracket.variables
+    energy = sum((l1**i * l2 for i in range(6)), 0 * l1)
+    record = inspect(System(bracket, energy)).record()
+    assert record["equations"] == record["symmetries"] == {"not_computed": "6 terms in H (limit 5)"}
+    assert record["rank"]["proved"]
+
+
+x, y, z = variables = sp.symbols("x y z")
+
+
+@pytest.mark.parametrize(
+    ("function", "zero", "expected"),
+    [
+        (y, x, True),
+        (y, x**2 + y**2, False),  # the real points are x = y = 0
+        (z, x**2 + y**2, True),
+        (y, x**2 + 1, False),  # no real points
+        (y, x * y, True),  # where x = 0
+        (x * (x**2 + y**2), x**3 + x * y**2, False),
+        (x - y, x**3 - y**3, False),  # x^2 + x y + y^2 = 0 at the origin only
+        (y, sp.sqrt(2) * x - 1, True),
+        (y, sp.exp(x) - 2, True),
+        (y, sp.exp(x) + 2, False),
+        (sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1, sp.exp(y) - 2, False),
+        (y, 1 / x, False),  # changes its sign at a pole
+        (y, sp.Symbol("c") * x, True),
+    ],
+)
+def test_refuted_by_a_real_point_of_the_set(function, zero, expected):
+    assert is_nonzero_on(function, zero, variables) is expected
+
+
+@pytest.mark.parametrize(
+    ("function", "expected"),
+    [(x**2 * y, True), (1 / x, True), (sp.sqrt(x), True), (sp.sqrt(x**2) - sp.Abs(x), False), (x - x, False)],
+)
+def test_refuted_by_any_real_point(function, expected):
+    assert is_nonzero_somewhere(function, variables) is expected

@@ -13,6 +13,19 @@ from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
 from liepoisson.report.decimals import Decimal
+from liepoisson.report.lines import (
+    Column,
+    Conditions,
+    Equation,
+    Name,
+    Rate,
+    Ring,
+    Statement,
+    Unequal,
+    VectorName,
+    joined,
+    write_line,
+)
 from liepoisson.report.printing import (
     Cross,
     Dot,
@@ -27,6 +40,8 @@ from liepoisson.report.printing import (
     write_atom,
     write_vector,
 )
+from liepoisson.report.wrapping import wrapped
+from liepoisson.structure.locus import Locus
 
 FIELDS = ("l", "alpha", "beta")
 COORDINATES = {f"{f}{i}": (f, str(i)) for f in FIELDS for i in (1, 2, 3)}
@@ -170,3 +185,78 @@ def test_plain_components_read_back_as_the_same_expression_and_braces_balance(ex
     assert min(depths, default=0) >= 0
     assert depths[-1:] in ([], [0])
     assert written.latex.count(r"\left") == written.latex.count(r"\right")
+
+
+KNOWN = (frozenset({"l", "alpha", "beta", "x"}), frozenset({"epsilon", "l1"}))
+PAIR = ("alpha", "beta")
+L3 = Formula(sp.Symbol("l3"), {}, {"l3": ("l", "3")})
+
+
+@pytest.mark.parametrize(
+    ("piece", "plain", "unicode", "latex"),
+    [
+        *((Statement(statement, *KNOWN), statement, unicode, latex) for statement, unicode, latex in (
+            ("alpha -> s^2*alpha + d*beta", "α → s² α + d β", None),
+            ("l -> s^(-1)*l", "l → s⁻¹ l", None),
+            ("epsilon = 0", "ε = 0", r"\epsilon = 0"),
+            ("alpha -> s*alpha takes epsilon to s^2*epsilon", "α → s α takes ε to s² ε", None))),
+        *((Conditions(locus, are_vectors=True), plain, unicode, latex) for locus, plain, unicode, latex in (
+            (Locus(zero=("beta",), nonzero=(("alpha",),)), "beta = 0, alpha != 0", "β = 0, α ≠ 0",
+             r"\boldsymbol{\beta} = 0, \boldsymbol{\alpha} \neq 0"),
+            (Locus(not_parallel=(PAIR,)), "alpha x beta != 0", "α × β ≠ 0", None),
+            (Locus(parallel=(PAIR,), nonzero=(PAIR,)), "alpha x beta = 0, (alpha, beta) != 0", "α × β = 0, (α, β) ≠ 0",
+             None))),
+        (Conditions(Locus(zero=("p_theta",), nonzero=(("q1",),)), are_vectors=False), "p_theta = 0, q1 != 0",
+         "p_θ = 0, q₁ ≠ 0", r"p_{\theta} = 0, q_1 \neq 0"),
+        *((Name(name), None, unicode, latex) for name, unicode, latex in (
+            ("C1", "C₁", "C_1"),
+            ("P'", "P'", "P'"),
+            ("l.alpha", "l·α", r"\boldsymbol{\ell}\cdot \boldsymbol{\alpha}"),
+            ("Lax 50%", "Lax 50%", r"\text{ Lax 50\% }"),
+            ("K^2", "K²", "K^{2}"),
+            ("m3+n3", "m₃+n₃", "m_3+n_3"))),
+        (Ring("R[x,y]/(x,y)^2"), "R[x,y]/(x,y)^2", "R[x,y]/(x,y)²", r"\mathbb{R}[x,y]/(x,y)^{2}"),
+        (Unequal(Formula(sp.Symbol("epsilon"))), "epsilon != 0", "ε ≠ 0", r"\epsilon \neq 0"),
+        (Equation(Rate(VectorName("l")), Column((L3, L3))), "l' = (l3, l3)", "l′ = (l₃, l₃)", None),
+        (Equation(Name("l3"), L3), "l3", "l₃", None),  # not l₃ = l₃
+    ],
+)  # fmt: skip
+def test_pieces(piece, plain, unicode, latex):
+    assert plain in (None, piece.write(PLAIN))
+    assert piece.write(UNICODE) == unicode
+    assert latex in (None, piece.write(LATEX))
+
+
+def test_lines_and_long_formulas():
+    assert write_line(("on ", L3, ": so(3) ⊗ A"), LATEX) == r"on $\ell_3$: so(3) $\otimes$ A"
+    assert write_line(tuple(joined([L3, L3])), PLAIN) == "l3, l3"
+    long = Formula(sp.Add(*sp.symbols("x1:41")))
+    assert Equation(Name("H"), long).write(PLAIN).endswith("+ ... (28 more terms)")
+
+
+x = sp.symbols("x1:13")
+
+
+def rows(formula, width=30, style=PLAIN):
+    return wrapped((formula,), style, width)
+
+
+def test_sums_are_broken_before_signs():
+    assert rows(Equation(Name("H"), Formula(sp.Add(*x[:6])))) == ["H = x1 + x2 + x3 + x4 + x5", "    + x6"]
+
+
+def test_parentheses_are_broken_only_if_they_must_and_between_components_first():
+    square = Formula((x[0] + x[1]) ** 2 + (x[2] + x[3]) ** 2)
+    assert rows(square, 20) == ["(x1 + x2)^2", "    + (x3 + x4)^2"]
+    column = Column((Formula(x[0] + x[1]), Formula(x[2] + x[3]), Formula(x[4])))
+    assert rows(column, 20) == ["(x1 + x2, x3 + x4,", "    x5)"]
+    assert rows(column, 9) == ["(x1 + x2,", "    x3", "    + x4,", "    x5)"]
+
+
+@settings(max_examples=40)
+@given(st.lists(st.integers(-9, 9), min_size=12, max_size=12), st.integers(12, 60))
+def test_nothing_is_lost_and_no_row_is_too_long(weights, width):
+    formula = Formula(sp.Add(*(w * v for w, v in zip(weights, x, strict=True))))
+    written = rows(formula, width)
+    assert " ".join(row.strip() for row in written) == formula.plain
+    assert max(map(len, written)) <= width

@@ -5,10 +5,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.formula.styles import NAMES
-from liepoisson.report.printing import Cross, Gradient
+from liepoisson.report.printing import Cross
 from liepoisson.report.vector_equations import vector_equations
-from liepoisson.structure.extension import Extension
-from liepoisson.structure.extensions import leibniz, semidirect
+from liepoisson.structure.extensions import leibniz
 from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.lie_algebras import so, su
 
@@ -42,22 +41,6 @@ def test_a_sign_in_the_extension_or_the_algebra_shows():
     c = [[[-v for v in row] for row in plane] for plane in so(3).structure_constants]
     reversed_ = LieAlgebra(c) @ leibniz(3, "epsilon")
     assert printed(reversed_, top(reversed_))[0] == "l' = -l × omega - alpha × a - beta × b"
-
-
-def test_other_gradients_are_named_and_defined():
-    bracket = so(3) @ semidirect(2)
-    l, alpha = bracket.fields.values()
-    equations = vector_equations(bracket, l.dot(l) / 2 + sp.sqrt(1 + alpha[0] ** 2))
-    assert [formula.write(NAMES) for _, formula in equations.rows] == ["alpha × dH/dalpha", "alpha × l"]
-    definitions = dict(equations.definitions)
-    assert [c.plain for c in definitions[Gradient("alpha")]] == ["alpha1/sqrt(alpha1^2 + 1)", "0", "0"]
-
-
-def test_a_field_or_parameter_named_omega_is_not_the_angular_velocity():
-    bracket = so(3) @ Extension(semidirect(2).tensor, field_names=("omega", "v"))
-    w, _ = bracket.fields.values()
-    (name, _), *_ = vector_equations(bracket, w[0] ** 2 + 2 * w[1] ** 2).definitions
-    assert name == Gradient("omega")
 
 
 def test_so21_has_a_cross_product_of_its_own():

@@ -2,8 +2,6 @@
 
 import pytest
 import sympy as sp
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from liepoisson.formula.styles import UNICODE
 from liepoisson.report import vector_gradients
@@ -72,39 +70,3 @@ def test_the_metric_of_so21_is_not_forgotten():
     bracket = so(2, 1) @ leibniz(1)
     x = bracket.variables
     assert vector_gradient(VectorNotation(bracket), sp.sqrt(1 + x[0] ** 2 + x[1] ** 2 - x[2] ** 2), "l") is None
-
-
-scalars = [l.dot(l), alpha.dot(alpha), l.dot(alpha), r.dot(l), kinetic, (alpha + r).dot(alpha + r), l.dot(S * alpha)]
-outer = st.sampled_from([sp.exp, lambda s: sp.sqrt(1 + s), lambda s: s, lambda s: 1 / s])
-
-
-@settings(max_examples=8)
-@given(outer, outer, st.sampled_from(scalars), st.sampled_from(scalars), st.sampled_from(["l", "alpha"]))
-def test_gradients_are_derivatives(f, g, s, t, field):
-    """With numbers for everything, the vectors add up to the derivative."""
-    hamiltonian = f(s) + g(t)
-    formula = vector_gradient(NOTATION, hamiltonian, field)
-    if formula is None:
-        return
-    x = BRACKET.fields[field]
-    values = {symbol: sp.Rational(k + 2, k + 3) for k, symbol in enumerate(sorted(hamiltonian.free_symbols, key=str))}
-    names = {**NOTATION.vectors(hamiltonian), "S": S}
-    meanings = {k: NOTATION.meaning(a, hamiltonian) for k, a in formula.atoms.items() if not is_vector(a)}
-    for i in range(3):
-        here = {symbol: component(atom, i, names) for symbol, atom in formula.atoms.items() if is_vector(atom)}
-        total = formula.expression.subs({**meanings, **here}).subs(values)
-        assert abs(sp.N(total - hamiltonian.diff(x[i]).subs(values))) < 1e-12
-
-
-def is_vector(atom):
-    return type(atom).__name__ in ("Itself", "Image", "Cross")
-
-
-def component(atom, i, names):
-    if type(atom).__name__ == "Image":
-        matrix = names[atom.matrix]
-        D = matrix if isinstance(matrix, sp.Matrix) else sp.diag(*(entry**atom.power for entry in matrix))
-        return (D * sp.Matrix(names[atom.u]))[i]
-    if isinstance(atom.u, str):
-        return names[atom.u][i]
-    return names[atom.u.field][i] + atom.u.sign * names[atom.u.by][i]
