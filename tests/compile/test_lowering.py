@@ -2,7 +2,6 @@
 
 import json
 import math
-from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -11,8 +10,8 @@ from plain_fields import derivative
 
 import liepoisson as lp
 from liepoisson.compile.field import QuadraticField, TapeField, TopField, field_of, record_of
-from liepoisson.compile.lowering import lower, quadratic_polynomial, tape_of_equations
-from liepoisson.compile.private_symbols import numpy_function
+from liepoisson.compile.lowering import lower, tape_of_equations
+from liepoisson.compile.private_symbols import in_private_symbols, numpy_function
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.model.system import System
 from liepoisson.structure.extensions import leibniz
@@ -59,29 +58,10 @@ def test_irrational_coefficients_are_rounded_once():
     assert found == {(0, 0, 2): -root, (1, 1, 2): root, (2, 0, 0): root, (2, 1, 1): -root}
 
 
-def test_polynomials_of_degree_two_are_told_from_others():
-    x, y = sp.symbols("x y")
-    half = Fraction(1, 2)
-    assert quadratic_polynomial((x + y) ** 2 / 2, (x, y)) == {(0, 0): half, (0, 1): Fraction(1), (1, 1): half}
-    assert quadratic_polynomial(sp.Integer(0), (x, y)) == {(): Fraction(0)}
-    for other in (x**3, x * y**2, 1 / x, sp.sqrt(x), sp.sin(x), x**y):
-        assert quadratic_polynomial(other, (x, y)) is None
-
-
 def test_a_subexpression_is_written_once():
     x, y = sp.symbols("x y")
     field = tape_of_equations((x, y), (sp.sin(x + y) * x, sp.sin(x + y) * y))
     assert [name for name, _, _ in field.instructions].count("sin") == 1
-
-
-@pytest.mark.parametrize("energy", ["dot(l, l)^2", "sin(dot(l, l))", "sqrt(1 + dot(l, l))"])
-def test_function_of_casimirs_moves_nothing_at_all(energy):
-    """Its terms cancel; added in doubles they would leave round-off, and an orbit a time scale of 1e16."""
-    field = lp.System(lp.so(3) @ lp.trivial(), energy).field()
-    x = np.random.default_rng(0).normal(size=(5, 3)) * 1e3
-    np.testing.assert_array_equal(lp.orbits.time_scale(lp.System(lp.so(3) @ lp.trivial(), energy), x), np.inf)
-    assert len(field.instructions) == 1
-    assert len(lp.System(lp.so(3) @ lp.trivial(), f"{energy} + l1").field().instructions) > 1
 
 
 MOST = lp.so(3) @ lp.semidirect(2)
@@ -114,3 +94,48 @@ l1, alpha1 = MOST.variables[0], MOST.variables[3]
 def test_refusals(call, error, words):
     with pytest.raises(error, match=words or None):
         call()
+
+
+@pytest.mark.parametrize("energy", ["dot(l, l)^2", "sin(dot(l, l))", "sqrt(1 + dot(l, l))"])
+def test_function_of_casimirs_moves_nothing_at_all(energy):
+    """Its terms cancel; added in doubles they would leave round-off, and an orbit a time scale of 1e16."""
+    system = System(lp.so(3) @ lp.trivial(), energy)
+    x = np.random.default_rng(0).normal(size=(5, 3)) * 1e3
+    np.testing.assert_array_equal(lp.orbits.time_scale(system, x), np.inf)
+    assert len(system.field().instructions) == 1
+
+
+X, Y = sp.symbols("pi e")
+FUNCTIONS = [
+    sp.E * X + sp.pi * Y + sp.EulerGamma, sp.sqrt(X), sp.exp(Y), sp.E**X, sp.log(X), sp.sin(X), sp.cos(Y), sp.tan(X),
+    sp.sinh(X), sp.cosh(X), sp.tanh(X), sp.asin(X), sp.acos(Y), sp.atan(X * Y), sp.Abs(X), sp.Max(X, Y), sp.atan2(X, Y),
+    sp.Integer(0), sp.Rational(1, 3), sp.sin(X * Y) ** 2 + sp.sin(X * Y),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("expression", FUNCTIONS, ids=str)
+def test_compiled_functions_have_the_values_of_sympy(expression):
+    x, y = np.array([0.2, 0.7]), np.array([0.9, 0.4])
+    found = np.broadcast_to(numpy_function((X, Y), [expression])(x, y)[0], 2)
+    wanted = [float(expression.subs({X: a, Y: b}, simultaneous=True)) for a, b in zip(x, y, strict=True)]
+    np.testing.assert_allclose(found, wanted, rtol=1e-14)
+
+
+def test_variables_that_are_called_like_private_ones_are_exchanged_at_once():
+    first, second = sp.symbols("_0 _1")
+    private, [expression] = in_private_symbols((first, second), [first - 2 * second])
+    assert tuple(map(str, private)) == ("_1", "_0")
+    assert expression == private[0] - 2 * private[1]
+
+
+def test_a_function_is_compiled_once():
+    assert numpy_function([X, Y], [X + Y]) is numpy_function((X, Y), (X + Y,))
+    assert numpy_function([Y, X], [X - Y])(1.0, 3.0) == [2.0]
+    assert numpy_function([X, Y], [X - Y])(1.0, 3.0) == [-2.0]
+
+
+def test_symbols_that_are_printed_alike_are_different():
+    other = sp.Symbol("e", positive=True)
+    with pytest.raises(ParameterError, match="every parameter must be a number for numerical work; e has none"):
+        numpy_function((X, Y), [X + other])
+    assert numpy_function((Y, other), [Y - 2 * other])(1.0, 3.0) == [-5.0]

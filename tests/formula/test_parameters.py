@@ -63,12 +63,6 @@ def test_refusals(call, error, words):
         call()
 
 
-def test_sequences_of_every_kind_are_vectors():
-    expected = (Fraction(1), Fraction(1, 2), Fraction(3))
-    for given in ([1, 0.5, 3], (1, "1/2", 3), np.array([1, 0.5, 3]), sp.Matrix([1, sp.Rational(1, 2), 3])):
-        assert read_vector(given, "a", "(a1, a2, a3)") == expected
-
-
 def test_questions_about_symbols_are_answered_only_when_decided():
     x, y = sp.symbols("x y")
     assert is_zero((x + 1) ** 2 - x**2 - 2 * x - 1)
@@ -119,10 +113,3 @@ def test_coefficients_that_vanish_without_showing_it_are_zero(number):
     assert is_zero(number * x + number * x * y**2)
     assert not is_zero(number * x + y)
     assert not is_zero(number + sp.Rational(1, 10**20))
-
-
-def test_what_is_no_polynomial_is_simplified():
-    x, y = sp.symbols("x y")
-    assert is_zero(1 / (x + y) - (x - y) / (x**2 - y**2))
-    assert is_zero(sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1)
-    assert not is_zero(1 / (x + y) - 1 / (x - y))

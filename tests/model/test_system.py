@@ -3,7 +3,10 @@ import pickle
 import numpy as np
 import pytest
 import sympy as sp
+from flint import arb
 
+import liepoisson as lp
+from liepoisson.algebra.ideals.certified_roots import precision
 from liepoisson.compile.field import TopField
 from liepoisson.errors import ParameterError
 from liepoisson.model.canonical_system import CanonicalSystem
@@ -59,18 +62,6 @@ def test_floats_in_a_hamiltonian_are_the_decimals_that_they_print_as():
     bracket = so(3) @ leibniz(3, 1)
     typed = System(bracket, lambda l, a, b: 0.1 * l[0] ** 2 + 0.1 * l[1] ** 2 + 0.7 * l[2] ** 2 + 0.3 * a[2] - b[0])
     assert typed.field() == Top(inertia=(5, 5, "5/7"), a=(0, 0, 0.3), b=(-1, 0, 0), epsilon=1).field()
-
-
-def test_a_hamiltonian_may_be_a_text_with_vectors_and_matrices():
-    bracket = so(3) @ semidirect(2)
-    numbers = {"I": [1, 2, 3], "A": [[1, "1/2", 0], ["1/2", 2, 0], [0, 0, 0.1]]}
-    typed = System(bracket, "dot(l, inv(I)*l)/2 + dot(alpha, A*alpha)/2", numbers)
-    l, alpha = bracket.fields.values()
-    half = sp.Rational(1, 2)
-    quadratic = sp.Matrix([[1, half, 0], [half, 2, 0], [0, 0, sp.Rational(1, 10)]])
-    energy = l[0] ** 2 / 2 + l[1] ** 2 / 4 + l[2] ** 2 / 6 + (alpha.T * quadratic * alpha)[0] / 2
-    assert sp.expand(typed.hamiltonian - energy) == 0
-    assert {str(symbol) for symbol in typed.symbolic_hamiltonian.free_symbols} >= {"I1", "I3", "A12", "A33"}
 
 
 def test_symbols_with_assumptions_are_the_coordinates():
@@ -164,3 +155,73 @@ def test_parameters_cannot_be_changed_in_place(change):
         with pytest.raises(TypeError, match="belong to a system"):
             exec(change, {"d": d})
         assert dict(d) == {"a": 1}
+
+
+PENDULUM = CanonicalSystem(["theta"], ["p"], "p^2/(2*m) - k*cos(theta)", parameters={"m": 2, "k": "1/3"})
+
+
+def test_the_equations_are_those_of_hamilton():
+    theta, p = PENDULUM.variables
+    assert PENDULUM.equations == {theta: p / 2, p: -sp.sin(theta) / 3}
+    assert PENDULUM.bracket(p**2, theta * p) == -2 * p * p
+    vectors = lp.System(lp.canonical(2), "dot(p, p)/(2*m) + k*dot(q, q)/2 + q[1]*q2", {"m": 2, "k": 3})
+    q1, q2, p1, _ = vectors.variables
+    assert (vectors.equations[q1], vectors.equations[p1]) == (p1 / 2, -3 * q1 - q2)
+    other = lp.System(lp.canonical(names=["theta"], momenta=["p"]), "p^2/(2*m) - k*cos(theta)", {"m": 2, "k": "1/3"})
+    assert list(other.equations.items()) == list(PENDULUM.equations.items())
+    copy = pickle.loads(pickle.dumps(PENDULUM))
+    assert (copy.equations, copy.field()) == (PENDULUM.equations, PENDULUM.field())
+
+
+def test_the_pendulum_at_its_separatrix():
+    """theta = 4 atan(tanh(s/2)) with s = t for theta'' = -sin theta, theta(0) = 0, theta'(0) = 2."""
+    pendulum = CanonicalSystem(["theta"], ["p"], "p^2/2 - cos(theta)")
+    t = np.linspace(0, 5, 21)
+    orbit = lp.integrate(pendulum, [0.0, 2.0], times=t)
+    assert orbit.components == ("theta", "p")
+    np.testing.assert_allclose(orbit.state[0, :, 0], 4 * np.arctan(np.tanh(t / 2)), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("hamiltonian", "kind"),
+    [("p1^2/2 + q1^3/3 - q1*p1^2", "quadratic"), ("p1^2/2 + q1^4", "tape"), ("p1^2/2 + cos(q1)", "tape")],
+)
+def test_cubic_hamiltonians_have_quadratic_fields(hamiltonian, kind):
+    field = lp.System(lp.canonical(1), hamiltonian).field()
+    assert field.kind == kind
+    if kind == "quadratic":
+        rates = (0, 0, 1, -2.0), (1, 0, 0, -1.0), (1, 1, 1, 1.0)
+        assert field == lp.fields.QuadraticField(2, (), ((0, 1, 1.0),), rates)
+
+
+def test_a_quadrature_follows_the_motion_without_acting_on_it():
+    """The integral of cos^2 t is t/2 + sin(2t)/4."""
+    system = CanonicalSystem(["x"], ["p"], "(x^2 + p^2)/2", quadratures={"area": "x*x"})
+    orbit = lp.integrate(system, [1.0, 0.0, 0.0], times=[0, 2.0])
+    np.testing.assert_allclose(orbit.state[0, -1], [np.cos(2), -np.sin(2), 1 + np.sin(4) / 4], atol=1e-14)
+
+
+def test_functions_of_arrays():
+    z = np.array([[0.3, 0.2], [1.0, -0.5]])
+    energy = PENDULUM.functions.energy
+    np.testing.assert_allclose(energy(z), z[:, 1] ** 2 / 4 - np.cos(z[:, 0]) / 3)
+    rates = np.einsum("...ij,...j->...i", PENDULUM.functions.poisson_tensor(z), energy.gradient(z))
+    np.testing.assert_allclose(PENDULUM.vector_field(z), rates)
+    step = 1e-6 * np.array([0.6, 0.8])
+    difference = PENDULUM.vector_field(z + step) - PENDULUM.vector_field(z - step)
+    np.testing.assert_allclose(PENDULUM.functions.jacobian(z) @ (2 * step), difference, atol=1e-15)
+
+
+def test_balls_have_the_values_of_doubles_and_slopes_beyond_their_range():
+    system = lp.System(lp.canonical(names=("q",), momenta=("p",)), "p^2/2 + tanh(q^3)/3 + sqrt(q)*cos(pi*p) - log(q)")
+    function, state = system.functions.energy, np.array([1.3, 0.7])
+    with precision(300):
+        point = [arb(x) for x in state.tolist()]
+        assert float(function.value_in_balls(point)) == pytest.approx(float(function(state)), rel=1e-14)
+        slopes = [float(slope) for slope in function.gradient_in_balls(point)]
+        assert slopes == pytest.approx(function.gradient(state).tolist(), rel=1e-13)
+        assert not function.value_in_balls([arb(-1), arb(0)]).is_finite()
+        tail = lp.System(lp.canonical(names=("q",), momenta=("p",)), "p + tanh(q^3)").functions.energy
+        slope, _ = tail.gradient_in_balls([arb(100), arb(0)])
+        assert slope > 0  # 3e4/cosh(1e6)^2
+        assert abs(slope.log() + 2e6 - np.log(12e4)) < 1e-9

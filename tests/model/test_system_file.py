@@ -1,5 +1,4 @@
 import time
-from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -92,15 +91,6 @@ def test_brackets_are_given_in_six_ways(bracket, bare):
     assert read.poisson_tensor() == bare().poisson_tensor()
 
 
-def test_symbols_keep_parameters_symbolic():
-    text = changed('epsilon = 1\nI = [2, 2.5, "7/2"]\na = [-1, 0, 0.1]', 'symbols = ["epsilon", "I[3]", "a[3]"]')
-    system = parse_system_file(text).system()
-    assert {str(s) for s in system.hamiltonian.free_symbols} >= {"I1", "I2", "I3", "a1", "a2", "a3"}
-    assert system.bracket.symbols == {"epsilon"}
-    at_top_level = changed("[bracket]", 'symbols = ["epsilon"]\n[bracket]', changed("epsilon = 1\n", ""))
-    assert parse_system_file(at_top_level).symbols == ("epsilon",)
-
-
 def test_numbers_are_exact_and_may_be_formulas():
     numbers = {"0.1": F(1, 10), "1_000.5": F(2001, 2), '"1/3"': F(1, 3), "1e-3": F(1, 1000), "-7": F(-7), "0x10": F(16)}
     for written, expected in numbers.items():
@@ -148,23 +138,17 @@ source = "printed in a book"
     [
         ("name =", "nmae =", r"line 2: nmae: .*Did you mean name"),
         ("algebra  ", "algebre  ", r"line 5: \[bracket\] algebre: .*Did you mean algebra"),
-        ("[hamiltonian]", "[hamiltonan]", r"line 12: hamiltonan: .*Did you mean hamiltonian"),
-        ("expression", "expresion", r"\[hamiltonian\] expresion: .*Did you mean expression"),
         ('algebra   = "so(3)"', "", r"line 4: bracket: wanted one of algebra, structure_constants or matrices"),
-        ('"so(3)"', "3", r"line 5: \[bracket\] algebra: wanted a text"),
         ('"so(3)"', '"os(3)"', r"line 5: \[bracket\] algebra: the Lie algebra 'os' is unknown"),
         ('"so(3)"', '"so(3)"\nmatrices = [[[1]]]', "exclude each other"),
         ('"so(3)"', '"so(3)"\nbasis_names = ["1"]', "Remove basis_names"),
         ("leibniz(3, epsilon)", "leibniz(3, eps)", r"line 6: .*'eps' is unknown"),
-        ("leibniz(3, epsilon)", "leibniz(2, epsilon)", "3 for an extension of dimension 2"),
         ('extension = "leibniz(3, epsilon)"', f"W = {NOT_ASSOCIATIVE}", r"\[bracket\] W: .*associative"),
         ('extension = "leibniz(3, epsilon)"', "W = [[1, 2], [3, 4]]", r"W\[1\]\[1\]: wanted a list"),
         ('["l", "alpha", "beta"]', '["l", "alpha"]', r"line 7: \[bracket\] variables: wanted one name .*; got 2"),
-        ('["l", "alpha", "beta"]', '["l", "alpha", "alpha"]', "alpha"),
         ('["l", "alpha", "beta"]', '["l", "alpha", "b c"]', "letters, digits"),
         ('["l", "alpha", "beta"]', '"l"', "wanted a list of texts"),
         ("epsilon = 1", "epsilon = nan", r"line 9: \[parameters\] epsilon: wanted a number .*got nan"),
-        ("epsilon = 1", "epsilon = inf", "got inf"),
         ("epsilon = 1", "epsilon = 1e999999999", "got 1e999999999"),
         ("epsilon = 1", "epsilon = true", "got True"),
         ("epsilon = 1", "epsilon = 1979-05-27", "got a date"),
@@ -173,20 +157,14 @@ source = "printed in a book"
         ("epsilon = 1", 'epsilon = "delta"', r"\[parameters\] epsilon: the name 'delta' is unknown"),
         ("epsilon = 1", 'epsilon = "1/0"', "must not vanish"),
         ("epsilon = 1", "epsilon = {}", "got a table"),
-        ("epsilon = 1", "epsilon = []", "got 0"),
         ("epsilon = 1", "epsilon = [[1, 2], [3]]", "one length"),
         ("epsilon = 1", "epsilon = 1\nunused = 2", r"line 10: \[parameters\] unused: unused occurs neither"),
         ("epsilon = 1", 'epsilon = 1\nsymbols = ["unused[2]"]', "unused occurs neither"),
         ("epsilon = 1", 'epsilon = 1\nsymbols = ["epsilon"]', "given twice"),
         ("epsilon = 1", 'epsilon = 1\nsymbols = ["x[", "y"]', "declared by its name"),
-        ("epsilon = 1", "epsilon = 1\nl1 = 1", "stand for one thing"),
-        ("epsilon = 1", "epsilon = 1\nsqrt = 1", "function or constant"),
         ("dot(a, alpha)", "dot(a, alhpa)", r"line 13: \[hamiltonian\] expression: the name 'alhpa' is unknown.*alpha"),
-        ("dot(a, alpha)", "a.alpha", "no operator here"),
-        ("dot(a, alpha)", "__import__('os')", "quotes"),
         ('"l1^2/(2*I1)', '"""\nl1^2/(2*I1) + (\n"""#', "a number, a name or a bracket"),
         ("[parameters]", "[parameters]\n[parameters]", "line 9, column 12: not TOML"),
-        ("a = [-1", "a = [-1,,", "not TOML"),
         ("a = [-1, 0, 0.1]", "a = [-1, 0, 0.1", "not TOML"),
         ("a = [", "a = " + "[" * 5000, "nested too deeply"),
         ("a = ", "a" + ".a" * 5000 + " = ", "parts"),
@@ -285,12 +263,6 @@ def test_components_of_large_matrices_have_names_of_their_own():
     system = parse_system_file(text + 'expression = "dot(M, A*M) + A[10,1]*M[2] + A1_10*M13"').system()
     M12, M13, *_, M45 = system.variables
     assert sp.expand(system.hamiltonian - (M12**2 + 7 * M12 * M45 + 7 * M13)) == 0
-
-
-def test_the_text_of_a_file_made_in_python_has_keys_without_lines():
-    file = replace(parse_system_file(TOP), toml=None, hamiltonian="l[4]")
-    with pytest.raises(SystemFileError, match=r"^system file: \[hamiltonian\] expression: an index"):
-        file.system()
 
 
 @pytest.mark.parametrize("filling", ["a", "a.", "'a'.", "[", "a = 1\n", "a.b.c.d=1\n"])

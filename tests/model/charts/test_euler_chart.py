@@ -40,15 +40,6 @@ def test_the_hamiltonian_of_the_first_gauge_is_the_papers():
     assert vanishes(chart.hamiltonian.subs(w, 1) - T - V)
 
 
-def test_the_potential_of_the_second_gauge_is_the_papers():
-    chart = lp.charts.EulerChart(lagrange(), gauge="e1, e3")
-    cot, csc = sp.cos(theta) / sp.sin(theta), 1 / sp.sin(theta)
-    l_beta = -p_phi * cot * sp.sin(phi) + p_psi * csc * sp.sin(phi) + p_theta * sp.cos(phi)
-    V = a3 * (v * sp.sin(theta) * sp.sin(phi) + sp.sqrt(eta - 2 * epsilon * l_beta) * sp.cos(theta))
-    assert vanishes(chart.l_dot_beta.subs(w, 1) - l_beta)
-    assert vanishes(chart.potential.subs(w, 1) - V)
-
-
 def test_the_general_potential_is_the_papers():
     # V = (v a + w b).A e_par + r a.A e_perp, for a general top and a general gauge
     top = lp.Top(inertia=("I1", "I2", "I3"), a=("a1", "a2", "a3"), b=("b1", "b2", "b3"), epsilon="epsilon")

@@ -56,17 +56,6 @@ def test_the_reduced_orbit_with_psi_is_that_of_the_top(eps):
     np.testing.assert_allclose(reduced.to_body(run), exact, rtol=0, atol=1e-12)  # measured 1e-14
 
 
-def test_a_leaf_and_l3_give_the_reduction():
-    reduced, by_state = (
-        lp.charts.ReducedLagrange(top(), **given)
-        for given in ({"leaf": lp.Leaf.through(top(), X), "l3": 0.5}, {"state": X})
-    )
-    assert (reduced.l3, reduced.chart.leaf) == (by_state.l3, by_state.chart.leaf)
-    # C1 = 0.62 - 0.26, C2 = 0.13, C3 = 0.98
-    constants = f"v = {0.13 / 0.98**0.5:.6g}, w = {0.98**0.5:.6g}, eta = {0.36 - 0.13**2 / 0.98:.6g}"
-    assert repr(reduced) == f"<ReducedLagrange of {top().name!r}: l3 = 0.5, {constants}>"
-
-
 def test_without_psi_it_is_given_beside_the_state():
     system = top()
     reduced, full = (lp.charts.ReducedLagrange(system, state=X, with_cyclic_angle=flag) for flag in (False, True))
