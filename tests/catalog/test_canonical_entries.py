@@ -53,16 +53,6 @@ def test_the_integrals_of_the_toda_lattice_are_in_involution(n, closed):
     assert min(float(s) for s in np.linalg.svd(np.array(gradients, dtype=float), compute_uv=False)) > 1e-3
 
 
-def test_the_third_integral_of_three_particles_is_henons():
-    lattice, entry = catalog.toda(3), catalog.system("toda")
-    P, H, K, T3 = entry.integrals["P"], entry.hamiltonian, entry.integrals["K"], lattice.integrals["T3"]
-    assert sp.expand(lattice.hamiltonian - H) == 0
-    # Newton's identity: tr L^3 = P^3 - 3 P (P^2 - 2H)/2 + 3 det L, and det L = K + 2
-    assert sp.expand(T3 - (P**3 - sp.Rational(3, 2) * P * (P**2 - 2 * H) + 3 * (K + 2))) == 0
-    wrong = K + entry.variables[3]
-    assert sp.expand(entry.bracket(wrong, H)) != 0
-
-
 @pytest.mark.parametrize(
     ("parameters", "name"),
     [((2, 2, -1), "sawada-kotera"), ((1, "3/2", -6), "kdv"), (("2/3", "32/3", -16), "kaup-kupershmidt")],

@@ -2,35 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.compile.field import PiecesField
-from liepoisson.compile.lowering import Polynomial
-from liepoisson.compile.pieces import powers_of_forms
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-
-COEFFICIENTS = st.fractions(min_value=-3, max_value=3, max_denominator=4).filter(bool)
-MONOMIALS = st.lists(st.integers(0, 4), min_size=1, max_size=4).map(lambda factors: tuple(sorted(factors)))
-
-
-@pytest.mark.thorough
-@given(st.dictionaries(MONOMIALS, COEFFICIENTS, min_size=1, max_size=8))
-def test_every_polynomial_is_the_sum_of_its_pieces(energy: Polynomial) -> None:
-    powers = powers_of_forms(energy)
-    for point in ((1, 2, 3, 4, 5), (0, -1, 7, Fraction(1, 2), 2), (1, 1, -1, 0, 0)):
-        direct = sum(c * np.prod([Fraction(point[i]) for i in monomial]) for monomial, c in energy.items())
-        value = sum(
-            c * sum(entry * point[i] for i, entry in form) ** degree
-            for form, terms in powers.items()
-            for degree, c in terms.items()
-        )
-        assert value == direct
 
 
 def field_of_pieces(field: PiecesField, x: np.ndarray) -> np.ndarray:

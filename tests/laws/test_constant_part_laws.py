@@ -61,25 +61,6 @@ def with_cocycle(draw, names=tuple(PROPER)):
     return PROPER[name].with_constant(constant)
 
 
-@st.composite
-def with_polynomials(draw):
-    bracket = draw(with_cocycle(SMALL))
-    variable = st.sampled_from((sp.S.One, *bracket.variables))
-    term = st.tuples(rational, variable, variable)
-    return bracket, *(
-        sum(sp.sympify(c) * u * v for c, u, v in draw(st.lists(term, min_size=1, max_size=3))) for _ in range(3)
-    )
-
-
-@exactly
-@given(with_polynomials())
-def test_jacobi_leibniz_and_antisymmetry(drawn):
-    bracket, f, g, h = drawn
-    assert sp.expand(bracket(f, g) + bracket(g, f)) == 0
-    assert sp.expand(bracket(f, g * h) - bracket(f, g) * h - g * bracket(f, h)) == 0
-    assert sp.expand(bracket(bracket(f, g), h) + bracket(bracket(g, h), f) + bracket(bracket(h, f), g)) == 0
-
-
 @exactly
 @given(with_cocycle(tuple(name for name in PROPER if name != "abelian")), rational, st.randoms(use_true_random=False))
 def test_what_is_no_cocycle_is_refused_with_the_triple(bracket, added, random):

@@ -120,13 +120,6 @@ def test_a_name_changes_no_bit(place, name):
         assert numbers_of(place(name)) == right_numbers(place)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("place", PLACES, ids=lambda place: place.__name__)
-def test_no_name_of_sympy_numpy_or_python_changes_a_bit(place):
-    names = [name for name in accepted() if not is_taken(place, name)]
-    assert [name for name in names if numbers_of(place(name)) != right_numbers(place)] == []
-
-
 def canonical_numbers(q, p, angle):
     energy = f"{p}^2/2*exp(1) + pi*{q}^4 + asin({q}/9)*{p}"
     system = CanonicalSystem([q], [p], energy, quadratures={angle: f"{p}*{q}*exp(1)"})
@@ -173,15 +166,6 @@ def test_a_sweep_over_a_parameter_of_a_top_is_the_same_under_any_name(name):
     np.testing.assert_array_equal(mean(name), mean(HARMLESS))
 
 
-def test_symbols_of_extensions_are_replaced_all_at_once():
-    s, t = sp.symbols("s t")
-    extension = Extension([[[s, 0], [0, 0]], [[0, s], [s, t]]], check=False)
-    exchanged = extension.substitute({"s": t, "t": s})
-    assert (exchanged.tensor[0][0][0], exchanged.tensor[1][1][1]) == (t, s)
-    algebra = LieAlgebra([[[0, 0], [s, t]], [[-s, -t], [0, 0]]], check=False).substitute({"s": t, "t": s})
-    assert algebra.brackets == {(0, 1): {0: t, 1: s}}
-
-
 def test_systems_with_one_text_have_different_records():
     bracket = lp.so(3) @ lp.trivial()
     constant, symbol = (lp.System(bracket, c * bracket.variables[0], symbols=["E"]) for c in (sp.E, sp.Symbol("E")))
@@ -191,14 +175,6 @@ def test_systems_with_one_text_have_different_records():
     one, other = (lp.System(pair.rename(*names), "u1*v2 + u3^2") for names in ("uv", "vu"))
     assert str(one.hamiltonian) == str(other.hamiltonian)
     assert system_record(one) != system_record(other)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", ["mean", "outcome"])
-def test_the_dataset_of_a_sweep_has_room_for_axes_of_any_name(name):
-    result = lp.sweep(system=top_tables(name), axes={name: [0.5, 1]}, n_starts=2, t_end=2, threads=1)
-    assert result.dataset["mean"].dims == (f"axis_{name}",)
-    np.testing.assert_array_equal(result.dataset[f"axis_{name}"], [0.5, 1])
 
 
 def test_a_parameter_of_a_symmetry_is_not_called_like_one_of_the_bracket():
@@ -288,3 +264,10 @@ def test_one_name_stands_for_one_thing(call, words):
     with pytest.raises(LiePoissonError, match=words):
         call()
     assert TWICE.expression("1*C1") == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", PLACES, ids=lambda place: place.__name__)
+def test_no_name_of_sympy_numpy_or_python_changes_a_bit(place):
+    names = [name for name in accepted() if not is_taken(place, name)]
+    assert [name for name in names if numbers_of(place(name)) != right_numbers(place)] == []

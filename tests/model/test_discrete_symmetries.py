@@ -68,20 +68,6 @@ def test_they_are_those_of_the_field_at_random_states():
             np.testing.assert_allclose(system.vector_field(one(states)), wanted, atol=1e-12, err_msg=repr(one))
 
 
-def test_a_reversal_of_time_may_be_a_poisson_map_with_the_opposite_energy():
-    """H = q p: q -> -q keeps the equations' form with t -> t; q <-> p reverses time."""
-    found = discrete_symmetries(lp.System(lp.canonical(1), "dot(q, p)"))
-    swapped = next(one for one in found if one.permutation == (1, 0) and one.signs == (1, 1))
-    assert swapped.reverses_time
-    assert swapped.bracket == "anti-Poisson"
-    turned = next(one for one in found if one.permutation == (1, 0) and one.signs == (-1, 1))
-    assert turned.reverses_time
-    assert turned.bracket == "Poisson"
-    assert turned.invariants["H"] == -1
-    assert turned.order == 4
-    assert not turned.is_reverser
-
-
 def test_no_signed_permutation_of_three_components_is_missed():
     """Of the 2^3 3! signed permutations those of Euler's top (2, 2, 1), tried one by one."""
     system = lp.System(lp.so(3) @ lp.trivial(), "l1^2/4 + l2^2/4 + l3^2/2")

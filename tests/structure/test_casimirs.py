@@ -80,14 +80,6 @@ def test_casimirs_of_reduced_magnetohydrodynamics():
     assert [sp.expand(c) for c in bracket.casimirs()] == [sp.expand(c) for c in expected]
 
 
-def test_so21_has_the_casimirs_of_so3_with_its_own_metric():
-    bracket = so(2, 1) @ leibniz(3, epsilon)
-    l, alpha, beta = (sp.Matrix(v) for v in bracket.fields.values())
-    eta = sp.diag(1, 1, -1)
-    expected = [alpha.dot(eta * alpha) + 2 * epsilon * l.dot(eta * beta), alpha.dot(eta * beta), beta.dot(eta * beta)]
-    assert [sp.expand(c) for c in bracket.casimirs()] == [sp.expand(c) for c in expected]
-
-
 @pytest.mark.parametrize(
     ("bracket", "degree", "dimensions", "degrees"),
     [

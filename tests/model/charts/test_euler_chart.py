@@ -21,25 +21,6 @@ def top(eps=0.7):
     return lp.Top(inertia=(1.3, 0.9, 0.7), a=(0.3, -0.5, 0.8), b=(0.2, 0.1, -0.4), epsilon=eps)
 
 
-def lagrange():
-    return lp.Top(inertia=("I1", "I1", "I3"), a=(0, 0, "a3"), epsilon="epsilon")
-
-
-def vanishes(expression):
-    return sp.simplify(sp.trigsimp(expression)) == 0
-
-
-def test_the_hamiltonian_of_the_first_gauge_is_the_papers():
-    chart = lp.charts.EulerChart(lagrange(), gauge="e3, e1")
-    T = (
-        p_theta**2 / (2 * I1)
-        + (p_phi - p_psi * sp.cos(theta)) ** 2 / (2 * I1 * sp.sin(theta) ** 2)
-        + p_psi**2 / (2 * I3)
-    )
-    V = a3 * (v * sp.cos(theta) + sp.sqrt(eta - 2 * epsilon * p_phi) * sp.sin(theta) * sp.sin(phi))
-    assert vanishes(chart.hamiltonian.subs(w, 1) - T - V)
-
-
 def test_the_general_potential_is_the_papers():
     # V = (v a + w b).A e_par + r a.A e_perp, for a general top and a general gauge
     top = lp.Top(inertia=("I1", "I2", "I3"), a=("a1", "a2", "a3"), b=("b1", "b2", "b3"), epsilon="epsilon")
