@@ -101,6 +101,7 @@ def by_hand(name, state):
     return list(chain(*EQUATIONS[name](*(state[k : k + n] for k in range(0, len(state), n)))))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NUMBERS)
 def test_equations_are_those_written_by_hand(name):
     """Exactly where they are rational; sums of some fifty terms of size 10^2 in another order elsewhere."""

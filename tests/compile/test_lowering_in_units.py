@@ -47,7 +47,8 @@ def check(system, field, state):
 exponents = st.integers(-40, 40)
 
 
-@settings(deadline=None, max_examples=30)
+@pytest.mark.thorough
+@settings(deadline=None, max_examples=15)
 @given(
     st.sampled_from([*ENERGIES]), st.tuples(exponents, exponents, exponents), st.integers(0, 2**32 - 1), st.booleans()
 )

@@ -45,6 +45,7 @@ def bracket_and_polynomials(draw):
     )
 
 
+@pytest.mark.thorough
 @settings(exactly, max_examples=30)
 @given(bracket_and_polynomials())
 def test_brackets_are_antisymmetric_derivations_and_obey_the_jacobi_identity(drawn):
@@ -55,6 +56,7 @@ def test_brackets_are_antisymmetric_derivations_and_obey_the_jacobi_identity(dra
     assert sp.expand(cyclic) == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ALL)
 def test_the_certificates_of_jacobi_and_rank(name):
     """The rank is even; with a complete list it is what the Casimirs leave."""
@@ -137,6 +139,7 @@ tops = st.builds(
 )
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops, st.lists(rational, min_size=9, max_size=9))
 def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
@@ -153,6 +156,7 @@ def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
         np.testing.assert_allclose(computed, np.array(exact, dtype=float)[:, 0], rtol=0, atol=bound)
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops)
 def test_matching_finds_the_parameters_again_and_energy_and_casimirs_are_constant(top):
@@ -163,6 +167,7 @@ def test_matching_finds_the_parameters_again_and_energy_and_casimirs_are_constan
         assert top.bracket(top.invariants[name], top.hamiltonian) == 0
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops)
 def test_no_twist_is_the_charged_heavy_top(top):

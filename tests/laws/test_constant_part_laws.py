@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.errors import CocycleError
 
-exactly = settings(deadline=None, max_examples=8, derandomize=True)
+exactly = settings(deadline=None, max_examples=5, derandomize=True)
 rational = st.fractions(min_value=-3, max_value=3, max_denominator=5)
 
 PROPER = {
@@ -79,6 +79,7 @@ def test_what_is_no_cocycle_is_refused_with_the_triple(bracket, added, random):
         assert bracket.with_constant(constant).constant == wrong.constant
 
 
+@pytest.mark.thorough
 @exactly
 @given(with_cocycle(SMALL))
 def test_casimirs_commute_with_everything_and_are_as_many_as_the_corank(bracket):

@@ -180,6 +180,7 @@ def results():
     }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", sorted(results()))
 def test_the_arrays_of_a_result_are_read_only(kind):
     result = results()[kind]()

@@ -50,13 +50,12 @@ def test_those_that_keep_every_level_of_the_twisted_top(signs, reverses, bracket
     assert one.fixed_dimension == dimension
 
 
+@pytest.mark.thorough
 def test_they_are_those_of_the_field_at_random_states():
     """f(S x) = +-S f(x), evaluated in doubles, for systems with few and with many symmetries."""
     systems = [
         TWISTED,
         lp.catalog.system("heavy-top"),
-        lp.catalog.system("toda"),
-        lp.catalog.system("neumann"),
         lp.catalog.system("three-wave"),
         lp.Top.free_rigid_body((3, 2, 1)),
     ]
@@ -82,6 +81,7 @@ def test_no_signed_permutation_of_three_components_is_missed():
     assert len(discrete_symmetries(system, permutations=False)) == sum(p == (0, 1, 2) for p, _, _ in wanted)
 
 
+@pytest.mark.thorough
 def test_symbolic_parameters_are_generic_and_a_sine_is_tried():
     assert len(discrete_symmetries(lp.Top.twisted(("I1", "I2", "I3"), ("a1", 0, 0), epsilon="epsilon"))) == 7
     found = discrete_symmetries(lp.System(lp.canonical(1), "dot(p, p)/2 - cos(q1)"))

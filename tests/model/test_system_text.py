@@ -73,6 +73,7 @@ def test_entries_of_the_catalog_are_written_and_read_back(name):
     assert again.integrals == system.integrals
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["a" * 200, "Größe α, β = (1, 2)", "a.b/c", '"quoted"'])
 def test_files_keep_names_exactly(name, tmp_path):
     for system in (lp.Top.twisted_kovalevskaya("sqrt(2)"), lp.System(lp.canonical(1), "p1^2 + q1^4", name=name)):

@@ -235,6 +235,7 @@ def test_a_long_hamiltonian(monkeypatch):
 x, y, z = variables = sp.symbols("x y z")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("function", "zero", "expected"),
     [

@@ -66,6 +66,7 @@ def test_leibniz_extensions_have_the_convolutions(n, strength):
     assert [sp.expand(casimir - wanted) for casimir, wanted in found] == [0] * n
 
 
+@pytest.mark.thorough
 def test_lifts_of_a_cubic_depend_on_the_strength():
     for strength in (2, 3):
         (cubic,) = [c for c in (su(3) @ leibniz(3, strength)).casimirs() if sp.Poly(c).total_degree() == 3][:1]
@@ -141,6 +142,7 @@ def test_the_report_names_what_casimirs_mean_without_a_cocycle():
     assert (three.examined, three.exceptional) == (("epsilon = 0",), ())
 
 
+@pytest.mark.thorough
 def test_an_incomplete_search_says_why_and_large_algebras_keep_their_killing_form():
     """Typed by hand they have no matrices; su(5) has Casimirs of degree 4 and 5, beyond the size limit."""
     report = (LieAlgebra.from_brackets(24, su(5).brackets, check=False) @ trivial()).casimir_report()

@@ -65,6 +65,7 @@ def test_named_extensions_have_their_normal_form(extension, name):
     assert_normal(extension, found)
 
 
+@pytest.mark.thorough
 @settings(lean, max_examples=4)
 @given(st.data())
 @pytest.mark.parametrize("form", [form for n in range(1, 6) for form in normal_forms(n)], ids=repr)
@@ -79,6 +80,7 @@ def test_a_change_of_basis_is_recognised(form, data):
     assert in_basis(moved, found.change_of_basis).tensor == form.tensor
 
 
+@pytest.mark.thorough
 @lean
 @given(d=st.sampled_from([2, 3]), data=st.data())
 def test_a_quadratic_form_decides_by_its_signature(d, data):

@@ -57,6 +57,7 @@ def test_small_brackets_keep_polynomials():
     assert not replaces_search(se(3) @ trivial())
 
 
+@pytest.mark.thorough
 def test_traces_stand_where_the_search_finds_fewer():
     """The eighth Casimir of su(3) @ semidirect(3) has degree 4, beyond the limits of the search."""
     bracket = su(3) @ semidirect(3)
@@ -65,6 +66,7 @@ def test_traces_stand_where_the_search_finds_fewer():
     assert bracket.casimir_report().complete
 
 
+@pytest.mark.thorough
 def test_symbols_are_generic_and_the_strength_is_examined():
     report = (su(5) @ leibniz(3, "epsilon")).casimir_report()
     epsilon = sp.Symbol("epsilon")
@@ -95,6 +97,7 @@ def test_casimirs_commute_with_everything():
     assert bracket(C * x[0], h) == (C * bracket(x[0], h)).expand()
 
 
+@pytest.mark.thorough
 def test_inspect_tells_traces_and_what_their_matrix_is():
     report = inspect(zeitlin(5))
     text, record = report.text(UNICODE), report.record()
