@@ -26,18 +26,6 @@ def test_henon_heiles_has_its_four_equilibria():
     assert [e.frequencies for e in found[1:]] == [pytest.approx([np.sqrt(3)])] * 3
 
 
-def test_small_oscillations():
-    """Squares 2 +- sqrt(2) for the double pendulum [landau1976], g/l = 1 and k = 4 for the spring, 3 for Toda's."""
-    pendulum = lp.phase_space.equilibrium(catalog.system("double-pendulum"), [0, 0, 0, 0])
-    assert pendulum.frequencies**2 == pytest.approx([2 - np.sqrt(2), 2 + np.sqrt(2)])
-    assert pendulum.nonlinear_stability == "stable"
-    spring = lp.phase_space.equilibrium(catalog.system("spring-pendulum"), [0, -1, 0, 0])
-    assert spring.frequencies == pytest.approx([1, 2])
-    ring = lp.phase_space.equilibrium(catalog.system("toda"), np.zeros(6))
-    assert ring.frequencies == pytest.approx([np.sqrt(3), np.sqrt(3)])
-    assert ring.nullity == 1  # the ring may stand anywhere
-
-
 @pytest.mark.thorough
 @pytest.mark.parametrize(("n", "closed"), [(3, True), (4, True), (2, False), (3, False), (4, False)])
 def test_the_integrals_of_the_toda_lattice_are_in_involution(n, closed):
@@ -64,14 +52,6 @@ def test_the_integrable_cases_of_henon_heiles(parameters, name):
     other = catalog.henon_heiles(*parameters[:2], 1)
     assert not other.integrals
     assert not other.is_constant(system.integrals["K"])
-
-
-def test_the_gyrostat_of_the_carrier_is_that_of_the_whole_body_moved():
-    carrier, body = catalog.system("gyrostat"), catalog.system("zhukovsky-volterra-gyrostat")
-    k = np.array([1 / 2, 1 / 3, 1 / 4])
-    t = np.linspace(0, 20, 5)
-    moved = lp.integrate(carrier, np.array([0.5, 1.5, -1.0]), times=t).state[0] + k
-    np.testing.assert_allclose(moved, lp.integrate(body, moved[0], times=t).state[0], atol=1e-12)
 
 
 @pytest.mark.parametrize(("V", "pump", "signal"), [(1, 1.0, 0.5), (2, 1.5, 0.1)])

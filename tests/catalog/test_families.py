@@ -8,7 +8,6 @@ from sympy import Matrix, Symbol
 
 import liepoisson as lp
 from liepoisson import catalog
-from liepoisson.compile.field import QuadraticField
 
 
 def same_equations(first, second):
@@ -87,18 +86,6 @@ def test_symbolic_parameters_are_kept():
     top = catalog.leibniz_top(3, ("I1", "I1", "I3"), [(0, 0, "a3"), (0, 0, "b3")], "epsilon")
     assert Symbol("epsilon") in top.bracket.casimirs()[0].free_symbols
     assert top.is_constant(top.variables[2])  # the third component of l
-
-
-@pytest.mark.thorough
-def test_the_truncation_of_su7_is_quadratic_and_keeps_its_energy():
-    fluid = catalog.zeitlin(7)
-    orbit = lp.integrate(fluid, [(-1) ** k / (k + 1) for k in range(48)], times=[0, 1])
-    weights = [float(fluid.hamiltonian.coeff(x, 2)) for x in fluid.variables]
-    energy, enstrophy = orbit.state[0] ** 2 @ weights, (orbit.state[0] ** 2).sum(axis=1)
-    assert isinstance(fluid.field(), QuadraticField)
-    assert energy[1] == pytest.approx(energy[0], rel=1e-13)
-    assert enstrophy[1] == pytest.approx(enstrophy[0], rel=1e-13)
-    assert abs(orbit.state[0, 1] - orbit.state[0, 0]).max() > 0.1
 
 
 def by_fourier_series(w):
