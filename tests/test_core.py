@@ -149,7 +149,7 @@ def test_what_does_not_fit_into_memory_is_refused_and_the_process_goes_on():
 
         top = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
         taylor = _core.Method.taylor(1e-12, None, False, 1000)
-        n = 2**20
+        n = 2**22  # in one lane, too, the series of four trajectories need 3 GB
         large = _core.Field.quadratic(n, [], [(0, 1, 1.0)], [])
         resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))
         none = np.zeros(0)
