@@ -2,7 +2,6 @@
 
 from fractions import Fraction
 
-import numpy as np
 import pytest
 import sympy as sp
 from commutative import algebra
@@ -20,7 +19,7 @@ from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.lie_algebras import ALGEBRAS, sine, so
 from liepoisson.structure.normal_forms import normal_form_named, normal_forms
 
-TWISTED, SO3 = so(3) @ leibniz(3, "epsilon"), so(3) @ trivial()
+TWISTED, HEAVY, SO3 = so(3) @ leibniz(3, "epsilon"), so(3) @ leibniz(2), so(3) @ trivial()
 HAT = [[[0, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 0, 1], [0, 0, 0], [-1, 0, 0]], [[0, -1, 0], [1, 0, 0], [0, 0, 0]]]
 SIGMA = [sp.Matrix([[0, 1], [1, 0]]), sp.Matrix([[0, -sp.I], [sp.I, 0]]), sp.Matrix([[1, 0], [0, -1]])]
 k, TAN, ROOT = sp.Symbol("k"), sp.tan(13 * sp.pi / 45), sp.Integer(2) ** sp.Rational(1, 3)
@@ -79,7 +78,7 @@ BRACKETS = [
     (lambda: TWISTED.substitute({sp.Symbol("epsilon"): 2, "epsilon": 2}), ParameterError, "epsilon comes twice"),
     (lambda: Automorphism([[1, 0], [0]]), ShapeError, "matrix must have shape"),
     (lambda: Automorphism([[1, 0], [0, 1]]).is_poisson(TWISTED), ShapeError, "must have 3 rows; got 2"),
-    (lambda: Automorphism(np.eye(3)).is_poisson(TWISTED, so(2, 1) @ leibniz(3)), ParameterError, "same Lie algebra"),
+    (lambda: Automorphism([[1, 0], [0, 1]]).is_poisson(HEAVY, so(2, 1) @ leibniz(2)), ParameterError, "same Lie alg"),
     *((canonical(n=n), ParameterError, "from 1 to 100") for n in (0, 101, 1.5)),
     (canonical(), ParameterError, "from 1 to 100; got None"),
     (canonical(n=2, names=["x"]), ShapeError, "needs 2 coordinates"),
@@ -118,7 +117,7 @@ EXTENSIONS_ = [
     (lambda: Extension(leibniz(2).tensor, field_names=("l",)), ShapeError, "field_names must be 2 names; got 1"),
     *((lambda n=n: Extension([[[1]]], field_names=n), ShapeError, "must be a sequence") for n in (5, "l", [1])),
     *((lambda W=W: Extension(W, "x"), (ShapeError, ParameterError), "W")
-      for W in (None, 5, "abc", [None], [[1]], ["a"], [[None]], np.array(1))),
+      for W in (None, 5, "abc", [None], [[1]], ["a"], [[None]])),
     *((lambda f=f, n=n: f(n), ParameterError, "n >= 1|at most 100")
       for f in (leibniz, semidirect) for n in (0, -1, 101, 10**12, 2.0, "3", True)),
     *((lambda n=n, p=p: normal_form(n, p), ParameterError, "counted from 1|dimensions 1 to 5")

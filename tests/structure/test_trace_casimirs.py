@@ -1,8 +1,8 @@
 """Casimirs in closed form: how many, that they are those of the search, and when they stand in its place."""
 
 import pickle
+from dataclasses import replace
 
-import numpy as np
 import pytest
 import sympy as sp
 
@@ -12,6 +12,7 @@ from liepoisson.model.system import System
 from liepoisson.report.describe import inspect
 from liepoisson.structure.casimirs import shortage
 from liepoisson.structure.extensions import leibniz, semidirect, trivial
+from liepoisson.structure.lie.defining_matrices import defining_matrices
 from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.lie_algebras import gl, heisenberg, se, sine, so, su
 from liepoisson.structure.trace import Trace, abbreviated, traces_in
@@ -89,6 +90,31 @@ def test_an_algebra_with_the_matrices_of_another_is_refused():
     assert trace_casimirs(wrong @ trivial()) is None
 
 
+def scaled(matrix, factor, turn=0):
+    return {place: tuple((factor * q, (a + turn) % 12) for q, a in roots) for place, roots in matrix.items()}
+
+
+@pytest.mark.parametrize("algebra", [so(4), so(3, 1), su(3), gl(2), sine(3)], ids=str)
+def test_matrices_move_by_conjugation_and_wrong_ones_are_refused(algebra):
+    """One with a wrong sign, or all that move: then X moves backwards."""
+    right = defining_matrices(algebra)
+    first, second, *others = right.matrices
+    assert right.defect(algebra) == ""
+    assert "is not the combination" in replace(right, matrices=(first, scaled(second, -1), *others)).defect(algebra)
+    backwards = {j: scaled(matrix, -1) for j, matrix in right.movers.items()}
+    assert "is not the combination" in replace(right, movers=backwards).defect(algebra)
+
+
+def test_matrices_of_other_fields_and_algebras_are_refused():
+    """The modes (1, 0) alone commute with each other: they generate two dimensions of 8."""
+    right = defining_matrices(sine(3))
+    turned = (scaled(right.matrices[0], 1, turn=4), *right.matrices[1:])
+    assert replace(right, matrices=turned).defect(sine(3)) != ""
+    assert "do not generate" in replace(right, movers={j: right.movers[j] for j in (0, 1)}).defect(sine(3))
+    assert "field" in right.defect(su(3))
+    assert defining_matrices(so(4)).defect(so(3, 1)) != ""  # of the same dimension and names
+
+
 def test_casimirs_commute_with_everything():
     bracket = su(5) @ trivial()
     x, C = bracket.variables, bracket.casimirs()[2]
@@ -139,6 +165,8 @@ def test_the_twisted_top_in_traces():
 
 def matrix_su(n, x):
     """X_jk = s_jk - i a_jk off the diagonal, written down from the definition."""
+    import numpy as np
+
     X = np.zeros((n, n), dtype=complex)
     pairs = [(j, k) for j in range(n) for k in range(j + 1, n)]
     for m, (j, k) in enumerate(pairs):
@@ -151,6 +179,8 @@ def matrix_su(n, x):
 
 def matrix_sine(N, x):
     """W = sum w_n T_n over all n, T_n = omega^(n1 n2/2) g^n1 h^n2 with omega = exp(4 pi i/N)."""
+    import numpy as np
+
     from liepoisson.structure.lie_algebras import sine_modes
 
     omega = np.exp(4j * np.pi / N)
@@ -169,6 +199,8 @@ def matrix_sine(N, x):
     ids=["su3", "su4", "sine5"],
 )
 def test_values_are_traces_of_powers(algebra, matrix):
+    import numpy as np
+
     x = np.random.default_rng(1).standard_normal(algebra.dimension)
     X = matrix(x)
     assert np.allclose(X, X.conj().T)
