@@ -75,29 +75,6 @@ def test_questions_about_symbols_are_answered_only_when_decided():
     assert exceeds_sum(Fraction(3), Fraction(1), Fraction(1))
 
 
-def sines(n):
-    """A polynomial in n variables with coefficients that are products of sin(k pi / 7)."""
-    x = sp.symbols(f"x1:{n + 1}")
-    return sum(
-        sp.sin((j + 1) * sp.pi / 7) * sp.sqrt(k + 2) / sp.pi * x[j] * x[k] ** 2 for j in range(n) for k in range(n)
-    )
-
-
-def test_a_polynomial_that_does_not_vanish_is_not_simplified(monkeypatch):
-    """`simplify` takes minutes for a derivative of a Zeitlin system."""
-
-    def refused(*_):
-        raise AssertionError("simplify was called")
-
-    monkeypatch.setattr(sp, "simplify", refused)
-    monkeypatch.setattr(sp.Expr, "equals", refused)
-    x, y = sp.symbols("x y")
-    tiny = sp.sqrt(2) - sp.Rational(14142135623730950488016887, 10**25)
-    for value in (x + y, (x + y) ** 6 - x**6, sines(6), tiny * x, tiny, sp.sqrt(2) + sp.sin(1)):
-        assert not is_zero(value)
-    assert is_zero((x + y) ** 2 - x**2 - 2 * x * y - y**2)
-
-
 @pytest.mark.parametrize(
     "number",
     [

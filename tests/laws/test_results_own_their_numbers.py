@@ -218,15 +218,6 @@ def test_a_spectrum_and_a_sweep_keep_the_values_that_they_were_given():
     assert record["parameters"]["a"] == [0.1, 0.2, 0.123456789012]
 
 
-@pytest.mark.parametrize("function", ["integrate", "section", "megno"])
-def test_rows_that_share_their_memory(function):
-    """A broadcast array has one row and strides of zero."""
-    options = {"integrate": {"times": [0, 1]}, "section": {"surface": "l3", "t_end": 3}}.get(function, {"t_end": 10})
-    run = dict(public_names())[function]
-    same = np.broadcast_to(STATES[0], STATES.shape)
-    assert_same(snapshot(run(TOP, same, **options)), snapshot(run(TOP, np.array(same), **options)))
-
-
 HARMFUL = {
     "masked": lambda array: np.ma.MaskedArray(array, mask=array > 0),
     "complex": lambda array: array + 1j,

@@ -12,7 +12,6 @@ from liepoisson.errors import ParameterError
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.model.system import System
 from liepoisson.model.tops import Top
-from liepoisson.numeric.integrate import integrate
 from liepoisson.structure.canonical_bracket import canonical
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import leibniz, semidirect, trivial
@@ -74,15 +73,6 @@ def test_symbols_with_assumptions_are_the_coordinates():
     assert not system.is_constant(l1)
     with pytest.raises(ParameterError, match="K must be constant"):
         _ = System(bracket, "l1^2 + 2*l2^2 + 3*l3^2", integrals={"K": l1}).invariants
-
-
-def test_other_integrators_take_the_right_hand_side():
-    """DOP853 of SciPy at 1e-12, measured 2e-11 at t = 10."""
-    from scipy.integrate import solve_ivp
-
-    system, start = typed_by_hand(VALUES), np.linspace(-1, 1, 9)
-    theirs = solve_ivp(system.right_hand_side, (0, 10), start, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-    assert np.abs(theirs - integrate(system, start, times=10).end_state[0]).max() < 1e-9
 
 
 W = [[list(row) for row in plane] for plane in leibniz(3).tensor]

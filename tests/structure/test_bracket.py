@@ -10,6 +10,7 @@ from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import leibniz, semidirect, trivial
 from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.lie_algebras import abelian, affine, se, sine, so, su
+from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
 
 EPSILON = sp.Symbol("epsilon")
 
@@ -127,15 +128,6 @@ def test_the_certificate_counts_triples():
     assert (large.holds, large.n_triples) == (True, 59640)
 
 
-def test_a_relation_between_coefficients_is_seen():
-    # e0 acts on (e2, e3) by diag(s^2 + c^2, 1) and e1 by a shift: they commute because sin^2 + cos^2 = 1.
-    t = sp.Symbol("t")
-    for one, holds in ((sp.sin(t) ** 2 + sp.cos(t) ** 2, True), (sp.sin(t) ** 2 - sp.cos(t) ** 2, False)):
-        brackets = {(0, 2): {2: one}, (0, 3): {3: 1}, (1, 2): {3: 1}}
-        bracket = LieAlgebra.from_brackets(4, brackets, check=False) @ trivial()
-        assert bracket.jacobi_certificate().holds is holds
-
-
 @pytest.mark.parametrize(("algebra", "pair"), [(se(3), (0, 4)), (sine(3), (0, 2))])
 def test_the_first_failure_is_named_with_its_residual(algebra, pair):
     """The sines of the second are divided by pi: its residual is quadratic in them."""
@@ -175,3 +167,14 @@ def test_rank_certificates_say_what_is_proved(bracket, lower, upper, words):
     certificate = bracket.rank_certificate()
     assert (certificate.lower, certificate.upper, certificate.proved) == (lower, upper, lower == upper)
     assert words in str(certificate)
+
+
+def test_the_rank_of_the_tensor_is_found_with_and_without_images_modulo_primes():
+    """x' = (a log(2) + sqrt(a)) y: a field that SymPy only simplifies in."""
+    twisted, heavy = (so(3) @ leibniz(3)).tensor, (so(3) @ semidirect(2)).tensor
+    assert twisted.generic_rank.rank == twisted.rank_at_a_point == 6
+    assert twisted.restricted(range(6)).rows == twisted.restricted([0, 1, 2, 6, 7, 8]).rows == heavy.rows
+    a = sp.Symbol("a", positive=True)
+    c = a * sp.log(2) + sp.sqrt(a)
+    tensor = LinearPoissonTensor.of(3, [(0, 1, 2, c), (1, 0, 2, -c)])
+    assert (tensor.generic_rank, tensor.rank_at_a_point) == (None, 2)
