@@ -27,7 +27,7 @@ test-slow: $(VENV)/.built $(VENV)/.notebooks $(VENV)/browser $(VENV)/floors ## t
 arm: $(VENV)/.dev ## the core's tests on an emulated ARM processor (15 minutes; says what it needs)
 	$(BIN)/pytest -m slow -rs -s tests/test_arm.py
 
-check: $(VENV)/.built lint ## format, lint, types and quick tests (more than five minutes on two cores)
+check: $(VENV)/.built lint ## format, lint, types and the quick tests of CONTRIBUTING.md (two minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 types quick-tests
 
 static: lint types ## the part of `make check` that runs no test
@@ -42,7 +42,7 @@ types: $(VENV)/.dev
 	$(BIN)/basedpyright
 
 quick-tests:
-	$(BIN)/pytest -n auto --dist worksteal -m "not slow and not thorough"
+	$(BIN)/pytest -n auto --dist worksteal --quick
 
 guard: instructions sanitize miri wheel-check ## what guards the build: instruction counts, sanitizer, Miri, the wheel without Rust
 

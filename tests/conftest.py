@@ -14,12 +14,35 @@ from hypothesis import HealthCheck, settings
 settings.register_profile("liepoisson", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("liepoisson")
 
+ROOT = Path(__file__).parents[1]
+
 LONGEST = ("tests/test_docs.py",)
 """The files that take longest, the longest first (seconds of one core, measured now and then).
 
 Workers that share the files take these first, so that none is left with one of them at the end. A file that is missing
 here runs later, nothing else.
 """
+
+
+QUICK_FOLDERS = ("laws",)
+"""Folders that the quick tests take whole; see `--quick`."""
+
+
+def pytest_addoption(parser):
+    words = "those of `make check`: tests/*.py, tests/laws, all test_refusals.py, and the first test of each other file"
+    parser.addoption("--quick", action="store_true", help=words)
+
+
+def quick(items):
+    """The quick ones: layers, imports, names, laws and refusals, and one known answer of every module."""
+    begun = set()
+    for item in items:
+        if item.get_closest_marker("slow") or item.get_closest_marker("thorough"):
+            continue
+        is_whole = item.path.parent == ROOT / "tests" or item.path.name == "test_refusals.py"
+        if is_whole or item.path.parent.name in QUICK_FOLDERS or item.path not in begun:
+            yield item
+        begun.add(item.path)
 
 
 def pytest_configure(config):
@@ -30,12 +53,13 @@ def pytest_configure(config):
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     rank = {name: k for k, name in enumerate(LONGEST)}
     items.sort(key=lambda item: rank.get(item.nodeid.partition("::")[0], len(rank)))
-
-
-ROOT = Path(__file__).parents[1]
+    if config.getoption("quick"):
+        chosen = {id(item) for item in quick(items)}
+        config.hook.pytest_deselected(items=[item for item in items if id(item) not in chosen])
+        items[:] = [item for item in items if id(item) in chosen]
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -1,10 +1,11 @@
 """A call of each public function that takes several values in one argument, and how it reads them.
 
-A new function without a row, or a new word for an argument, fails `test_given`.
+Annotations say which arguments these are: a new one without a row here fails `inputs/test_given.py`.
 """
 
 import importlib.util
 import inspect
+import re
 import tempfile
 from dataclasses import dataclass, field
 from functools import cache
@@ -20,87 +21,31 @@ import sympy
 import liepoisson as lp
 
 DOCS = Path(__file__).parents[1] / "docs"
-
-_ONE = """
-    A B C N a3 address algebra allow_code alpha alpha3 amplitude angle arithmetic averages ax axial azimuth b3
-    beta3 beta_e bibtex block bracket certificate chart check closed compensated confidence count covariant
-    decided_at degree dense description difference digits direction duration elevation energy energy_below
-    enlarged ensemble epsilon eta expression extension field figure filled first fit form fresh function
-    functions growth hamiltonian height html interval k kappa kernel key keys kind l3 l_n label least_time
-    length letter levels max_boxes max_steps mean_megno message method modulo_casimirs most most_starts n
-    n_bootstrap n_components n_crossings n_degrees n_exponents n_points n_samples n_sections n_starts n_times
-    n_vectors n_zeros name natural_time number order page panels path patience period permutations playing
-    points points_per_piece polynomial port precision processes profiles progress prove_again quantity rate
-    record reference reference_label refine result reverses_time rod root rule run sampling scheduler seed
-    show_levels shown sign size solution source spectral spin spread stem step stop store structure style
-    surface symbol system t_end target text threads time_limit title tol toml top trajectory transient
-    transverse value variable verdict verify vmax vmin votes w wanted_error weight window_order
-    with_cyclic_angle within words xlabel ylabel
-"""
-PLAIN = frozenset(_ONE.split())
-"""Arguments that are one thing: a number, a name, a flag, a system, a method, a path."""
-
-ONE_THING = {
-    "algebras.so": {"q"},  # so(p, q)
-    "brackets.Bracket.check_parameter_names": {"names"},  # a set of names
-    "citations.cite": {"used"},  # each by itself
-    "brackets.Bracket.rename": {"field_names"},  # each by itself
-    "extensions.Extension.rename": {"field_names"},
-    "extensions.Extension.with_symbol": {"make"},
-    "laboratory.view": {"point"},  # the number of a point
-    "orbits.symmetric_homoclinic_orbits": {"origin", "reversers"},  # an orbit; as symmetric_periodic_orbits
-    "plot.draw": {"options"},  # those of other figures
-    "plot.convergence": {"colour"},
-    "plot.exponent_distribution": {"colour"},
-    "plot.sweep": {"colour"},
-    "plot.rod": {"radius"},
-    "proofs.enclose_flow": {"time"},
-    "proofs.enclose_section_map": {"time"},
-    "proofs.find_certificate": {"radius"},
-    "results.ExponentEstimate.histogram": {"bins"},
-    "results.MeanCurve.at": {"time"},
-    "results.Orbit.go_on": {"options"},
-    "results.Section.go_on": {"options"},
-    "results.Section.is_folded": {"x", "y"},
-    "sections.is_folded": {"x", "y"},
-    "sections.default_surface": {"leaf"},
-    "sections.section_starts": {"leaf"},
-    "sections.section_state": {"leaf"},
-    "chaos.exponents_by_energy": {"leaf"},
-    "sweeps.Axis.linear": {"start"},
-    "sweeps.Axis.logarithmic": {"start"},
-    "sweeps.SweepSpec": {"starts"},
-    "systems.PhaseFunction.of_pair": {"pair"},  # two polynomials that the package made
-    "sweeps.sweep": {"spec", "settings"},  # those of SweepSpec
-    "systems.CanonicalSystem.right_hand_side": {"time"},
-}
-"""The same word in other places."""
-
-MADE_BY_US = {
-    "brackets.CasimirReport", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus",
-    "brackets.RankCertificate", "brackets.Stratum", "chaos.PoissonStructure", "chaos.Rule.kinds", "chaos.Rule.votes",
-    "charts.LeafConstants", "charts.LeafConstants.of", "charts.LeafConstants.check_on_leaf", "citations.Citation",
-    "citations.Work", "extensions.Classification", "extensions.LocalFactor", "fields.PiecesField",
-    "fields.QuadraticField", "fields.TapeField", "fields.TopField", "laboratory.Page",
-    "laboratory.PageServer.handle_error", "phase_space.Start",
-    "sweeps.SweepSpec.of_record", "systems.DiscreteSymmetry", "systems.Integral", "systems.PhaseFunction.of_polynomial",
-    "systems.PhaseFunction.gradient_in_balls", "systems.PhaseFunction.value_in_balls", "systems.Reference",
-    "systems.Report", "systems.SystemFile", "systems.SystemFile.error",
+SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
+"""In annotations of arguments that hold several values."""
+NOT_READ = {
+    "brackets.CasimirReport", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus", "brackets.Stratum",
+    "charts.LeafConstants.of", "citations.Citation", "extensions.Classification", "extensions.LocalFactor",
+    "fields.PiecesField", "fields.QuadraticField", "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry",
+    "sweeps.SweepSpec.of_record", "sweeps.sweep", "systems.PhaseFunction.gradient_in_balls", "systems.Reference",
+    "systems.PhaseFunction.of_pair", "systems.PhaseFunction.value_in_balls", "systems.Report", "systems.SystemFile",
+    "systems.SystemFile.error", "orbits.symmetric_homoclinic_orbits",
 }  # fmt: skip
-"""Records that functions make, and what these call: the fields are taken as they are."""
+"""Records that functions make, and what these call: the fields are taken as they are.  Settings of a sweep are those of
+`SweepSpec`, and homoclinic orbits are searched for like periodic ones."""
 
 
 @dataclass(frozen=True)
 class Order:
     """Values in order; where they have names, labels decide.
 
-    `text` says that one text is one item, `mapping` that values by name are taken, too.
+    `text` says that one text is one item, `mapping` that values by name are taken, too, `one` that a single value is.
     """
 
     names: tuple[str, ...] = ()
     text: bool = False
     mapping: bool = False
-    one: bool = False  # a single value is taken as it is
+    one: bool = False
 
 
 @dataclass(frozen=True)
@@ -119,120 +64,34 @@ class Row:
 
 TOP = lp.Top.kovalevskaya()
 PARTIAL = lp.System(lp.so(3) @ lp.leibniz(3), "dot(l, l)/2 + log(10 + alpha1)", name="with a logarithm")
-NAMES = TOP.component_names
 X = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.0, 0.0, 0.0]
 RIGID = lp.Top.twisted(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 0.5, 0), epsilon=1)
 Y = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.25, 0.75, 1.0]
 E3 = lp.so(3) @ lp.semidirect(2)
 FREE = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
-STATES, IN_ORDER, TEXTS, VALUES = Order(NAMES), Order(), Order(), ByName()
-STARTS = Order(NAMES, mapping=True)
 TIMES = [0.0, 0.25, 0.5]
 CURVE = np.linspace(1, 100, 40)
-
-
-@cache
-def family():
-    return lp.System(E3, "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
-
-
-@cache
-def rod_top():
-    return lp.Top.twisted(inertia=(1, 1, 2), a=(0, 0, 1), epsilon=1)
-
-
-@cache
-def crossings():
-    return lp.section(TOP, X, surface="l3", t_end=20)
-
-
-@cache
-def orbit():
-    return lp.integrate(TOP, X, times=TIMES, dense=True)
-
-
-@cache
-def heavy():
-    return lp.catalog.system("heavy-top")
-
-
-@cache
-def exponents():
-    rng = np.random.default_rng(1)
-    return 0.1 + 1 / CURVE + 0.001 * rng.standard_normal((6, len(CURVE)))
-
-
-@cache
-def attitude():
-    return lp.orbits.attitude(rod_top(), Y, times=TIMES, dense=True)
-
-
-@cache
-def chart():
-    return lp.charts.EulerChart(RIGID, state=Y)
-
-
-@cache
-def lagrange():
-    return lp.Top.twisted_lagrange(transverse=2, axial=1, a3=1, epsilon=1)
-
-
-@cache
-def reduced():
-    return lp.charts.ReducedLagrange(lagrange(), state=Y)
-
-
-@cache
-def ordinary():
-    return lp.charts.OrdinaryLagrange(lp.Top.lagrange(transverse=2, axial=1, a3=1), state=X)
-
-
-@cache
-def quaternions():
-    return lp.charts.QuaternionChart(RIGID, state=Y)
-
-
-@cache
-def leaf():
-    return lp.Leaf.through(RIGID, Y)
-
-
-@cache
-def generic_bracket():
-    return lp.so(3) @ lp.leibniz(3)
-
-
-@cache
-def heavy_axial():
-    return lp.System(E3, "(l1^2 + l2^2)/4 + l3^2/2 + alpha3")
-
-
-@cache
-def lagrange6():
-    return lp.catalog.system("lagrange")
-
-
-@cache
-def symbolic_top():
-    return lp.System(E3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
-
-
-@cache
-def airy():
-    return lp.integrability.linear_system([[0, 1], ["x", 0]], sympy.Symbol("x"))
-
-
-def view(**arguments):
-    pytest.importorskip("anywidget")
-    return lp.view(**arguments)
-
-
-def e3_names():
-    return E3.coordinate_names_in_order
+TANGENT = np.arange(1, 10.0)
 
 
 def numbered(name, n):
-    return Order(tuple(f"{name}{k}" for k in range(1, n + 1)))
+    return tuple(f"{name}{k}" for k in range(1, n + 1))
+
+
+def kinds(words, names):
+    """Kinds by short words: N names decide, S names or a mapping, o an order, 1 one or several, t texts, e equations.
+
+    v are values by name, and w those or a text.  Names are those of a state, or of one argument in a dict.
+    """
+    found = {}
+    for word in words.split():
+        argument, _, kind = word.partition(":")
+        own = names.get(argument, TOP.component_names) if isinstance(names, dict) else names
+        found[argument] = {
+            "N": Order(own), "S": Order(own, mapping=True), "o": Order(), "1": Order(one=True), "t": Order(text=True),
+            "e": Order(text=True, mapping=True), "v": ByName(), "w": ByName(text=True),
+        }[kind]  # fmt: skip
+    return found
 
 
 @cache
@@ -246,511 +105,305 @@ def into_clear_axes(**arguments):
     return lp.plot.indicators(**arguments)
 
 
-def top_row(function, **further):
-    arguments = {"inertia": (3, 2.5, 2), "a": (1, 0, 3), **further}
-    names = {"inertia": "I", "a": "a", "b": "b"}
-    return Row(function, arguments, {name: numbered(names[name], 3) for name in arguments})
+def view(**arguments):
+    pytest.importorskip("anywidget")
+    return lp.view(**arguments)
 
 
 @cache
 def rows():
-    e = (1, 0, 0), (0, 1, 0), (0, 0, 1)
-    algebra = lp.so(3)
-    epsilon = lp.so(3) @ lp.leibniz(2, "epsilon")
-    body = {"states": STATES}
+    """The calls, by dotted name, or by this and a word behind a colon."""
+    found = {}
+
+    def add(dotted, words, of=None, names=TOP.component_names, function=None, /, **arguments):
+        value = of
+        for part in dotted.partition(":")[0].split(".")[0 if of is None else -1 :]:
+            if part != "__call__":
+                value = getattr(lp if value is None else value, part)
+        found[dotted] = Row(function or value, arguments, kinds(words, names))
+
+    _of_algebras(add)
+    _of_systems(add)
+    _of_runs(add)
+    _of_leaves_and_charts(add)
+    _of_integrals(add)
+    _of_results(add)
+    return found
+
+
+def _of_algebras(add):
+    so3, e3 = lp.so(3), E3.coordinate_names_in_order
+    add(
+        "algebras.LieAlgebra", "structure_constants:o basis_names:o", structure_constants=so3.structure_constants,
+        basis_names=["a", "b", "c"],
+    )  # fmt: skip
+    add("algebras.LieAlgebra.bracket", "u:N v:N", so3, so3.basis_names, u=(1, 2, 3), v=(0, 1, 5))
+    add(
+        "algebras.LieAlgebra.from_brackets", "brackets:v basis_names:o", n=2, brackets={(0, 1): {1: 1}},
+        basis_names=["a", "b"],
+    )  # fmt: skip
+    matrices = [[[0, 1], [0, 0]], [[1, 0], [0, -1]]]
+    add("algebras.LieAlgebra.from_matrices", "matrices:o basis_names:o", matrices=matrices, basis_names=["a", "b"])
+    add("algebras.LieAlgebra.substitute", "values:v", so3, values={"epsilon": 1})
+    turn = [[[0, 1], [-1, 0]]]
+    add(
+        "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
+        representation=turn, module_names=["x", "y"],
+    )  # fmt: skip
+    add("brackets.Automorphism", "matrix:o", matrix=[[1, 2], [0, 1]])
+    add(
+        "brackets.Bracket", "field_names:o constant:v", algebra=so3, extension=lp.trivial(), field_names=["m"],
+        constant={("m1", "m2"): "k"},
+    )  # fmt: skip
+    for name in ("corank", "frozen", "rank", "translated"):
+        add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
+    add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(2, "epsilon"), values={"epsilon": 2})
+    add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})
+    add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
+    add("extensions.Extension", "tensor:o field_names:o", tensor=lp.semidirect(2).tensor, field_names=["u", "v"])
+    add(
+        "extensions.Extension.from_products", "products:v field_names:o", n=1, products={(0, 0): {0: 1}},
+        field_names=["u"],
+    )  # fmt: skip
+    add("extensions.Extension.substitute", "values:v", lp.leibniz(2, "epsilon"), values={"epsilon": sympy.Integer(2)})
+
+
+def _of_systems(add):
+    I3, a3, b3 = (numbered(name, 3) for name in "Iab")
+    add("catalog.system", "parameters:v", name="heavy-top", parameters={"a": (1, 0, 2)})
+    add("systems.SystemFile.with_parameters", "parameters:v", lp.catalog.entry("lagrange"), parameters={"a": (0, 0, 2)})
+    names = {"inertia": I3, "a": a3, "b": b3, "J": numbered("J", 3)}
+    add("catalog.euler_top_on", "inertia:N", None, names, algebra="so(3)", inertia=(3, 2, 1))
+    add("catalog.heavy_top_on", "inertia:N a:N", None, names, algebra="so(3)", inertia=(3, 2, 1), a=(1, 0, 2))
+    add(
+        "catalog.twisted_top_on", "inertia:N a:N b:N", None, names, algebra="so(3)", inertia=(3, 2, 1), a=(1, 0, 2),
+        b=(0, 1, 3),
+    )  # fmt: skip
+    add(
+        "catalog.leibniz_top", "inertia:N vectors:o", None, names, n=3, inertia=(3, 2, 1),
+        vectors=[(1, 0, 2), (0, 1, 0)],
+    )  # fmt: skip
+    add("catalog.manakov", "J:N", None, names, n=3, J=(3, 2, 1))
+    add("catalog.su_top", "J:N", None, numbered("J", 2), n=2, J=(3, 2))
+    add("catalog.vorticity", "states:o", states=np.arange(8.0), n_points=4)
+    for name in ("Top", "Top.charged_heavy", "Top.twisted"):
+        add(f"systems.{name}", "inertia:N a:N b:N", None, names, inertia=(3, 2.5, 2), a=(1, 0, 3), b=(1, 2, 3))
+    add("systems.Top.heavy", "inertia:N a:N", None, names, inertia=(3, 2.5, 2), a=(1, 0, 3))
+    add("systems.Top.free_rigid_body", "inertia:N", None, names, inertia=(3, 2.5, 2))
+    add(
+        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:v quadratures:v symbols:o integrals:v",
+        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*x^2/2", parameters={"k": 2}, quadratures={"psi": "p"},
+        integrals={"K": "p^2 + 2*x^2"}, symbols=["m"],
+    )  # fmt: skip
+    add(
+        "systems.System", "parameters:v symbols:o integrals:v partial_integrals:v", bracket=E3,
+        hamiltonian="dot(l, l)/2 + k*alpha3 + c", parameters={"k": 2}, symbols=["c"], integrals={"K": "l3"},
+        partial_integrals={"P": ("l1", "l2")},
+    )  # fmt: skip
+    add("systems.CanonicalSystem.invariant_values", "states:N", TOP, states=X)
+    add("systems.CanonicalSystem.right_hand_side", "state:N", TOP, time=0.0, state=X)
+    add("systems.CanonicalSystem.vector_field", "states:N", TOP, states=X)
+    add("systems.CanonicalSystem.without_value", "states:N", PARTIAL, states=X)
+    add("systems.Top.without_value", "states:N", PARTIAL, states=X)
+    symmetry = lp.systems.discrete_symmetries(lp.Top.heavy(inertia=(2, 1.5, 1), a=(0, 0, 1))).found[-1]
+    add("systems.DiscreteSymmetry.meets", "values:v", symmetry, values={"H": 1, "C1": 0})
+    add("systems.DiscreteSymmetry.__call__", "states:N", symmetry, states=X)
+    energy = TOP.functions.energy
+    for name in ("__call__", "gradient", "hessian"):
+        add(f"systems.PhaseFunction.{name}", "states:N", energy, states=X)
+    add("sweeps.Axis", "values:o", name="epsilon", values=(0.0, 0.5))
+    add("sweeps.Starts", "casimirs:v", casimirs={"C1": 1, "C2": 0})
+    parameters = {"I": (2, 2, 1), "a": (-1, 0, 0), "b": (0, 0, 0)}
+    axes = (lp.sweeps.Axis("epsilon", (0.0, 0.5)),)
+    add("sweeps.SweepSpec", "axes:o parameters:v", system="twisted-top", axes=axes, t_end=10, parameters=parameters)
+
+
+def _of_runs(add):
+    run = {"system": TOP, "starts": X}
+    thresholds = {"growth_power": (2.0, 3.0), "megno": (2.5, 5.0), "sali": (1e-3, 1e-8)}
+    add("chaos.Rule", "growth_power:o megno:o sali:o", **thresholds)
+    add("chaos.alignment", "starts:S times:1 units:N", **run, times=[1.0, 2.0], units=TANGENT)
+    add("chaos.decide", "starts:S", **run, t_end=100)
+    leaf = lp.Leaf.through(RIGID, Y)
+    add("chaos.exponents_by_energy", "energies:1", system=RIGID, leaf=leaf, energies=[2.0, 3.0], n_starts=1, t_end=5)
+    add("chaos.finite_time_exponents", "starts:S times:1 tangents:N", **run, times=[1.0, 2.0], tangents=TANGENT)
+    add("chaos.frequency_drift", "starts:S observable:t", **run, observable=["l1", "l2"], t_end=10, n_samples=64)
+    add("chaos.lyapunov_exponent", "starts:S", **run, t_end=20)
+    add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=4, interval=1)
+    add("chaos.megno", "starts:S tangents:N", **run, t_end=5, n_samples=64, tangents=TANGENT)
+    curves = {"time": CURVE, "exponent": exponents()}
+    add("fits.finite_time_fit", "time:o exponent:o window:o", **curves, window=(2, 90), n_bootstrap=20)
+    add("fits.fit_goodness", "time:o exponent:o window:o", **curves, window=(2, 90), n_degrees=4)
+    add("fits.log_fit", "time:o exponent:o window:o", **curves, window=(2, 90), n_bootstrap=20)
+    add("fits.mean_curve", "time:o exponent:o", **curves)
+    add("fits.window_scan", "time:o exponent:o windows:o", **curves, windows=[(2, 90), (3, 80)], n_bootstrap=20)
+    top, unit = lp.Top.lagrange(transverse=2, axial=1, a3=1), (1.0, 0, 0, 0)
+    add("methods.LagrangeMap.integrals", "states:N", lp.methods.LagrangeMap(0.1), top=top, states=X)
+    add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, times=TIMES, attitude=unit)
+    add("orbits.chart_orbit", "start:N times:1", chart=lp.charts.EulerChart(RIGID, state=Y), start=Y, times=TIMES)
+    add("orbits.integrate", "starts:S times:1 tangents:N", **run, times=TIMES, tangents=[X, X[::-1]])
+    rod = {"system": lp.Top.twisted(inertia=(1, 1, 2), a=(0, 0, 1), epsilon=1), "starts": Y, "arclengths": TIMES}
+    add("orbits.rod", "starts:S arclengths:1 attitude:o origin:o", **rod, attitude=unit, origin=(1.0, 2, 3))
+    heavy = lp.catalog.system("heavy-top")
+    reversers = list(lp.systems.discrete_symmetries(heavy).reversers[:1])
+    search = {"system": heavy, "leaf": {"C1": 0.2, "C2": 1}, "energy": 1.5, "n_starts": 1, "t_end": 1}
+    add("orbits.symmetric_periodic_orbits", "leaf:v reversers:o", **search, reversers=reversers)
+    add("orbits.time_scale", "starts:S", **run)
+    add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
+    add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
+    keep = ["l1", "alpha2"]
+    add("sections.section", "starts:S start_side:1 keep:o", **run, surface="l3", t_end=20, start_side=[0], keep=keep)
+    add(
+        "sections.section_state", "coordinates:v guess:S", None, heavy.component_names, surface="l3", energy=1.5,
+        leaf=lp.Leaf(heavy, {"C1": 0.5, "C2": 1}), coordinates={"l1": 0.2}, guess=[0.2, 1, 0, 0, 0, 1],
+    )  # fmt: skip
+
+
+def _of_leaves_and_charts(add):
+    leaf, values, charts = lp.Leaf.through(RIGID, Y), {"C1": 3, "C2": 1, "C3": 2}, lp.charts
     casimirs = {name: float(f(np.array(Y))) for name, f in RIGID.functions.casimirs.items()}
-    heavy_leaf = {"C1": 0.5, "C2": 1}
-    z = chart().from_body(Y)
-    angles = Order(chart().component_names)
+    add("phase_space.Leaf", "casimirs:v", system=RIGID, casimirs=casimirs)
+    for name in ("contains", "residual", "tangent_basis"):
+        add(f"phase_space.Leaf.{name}", "states:N", leaf, states=Y)
+    add("phase_space.Leaf.project", "states:N", leaf, states=Y, energy=2)
+    add("phase_space.Leaf.project_tangent", "states:N vectors:N", leaf, states=Y, vectors=X, energy=True)
+    add("phase_space.Leaf.tangent_projector", "states:N", leaf, states=Y, energy=True)
+    add("phase_space.Leaf.through", "state:N", system=RIGID, state=Y)
+    add("phase_space.bounds", "state:N", system=RIGID, state=Y)
+    add("phase_space.bounds:leaf", "leaf:v", system=RIGID, leaf=casimirs, energy=3)
+    lagrange = lp.catalog.system("lagrange")
+    along = {"system": lagrange, "along": ["l3"]}
+    level = {"leaf": {"C1": 0.5, "C2": 1}, "values": {"l3": 0.5}, "n_starts": 4}
+    add("phase_space.equilibria", "leaf:v along:o values:v", **along, **level)
+    six = lagrange.component_names
+    add("phase_space.equilibrium", "state:N along:o", None, six, **along, state=[0, 0, 2, 0, 0, 1])
+    near = {"guess": [0.1, 0, 2, 0.3, 0, 0.9], "values": {"l3": 2}}
+    add("phase_space.equilibrium_near", "guess:N along:o values:v", None, six, **along, **near)
+    add("phase_space.find_start", "guess:S leaf:v", system=RIGID, guess=Y, leaf={"C1": 3, "C2": 1})
+    add("phase_space.find_start:start", "start:S", system=RIGID, start=Y)
+    twisted = lp.Top.twisted_lagrange(transverse=2, axial=1, a3=1, epsilon=1)
+    ordinary = {"system": lp.Top.lagrange(transverse=2, axial=1, a3=1), "state": X}
+    add("charts.EulerChart", "leaf:v gauge:t", system=RIGID, leaf=values, gauge=[(1, 0, 0), (0, 1, 0)])
+    add("charts.QuaternionChart", "leaf:v", system=RIGID, leaf=values)
+    add("charts.ReducedLagrange", "leaf:v", system=twisted, l3=1, leaf=values)
+    for name, given in {
+        "EulerChart": {"system": RIGID, "state": Y}, "QuaternionChart": {"system": RIGID, "state": Y},
+        "ReducedLagrange": {"system": twisted, "state": Y}, "OrdinaryLagrange": ordinary,
+    }.items():  # fmt: skip
+        chart, body = getattr(charts, name)(**given), {"states": given["state"]}
+        add(f"charts.{name}" + ("" if given is ordinary else ":state"), "state:N", **given)
+        add(f"charts.{name}.from_body", "states:N", chart, **body)
+        add(f"charts.{name}.margins", "states:N", chart, **body)
+        angle = {"psi": np.array(0.5)} if "Lagrange" in name else {}
+        own = {"z": tuple(chart.component_names)}
+        z = chart.from_body(given["state"])
+        add(f"charts.{name}.to_body", "z:N psi:1" if angle else "z:N", chart, own, z=z, **angle)
+
+
+def _of_integrals(add):
+    of = lp.integrability
+    search = {"system": FREE, "degree": 1, "on": ["C1 = 1"], "known": {"H": FREE.hamiltonian}}
+    family = {"system": lp.System(E3, "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"]), "degree": 1}
+    axial = lp.System(E3, "(l1^2 + l2^2)/4 + l3^2/2 + alpha3")
+    commuting = {"H": axial.hamiltonian, "l3": "l3"}
+    add("integrability.certificate", "commuting:v", system=axial, commuting=commuting)
+    add("integrability.darboux_polynomials", "on:e known:v", **search, field="real")
+    add("integrability.first_integrals", "on:e known:v", **search)
+    symmetries = [{"l1": "-l1"}, "l3"]
+    general = {"bracket": lp.so(3) @ lp.trivial(), "degree": (1, 2), "symmetries": symmetries}
+    add("integrability.general_system", "degree:1 symmetries:t", **general)
+    conditions = {"positive": ["J"], "nonzero": ["a"]}
+    add("integrability.integrable_families", "on:e positive:o nonzero:o", **family, on=["C1 = 0"], **conditions)
+    add("integrability.known_lax_pair", "parameters:v", name="lagrange", parameters={"I": (2, 2, 1)})
+    symbolic = lp.System(E3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
+    given = {"system": symbolic, "degree": 1, "nonzero": ["a3"], "positive": ["I1", "I2", "I3"]}
+    add("integrability.lax_families", "nonzero:o positive:o", **given)
+    rotor = lp.System(lp.so(3) @ lp.trivial(), "l1^2 + l2^2/2")
+    add("integrability.lax_pair", "L:o M:o", system=rotor, L=["l1", "l2", "l3"], M=["2*l1", "l2", 0])
+    airy = {"matrix": [[0, 1], ["x", 0]], "variable": sympy.Symbol("x")}
+    add("integrability.linear_system", "matrix:o names:o", **airy, names=["u", "v"])
+    add("integrability.monodromy", "corners:o", system=of.linear_system(**airy), corners=[1, 1j, -1, -1j])
+    add("integrability.painleve_test", "weights:w", system=FREE, weights={"l1": 1, "l2": 1, "l3": 1})
+    s, free = sympy.Symbol("s"), FREE.component_names
+    particular = {"system": FREE, "state": [s, 0, 0], "variable": s, "rate": 1}
+    add("integrability.particular_solution", "state:S", None, free, **particular)
+    nowhere = "/nowhere/at/all.txt"
+    add(
+        "integrability.save_certificate", "data:v", None, (), lambda data: of.save_certificate(data, nowhere),
+        data=of.certificate(axial, commuting),
+    )  # fmt: skip
+    add("integrability.scan_integrals", "axes:v on:e", **family, axes={"J": [1, 2], "a": [1]}, on=["C1 = 0"])
+    box, point = [0.5, 0.25, 1], {"C1": 1}
+    cube, around = lp.proofs.Box([0, 0, 0], [1, 1, 1]), lp.proofs.Box.around([0, 0, 1], 0.25)
+    add("proofs.Box", "lower:o upper:o", lower=[0.0, 1.0], upper=[1.0, 2.0])
+    add("proofs.Box.around", "center:o radius:1", center=[0.0, 1.0], radius=[1.0, 2.0])
+    add("proofs.Box.contains", "values:o", cube, values=box)
+    add("proofs.Box.overlaps", "other:o", cube, other=box)
+    add("proofs.enclose_equilibria", "level:v", system=FREE, box=around, level=point)
+    add("proofs.enclose_equilibria:box", "box:N", None, free, system=FREE, box=(0.0, 0.0, 1.0))
+    add("proofs.enclose_flow", "box:N", None, free, system=FREE, box=box, time=0.1)
+    add("proofs.enclose_section_map", "box:N", None, free, system=FREE, box=[0.0, 1, 0.5], surface="l1", time=5)
+    add("proofs.prove_chaos", "arithmetics:o", system=FREE, certificate="/nowhere.json", arithmetics=["balls"])
+    add("proofs.find_certificate", "leaf:v", system=FREE, leaf=point, energy=1)
+    add("proofs.prove_equilibrium", "guess:N level:v", None, free, system=FREE, guess=[0.0, 0, 1], level=point)
+    orbit = {"start": [0.5, 0.25, 1], "period": 2.5, "level": {"H": 3, "C1": 1}, "time_limit": 5}
+    add("proofs.prove_periodic_orbit", "start:N level:v", None, free, system=FREE, **orbit)
+
+
+def _of_results(add):
+    orbit = lp.integrate(TOP, X, times=TIMES, dense=True)
+    shown = {"start": X, "surfaces": ["l1", "l2"]}
+    add("laboratory.page_of", "start:N surfaces:t", system=TOP, **shown)
+    add(
+        "laboratory.view", "start:N surfaces:t state:v", None, TOP.component_names, view, shown=TOP, **shown,
+        state={"time": 2},
+    )  # fmt: skip
     growth = lp.chaos.megno(TOP, [X, X[::-1]], t_end=20, n_samples=64)
-    angle = lp.chaos.alignment(TOP, [X, X[::-1]], t_end=20)
-    sleeping = lp.phase_space.sleeping_top(lp.Top.lagrange(transverse=2, axial=1, a3=1), l3=5, alpha3=1)
-    fit = lp.fits.finite_time_fit(CURVE, exponents(), window=(2, 90), n_bootstrap=20)
-    logarithmic = lp.fits.log_fit(CURVE, exponents(), window=(2, 90), n_bootstrap=20)
-    estimate = lp.lyapunov_exponent(TOP, X, t_end=20)
-    symmetric = lp.systems.discrete_symmetries(lp.Top.heavy(inertia=(2, 1.5, 1), a=(0, 0, 1))).found[-1]
-    case = lp.integrability.integrable_families(family(), degree=1, positive=["J"]).cases[1]
+    two = {"growth": growth, "angle": lp.chaos.alignment(TOP, [X, X[::-1]], t_end=20)}
+    add("plot.exponent_distribution", "exponents:o bins:1", exponents=exponents()[:, -1], bins=[0.0, 0.1, 0.2])
+    add("plot.indicators", "members:o labels:o", **two, members=[1, 0], labels=["u", "v"])
+    add("plot.indicators:axes", "axes:o", None, (), into_clear_axes, **two, axes=list(panels()))
+    add("plot.orbit", "invariants:v", run=orbit, invariants={"K": orbit.invariants["H"][0]})
+    stem = Path(tempfile.mkdtemp()) / "figure"
+    add("plot.save_figure", "formats:o", figure=lp.plot.orbit(orbit), stem=stem, formats=["png"])
+    points = {"points": crossings(), "x": crossings().state[:, 0], "y": crossings().state[:, 1]}
+    add("plot.section", "x:o y:o trajectories:1 colour:t", **points, trajectories=[0], colour=["red"])
+    add("plot.sleeping_diagram", "twists:o", twists=[0, 1])
+    fits, curves = lp.fits, {"time": CURVE, "exponent": exponents(), "window": (2, 90), "n_bootstrap": 20}
+    fit, logarithmic = fits.finite_time_fit(**curves), fits.log_fit(**curves)
+    add("plot.window_scan", "fits:o", fits=[fit])
+    attitude = lp.orbits.attitude(RIGID, Y, times=TIMES, dense=True)
+    add("results.Attitude.at", "times:o", attitude, times=TIMES)
+    add("results.Attitude.body", "vectors:o", attitude, vectors=(1.0, 2, 3))
+    add("results.Attitude.space", "vectors:o", attitude, vectors=(1.0, 2, 3))
+    covariant = lp.lyapunov_spectrum(TOP, X, t_end=8, interval=1, transient=4, covariant=True).covariant
+    field = TOP.vector_field(covariant.state)
+    add("results.CovariantVectors.distance_from_centre", "vectors:o", covariant, vectors=field, n_zeros=5)
+    add("results.ExponentEstimate.quantiles", "q:1", lp.lyapunov_exponent(TOP, X, t_end=20), q=[0.5, 0.75])
+    names = ("lambda", "c1", "c0")
+    add("results.FiniteTimeFit.chi_squared", "coefficients:N", fit, names, coefficients=(0.1, 1.0, 0.5))
+    add("results.FiniteTimeFit.curve", "time:1", fit, time=[2.0, 3.0])
+    add("results.LogFit.curve", "time:1", logarithmic, time=[2.0, 3.0])
     pair = lp.integrability.known_lax_pair("lagrange")
-    point = dict.fromkeys(pair.system.component_names, "1/2")
-    page = lp.laboratory.page_of
-    flow_box, cube = [0.5, 0.25, 1], lp.proofs.Box([0, 0, 0], [1, 1, 1])
-    spectrum = lp.lyapunov_spectrum(TOP, X, t_end=8, interval=1, transient=4, covariant=True).covariant
-    along = {"along": TEXTS}
-    commuting = {"H": heavy_axial().hamiltonian, "l3": "l3"}
-    proof = lp.integrability.certificate(heavy_axial(), commuting)
-    return {
-        "algebras.LieAlgebra": Row(
-            lp.LieAlgebra, {"structure_constants": algebra.structure_constants, "basis_names": ["a", "b", "c"]},
-            {"structure_constants": IN_ORDER, "basis_names": TEXTS},
-        ),
-        "algebras.LieAlgebra.bracket": Row(
-            algebra.bracket, {"u": (1, 2, 3), "v": (0, 1, 5)}, dict.fromkeys("uv", Order(algebra.basis_names))
-        ),
-        "algebras.LieAlgebra.from_brackets": Row(
-            lp.LieAlgebra.from_brackets, {"n": 2, "brackets": {(0, 1): {1: 1}}, "basis_names": ["a", "b"]},
-            {"brackets": VALUES, "basis_names": TEXTS},
-        ),
-        "algebras.LieAlgebra.from_matrices": Row(
-            lp.LieAlgebra.from_matrices, {"matrices": [[[0, 1], [0, 0]], [[1, 0], [0, -1]]], "basis_names": ["a", "b"]},
-            {"matrices": IN_ORDER, "basis_names": TEXTS},
-        ),
-        "algebras.LieAlgebra.substitute": Row(algebra.substitute, {"values": {"epsilon": 1}}, {"values": VALUES}),
-        "algebras.semidirect_sum": Row(
-            lp.algebras.semidirect_sum,
-            {"algebra": lp.algebras.abelian(1), "representation": [[[0, 1], [-1, 0]]], "module_names": ["x", "y"]},
-            {"representation": IN_ORDER, "module_names": TEXTS},
-        ),
-        "brackets.Automorphism": Row(lp.brackets.Automorphism, {"matrix": [[1, 2], [0, 1]]}, {"matrix": IN_ORDER}),
-        "brackets.Bracket": Row(
-            lp.Bracket,
-            {"algebra": algebra, "extension": lp.trivial(), "field_names": ["m"], "constant": {("m1", "m2"): "k"}},
-            {"field_names": TEXTS, "constant": VALUES},
-        ),
-        "brackets.Bracket.corank": Row(E3.corank, {"point": (1, 2, 3, 0, 1, 0)}, {"point": Order(e3_names())}),
-        "brackets.Bracket.frozen": Row(E3.frozen, {"point": (1, 2, 3, 0, 1, 0)}, {"point": Order(e3_names())}),
-        "brackets.Bracket.rank": Row(E3.rank, {"point": (1, 2, 3, 0, 1, 0)}, {"point": Order(e3_names())}),
-        "brackets.Bracket.substitute": Row(epsilon.substitute, {"values": {"epsilon": 2}}, {"values": VALUES}),
-        "brackets.Bracket.translated": Row(E3.translated, {"point": (1, 2, 3, 0, 1, 0)}, {"point": Order(e3_names())}),
-        "brackets.Bracket.with_constant": Row(
-            E3.with_constant, {"constant": {("l1", "l2"): 1}}, {"constant": VALUES}
-        ),
-        "brackets.canonical": Row(
-            lp.canonical, {"names": ["x", "y"], "momenta": ["u", "v"]}, {"names": TEXTS, "momenta": TEXTS}
-        ),
-        "catalog.system": Row(
-            lp.catalog.system, {"name": "heavy-top", "parameters": {"a": (1, 0, 2)}}, {"parameters": VALUES}
-        ),
-        "systems.SystemFile.with_parameters": Row(
-            lp.catalog.entry("lagrange").with_parameters, {"parameters": {"a": (0, 0, 2)}}, {"parameters": VALUES}
-        ),
-        "catalog.euler_top_on": Row(
-            lp.catalog.euler_top_on, {"algebra": "so(3)", "inertia": (3, 2, 1)}, {"inertia": numbered("I", 3)}
-        ),
-        "catalog.heavy_top_on": Row(
-            lp.catalog.heavy_top_on, {"algebra": "so(3)", "inertia": (3, 2, 1), "a": (1, 0, 2)},
-            {"inertia": numbered("I", 3), "a": numbered("a", 3)},
-        ),
-        "catalog.leibniz_top": Row(
-            lp.catalog.leibniz_top, {"n": 3, "inertia": (3, 2, 1), "vectors": [(1, 0, 2), (0, 1, 0)]},
-            {"inertia": numbered("I", 3), "vectors": IN_ORDER},
-        ),
-        "catalog.manakov": Row(lp.catalog.manakov, {"n": 3, "J": (3, 2, 1)}, {"J": numbered("J", 3)}),
-        "catalog.su_top": Row(lp.catalog.su_top, {"n": 2, "J": (3, 2)}, {"J": numbered("J", 2)}),
-        "catalog.twisted_top_on": Row(
-            lp.catalog.twisted_top_on, {"algebra": "so(3)", "inertia": (3, 2, 1), "a": (1, 0, 2), "b": (0, 1, 3)},
-            {"inertia": numbered("I", 3), "a": numbered("a", 3), "b": numbered("b", 3)},
-        ),
-        "catalog.vorticity": Row(lp.catalog.vorticity, {"states": np.arange(8.0), "n_points": 4}, {"states": IN_ORDER}),
-        "chaos.Rule": Row(
-            lp.chaos.Rule, {"growth_power": (2.0, 3.0), "megno": (2.5, 5.0), "sali": (1e-3, 1e-8)},
-            dict.fromkeys(("growth_power", "megno", "sali"), IN_ORDER),
-        ),
-        "chaos.alignment": Row(
-            lp.chaos.alignment, {"system": TOP, "starts": X, "times": [1.0, 2.0], "units": np.arange(1, 10.0)},
-            {"starts": STARTS, "times": Order(one=True), "units": STATES},
-        ),
-        "chaos.decide": Row(lp.decide, {"system": TOP, "starts": X, "t_end": 100}, {"starts": STARTS}),
-        "chaos.exponents_by_energy": Row(
-            lp.chaos.exponents_by_energy,
-            {"system": RIGID, "leaf": leaf(), "energies": [2.0, 3.0], "n_starts": 1, "t_end": 5},
-            {"energies": Order(one=True)},
-        ),
-        "chaos.finite_time_exponents": Row(
-            lp.finite_time_exponents, {"system": TOP, "starts": X, "times": [1.0, 2.0], "tangents": np.arange(1, 10.0)},
-            {"starts": STARTS, "times": Order(one=True), "tangents": STATES},
-        ),
-        "chaos.frequency_drift": Row(
-            lp.chaos.frequency_drift,
-            {"system": TOP, "starts": X, "observable": ["l1", "l2"], "t_end": 10, "n_samples": 64},
-            {"starts": STARTS, "observable": Order(text=True)},
-        ),
-        "chaos.lyapunov_exponent": Row(
-            lp.lyapunov_exponent, {"system": TOP, "starts": X, "t_end": 20}, {"starts": STARTS}
-        ),
-        "chaos.lyapunov_spectrum": Row(
-            lp.lyapunov_spectrum, {"system": TOP, "starts": X, "t_end": 4, "interval": 1}, {"starts": STARTS}
-        ),
-        "chaos.megno": Row(
-            lp.chaos.megno, {"system": TOP, "starts": X, "t_end": 5, "n_samples": 64, "tangents": np.arange(1, 10.0)},
-            {"starts": STARTS, "tangents": STATES},
-        ),
-        "charts.EulerChart": Row(
-            lp.charts.EulerChart, {"system": RIGID, "leaf": {"C1": 3, "C2": 1, "C3": 2}, "gauge": [e[0], e[1]]},
-            {"leaf": VALUES, "gauge": Order(text=True)},
-        ),
-        "charts.EulerChart:state": Row(lp.charts.EulerChart, {"system": RIGID, "state": Y}, {"state": STATES}),
-        "charts.EulerChart.from_body": Row(chart().from_body, {"states": Y}, body),
-        "charts.EulerChart.margins": Row(chart().margins, {"states": Y}, body),
-        "charts.EulerChart.to_body": Row(chart().to_body, {"z": z}, {"z": angles}),
-        "charts.OrdinaryLagrange": Row(
-            lp.charts.OrdinaryLagrange, {"system": lp.Top.lagrange(transverse=2, axial=1, a3=1), "state": X},
-            {"state": STATES},
-        ),
-        "charts.OrdinaryLagrange.from_body": Row(ordinary().from_body, {"states": X}, body),
-        "charts.OrdinaryLagrange.margins": Row(ordinary().margins, {"states": X}, body),
-        "charts.OrdinaryLagrange.to_body": Row(
-            ordinary().to_body, {"z": ordinary().from_body(X), "psi": np.array(0.5)},
-            {"z": Order(ordinary().component_names), "psi": Order(one=True)},
-        ),
-        "charts.QuaternionChart": Row(
-            lp.charts.QuaternionChart, {"system": RIGID, "leaf": {"C1": 3, "C2": 1, "C3": 2}}, {"leaf": VALUES}
-        ),
-        "charts.QuaternionChart:state": Row(
-            lp.charts.QuaternionChart, {"system": RIGID, "state": Y}, {"state": STATES}
-        ),
-        "charts.QuaternionChart.from_body": Row(quaternions().from_body, {"states": Y}, body),
-        "charts.QuaternionChart.margins": Row(quaternions().margins, {"states": Y}, body),
-        "charts.QuaternionChart.to_body": Row(
-            quaternions().to_body, {"z": quaternions().from_body(Y)}, {"z": Order(quaternions().component_names)}
-        ),
-        "charts.ReducedLagrange": Row(
-            lp.charts.ReducedLagrange, {"system": lagrange(), "l3": 1, "leaf": {"C1": 3, "C2": 1, "C3": 2}},
-            {"leaf": VALUES},
-        ),
-        "charts.ReducedLagrange:state": Row(
-            lp.charts.ReducedLagrange, {"system": lagrange(), "state": Y}, {"state": STATES}
-        ),
-        "charts.ReducedLagrange.from_body": Row(reduced().from_body, {"states": Y}, body),
-        "charts.ReducedLagrange.margins": Row(reduced().margins, {"states": Y}, body),
-        "charts.ReducedLagrange.to_body": Row(
-            reduced().to_body, {"z": reduced().from_body(Y), "psi": np.array(0.5)},
-            {"z": Order(reduced().component_names), "psi": Order(one=True)},
-        ),
-        "extensions.Extension": Row(
-            lp.Extension, {"tensor": lp.semidirect(2).tensor, "field_names": ["u", "v"]},
-            {"tensor": IN_ORDER, "field_names": TEXTS},
-        ),
-        "extensions.Extension.from_products": Row(
-            lp.Extension.from_products, {"n": 1, "products": {(0, 0): {0: 1}}, "field_names": ["u"]},
-            {"products": VALUES, "field_names": TEXTS},
-        ),
-        "extensions.Extension.substitute": Row(
-            lp.leibniz(2, "epsilon").substitute, {"values": {"epsilon": sympy.Integer(2)}}, {"values": VALUES}
-        ),
-        "fits.finite_time_fit": Row(
-            lp.fits.finite_time_fit, {"time": CURVE, "exponent": exponents(), "window": (2, 90), "n_bootstrap": 20},
-            dict.fromkeys(("time", "exponent", "window"), IN_ORDER),
-        ),
-        "fits.fit_goodness": Row(
-            lp.fits.fit_goodness, {"time": CURVE, "exponent": exponents(), "window": (2, 90), "n_degrees": 4},
-            dict.fromkeys(("time", "exponent", "window"), IN_ORDER),
-        ),
-        "fits.log_fit": Row(
-            lp.fits.log_fit, {"time": CURVE, "exponent": exponents(), "window": (2, 90), "n_bootstrap": 20},
-            dict.fromkeys(("time", "exponent", "window"), IN_ORDER),
-        ),
-        "fits.mean_curve": Row(
-            lp.fits.mean_curve, {"time": CURVE, "exponent": exponents()}, dict.fromkeys(("time", "exponent"), IN_ORDER)
-        ),
-        "fits.window_scan": Row(
-            lp.fits.window_scan,
-            {"time": CURVE, "exponent": exponents(), "windows": [(2, 90), (3, 80)], "n_bootstrap": 20},
-            dict.fromkeys(("time", "exponent", "windows"), IN_ORDER),
-        ),
-        "integrability.certificate": Row(
-            lp.integrability.certificate, {"system": heavy_axial(), "commuting": commuting}, {"commuting": VALUES}
-        ),
-        "integrability.darboux_polynomials": Row(
-            lp.integrability.darboux_polynomials,
-            {"system": FREE, "degree": 1, "field": "real", "on": ["C1 = 1"], "known": {"H": FREE.hamiltonian}},
-            {"on": Order(text=True, mapping=True), "known": VALUES},
-        ),
-        "integrability.first_integrals": Row(
-            lp.integrability.first_integrals,
-            {"system": FREE, "degree": 1, "on": ["C1 = 1"], "known": {"H": FREE.hamiltonian}},
-            {"on": Order(text=True, mapping=True), "known": VALUES},
-        ),
-        "integrability.general_system": Row(
-            lp.integrability.general_system,
-            {"bracket": lp.so(3) @ lp.trivial(), "degree": (1, 2), "symmetries": [{"l1": "-l1"}, "l3"]},
-            {"degree": Order(one=True), "symmetries": Order(text=True)},
-        ),
-        "integrability.integrable_families": Row(
-            lp.integrability.integrable_families,
-            {"system": family(), "degree": 1, "on": ["C1 = 0"], "positive": ["J"], "nonzero": ["a"]},
-            {"on": Order(text=True, mapping=True), "positive": TEXTS, "nonzero": TEXTS},
-        ),
-        "integrability.known_lax_pair": Row(
-            lp.integrability.known_lax_pair, {"name": "lagrange", "parameters": {"I": (2, 2, 1)}},
-            {"parameters": VALUES},
-        ),
-        "integrability.lax_families": Row(
-            lp.integrability.lax_families,
-            {"system": symbolic_top(), "degree": 1, "nonzero": ["a3"], "positive": ["I1", "I2", "I3"]},
-            {"nonzero": TEXTS, "positive": TEXTS},
-        ),
-        "integrability.lax_pair": Row(
-            lp.integrability.lax_pair,
-            {
-                "system": lp.System(lp.so(3) @ lp.trivial(), "l1^2 + l2^2/2"),
-                "L": ["l1", "l2", "l3"],
-                "M": ["2*l1", "l2", 0],
-            },
-            {"L": IN_ORDER, "M": IN_ORDER},
-        ),
-        "integrability.linear_system": Row(
-            lp.integrability.linear_system,
-            {"matrix": [[0, 1], ["x", 0]], "variable": sympy.Symbol("x"), "names": ["u", "v"]},
-            {"matrix": IN_ORDER, "names": TEXTS},
-        ),
-        "integrability.monodromy": Row(
-            lp.integrability.monodromy, {"system": airy(), "corners": [1, 1j, -1, -1j]}, {"corners": IN_ORDER}
-        ),
-        "integrability.painleve_test": Row(
-            lp.integrability.painleve_test, {"system": FREE, "weights": {"l1": 1, "l2": 1, "l3": 1}},
-            {"weights": ByName(text=True)},
-        ),
-        "integrability.particular_solution": Row(
-            lp.integrability.particular_solution,
-            {"system": FREE, "state": [sympy.Symbol("s"), 0, 0], "variable": sympy.Symbol("s"), "rate": 1},
-            {"state": Order(FREE.component_names, mapping=True)},
-        ),
-        "integrability.save_certificate": Row(
-            lambda data: lp.integrability.save_certificate(data, "/nowhere/at/all.txt"), {"data": proof},
-            {"data": VALUES},
-        ),
-        "integrability.scan_integrals": Row(
-            lp.integrability.scan_integrals,
-            {"system": family(), "degree": 1, "axes": {"J": [1, 2], "a": [1]}, "on": ["C1 = 0"]},
-            {"axes": VALUES, "on": Order(text=True, mapping=True)},
-        ),
-        "laboratory.page_of": Row(
-            page, {"system": TOP, "start": X, "surfaces": ["l1", "l2"]},
-            {"start": STATES, "surfaces": Order(text=True)},
-        ),
-        "laboratory.view": Row(
-            view, {"shown": TOP, "start": X, "surfaces": ["l1"], "state": {"time": 2}},
-            {"start": STATES, "surfaces": Order(text=True), "state": VALUES},
-        ),
-        "methods.LagrangeMap.integrals": Row(
-            lp.methods.LagrangeMap(0.1).integrals,
-            {"top": lp.Top.lagrange(transverse=2, axial=1, a3=1), "states": X}, body,
-        ),
-        "orbits.attitude": Row(
-            lp.orbits.attitude, {"system": RIGID, "starts": Y, "times": TIMES, "attitude": (1.0, 0, 0, 0)},
-            {"starts": STARTS, "times": Order(one=True), "attitude": IN_ORDER},
-        ),
-        "orbits.chart_orbit": Row(
-            lp.orbits.chart_orbit, {"chart": chart(), "start": Y, "times": TIMES},
-            {"start": STATES, "times": Order(one=True)},
-        ),
-        "orbits.integrate": Row(
-            lp.integrate, {"system": TOP, "starts": X, "times": TIMES, "tangents": [X, X[::-1]]},
-            {"starts": STARTS, "times": Order(one=True), "tangents": STATES},
-        ),
-        "orbits.rod": Row(
-            lp.orbits.rod,
-            {
-                "system": rod_top(), "starts": Y, "arclengths": TIMES, "attitude": (1.0, 0, 0, 0),
-                "origin": (1.0, 2, 3),
-            },
-            {"starts": STARTS, "arclengths": Order(one=True), "attitude": IN_ORDER, "origin": IN_ORDER},
-        ),
-        "orbits.symmetric_periodic_orbits": Row(
-            lp.orbits.symmetric_periodic_orbits,
-            {"system": heavy(), "leaf": {"C1": 0.2, "C2": 1}, "energy": 1.5, "n_starts": 1, "t_end": 1,
-             "reversers": list(lp.systems.discrete_symmetries(heavy()).reversers[:1])},
-            {"leaf": VALUES, "reversers": IN_ORDER},
-        ),
-        "orbits.time_scale": Row(lp.orbits.time_scale, {"system": TOP, "starts": X}, {"starts": STARTS}),
-        "phase_space.Leaf": Row(lp.Leaf, {"system": RIGID, "casimirs": casimirs}, {"casimirs": VALUES}),
-        "phase_space.Leaf.contains": Row(leaf().contains, {"states": Y}, body),
-        "phase_space.Leaf.project": Row(leaf().project, {"states": Y, "energy": 2}, body),
-        "phase_space.Leaf.project_tangent": Row(
-            leaf().project_tangent, {"states": Y, "vectors": X, "energy": True}, {"states": STATES, "vectors": STATES}
-        ),
-        "phase_space.Leaf.residual": Row(leaf().residual, {"states": Y}, body),
-        "phase_space.Leaf.tangent_basis": Row(leaf().tangent_basis, {"states": Y}, body),
-        "phase_space.Leaf.tangent_projector": Row(leaf().tangent_projector, {"states": Y, "energy": True}, body),
-        "phase_space.Leaf.through": Row(lp.Leaf.through, {"system": RIGID, "state": Y}, {"state": STATES}),
-        "phase_space.bounds": Row(lp.phase_space.bounds, {"system": RIGID, "state": Y}, {"state": STATES}),
-        "phase_space.bounds:leaf": Row(
-            lp.phase_space.bounds, {"system": RIGID, "leaf": casimirs, "energy": 3}, {"leaf": VALUES}
-        ),
-        "phase_space.equilibria": Row(
-            lp.phase_space.equilibria,
-            {
-                "system": lagrange6(), "leaf": {"C1": 0.5, "C2": 1}, "along": ["l3"], "values": {"l3": 0.5},
-                "n_starts": 4,
-            },
-            {"leaf": VALUES, "along": TEXTS, "values": VALUES},
-        ),
-        "phase_space.equilibrium": Row(
-            lp.phase_space.equilibrium, {"system": lagrange6(), "state": [0, 0, 2, 0, 0, 1], "along": ["l3"]},
-            {"state": Order(lagrange6().component_names), "along": TEXTS},
-        ),
-        "phase_space.equilibrium_near": Row(
-            lp.phase_space.equilibrium_near,
-            {"system": lagrange6(), "guess": [0.1, 0, 2, 0.3, 0, 0.9], "along": ["l3"], "values": {"l3": 2}},
-            {"guess": Order(lagrange6().component_names), "along": TEXTS, "values": VALUES},
-        ),
-        "phase_space.find_start": Row(
-            lp.phase_space.find_start, {"system": RIGID, "guess": Y, "leaf": {"C1": 3, "C2": 1}},
-            {"guess": STARTS, "leaf": VALUES},
-        ),
-        "phase_space.find_start:start": Row(
-            lp.phase_space.find_start, {"system": RIGID, "start": Y}, {"start": STARTS}
-        ),
-        "plot.exponent_distribution": Row(
-            lp.plot.exponent_distribution, {"exponents": exponents()[:, -1], "bins": [0.0, 0.1, 0.2]},
-            {"exponents": IN_ORDER, "bins": Order(one=True)},
-        ),
-        "plot.indicators": Row(
-            lp.plot.indicators, {"growth": growth, "angle": angle, "members": [1, 0], "labels": ["u", "v"]},
-            {"members": IN_ORDER, "labels": TEXTS},
-        ),
-        "plot.indicators:axes": Row(
-            into_clear_axes, {"growth": growth, "angle": angle, "axes": list(panels())},
-            {"axes": IN_ORDER},
-        ),
-        "plot.orbit": Row(
-            lp.plot.orbit, {"run": orbit(), "invariants": {"K": orbit().invariants["H"][0]}}, {"invariants": VALUES}
-        ),
-        "plot.save_figure": Row(
-            lp.plot.save_figure,
-            {"figure": lp.plot.orbit(orbit()), "stem": Path(tempfile.mkdtemp()) / "figure", "formats": ["png"]},
-            {"formats": TEXTS},
-        ),
-        "plot.section": Row(
-            lp.plot.section,
-            {
-                "points": crossings(), "x": crossings().state[:, 0], "y": crossings().state[:, 1],
-                "trajectories": [0], "colour": ["red"],
-            },
-            {"x": IN_ORDER, "y": IN_ORDER, "trajectories": Order(one=True), "colour": Order(text=True)},
-        ),
-        "plot.sleeping_diagram": Row(lp.plot.sleeping_diagram, {"twists": [0, 1]}, {"twists": IN_ORDER}),
-        "plot.window_scan": Row(lp.plot.window_scan, {"fits": [fit]}, {"fits": IN_ORDER}),
-        "proofs.Box": Row(
-            lp.proofs.Box, {"lower": [0.0, 1.0], "upper": [1.0, 2.0]}, dict.fromkeys(("lower", "upper"), IN_ORDER)
-        ),
-        "proofs.Box.around": Row(
-            lp.proofs.Box.around, {"center": [0.0, 1.0], "radius": [1.0, 2.0]},
-            {"center": IN_ORDER, "radius": Order(one=True)},
-        ),
-        "proofs.Box.contains": Row(cube.contains, {"values": flow_box}, {"values": IN_ORDER}),
-        "proofs.Box.overlaps": Row(cube.overlaps, {"other": flow_box}, {"other": IN_ORDER}),
-        "proofs.enclose_equilibria": Row(
-            lp.proofs.enclose_equilibria,
-            {"system": FREE, "box": lp.proofs.Box.around([0, 0, 1], 0.25), "level": {"C1": 1}},
-            {"level": VALUES},
-        ),
-        "proofs.enclose_equilibria:box": Row(
-            lp.proofs.enclose_equilibria, {"system": FREE, "box": (0.0, 0.0, 1.0)},
-            {"box": Order(FREE.component_names)},
-        ),
-        "proofs.enclose_flow": Row(
-            lp.proofs.enclose_flow, {"system": FREE, "box": flow_box, "time": 0.1},
-            {"box": Order(FREE.component_names)},
-        ),
-        "proofs.enclose_section_map": Row(
-            lp.proofs.enclose_section_map, {"system": FREE, "box": [0.0, 1, 0.5], "surface": "l1", "time": 5},
-            {"box": Order(FREE.component_names)},
-        ),
-        "proofs.prove_chaos": Row(
-            lp.proofs.prove_chaos, {"system": FREE, "certificate": "/nowhere.json", "arithmetics": ["balls"]},
-            {"arithmetics": TEXTS},
-        ),
-        "proofs.find_certificate": Row(
-            lp.proofs.find_certificate, {"system": FREE, "leaf": {"C1": 1}, "energy": 1}, {"leaf": VALUES}
-        ),
-        "proofs.prove_equilibrium": Row(
-            lp.proofs.prove_equilibrium, {"system": FREE, "guess": [0.0, 0, 1], "level": {"C1": 1}},
-            {"guess": Order(FREE.component_names), "level": VALUES},
-        ),
-        "proofs.prove_periodic_orbit": Row(
-            lp.proofs.prove_periodic_orbit,
-            {"system": FREE, "start": [0.5, 0.25, 1], "period": 2.5, "level": {"H": 3, "C1": 1}, "time_limit": 5},
-            {"start": Order(FREE.component_names), "level": VALUES},
-        ),
-        "results.Attitude.at": Row(attitude().at, {"times": TIMES}, {"times": IN_ORDER}),
-        "results.Attitude.body": Row(attitude().body, {"vectors": (1.0, 2, 3)}, {"vectors": IN_ORDER}),
-        "results.Attitude.space": Row(attitude().space, {"vectors": (1.0, 2, 3)}, {"vectors": IN_ORDER}),
-        "results.CovariantVectors.distance_from_centre": Row(
-            spectrum.distance_from_centre, {"vectors": TOP.vector_field(spectrum.state), "n_zeros": 5},
-            {"vectors": IN_ORDER},
-        ),
-        "results.ExponentEstimate.quantiles": Row(estimate.quantiles, {"q": [0.5, 0.75]}, {"q": Order(one=True)}),
-        "results.FiniteTimeFit.chi_squared": Row(
-            fit.chi_squared, {"coefficients": (0.1, 1.0, 0.5)}, {"coefficients": Order(("lambda", "c1", "c0"))}
-        ),
-        "results.FiniteTimeFit.curve": Row(fit.curve, {"time": [2.0, 3.0]}, {"time": Order(one=True)}),
-        "results.LogFit.curve": Row(logarithmic.curve, {"time": [2.0, 3.0]}, {"time": Order(one=True)}),
-        "results.LaxPair.spectral_curve": Row(pair.spectral_curve, {"point": point}, {"point": ByName(text=True)}),
-        "results.Orbit.at": Row(orbit().at, {"times": [0.1, 0.2]}, {"times": Order(one=True)}),
-        "results.Orbit.go_on": Row(orbit().go_on, {"times": [0.75, 1.0]}, {"times": Order(one=True)}),
-        "results.ParameterCase.holds_at": Row(case.holds_at, {"values": {"J": 1, "a": 0}}, {"values": VALUES}),
-        "results.SleepingTop.analysis": Row(sleeping.analysis, {"along": ["l3"]}, along),
-        "sections.first_return": Row(
-            lp.sections.first_return, {"system": TOP, "starts": X, "surface": "l3", "t_end": 20}, {"starts": STARTS}
-        ),
-        "sections.is_folded": Row(
-            lp.sections.is_folded,
-            {"system": TOP, "states": crossings().state[:3], "surface": "l3", "x": "l1", "y": "l2"},
-            body,
-        ),
-        "sections.section": Row(
-            lp.section,
-            {"system": TOP, "starts": X, "surface": "l3", "t_end": 20, "start_side": [0], "keep": ["l1", "alpha2"]},
-            {"starts": STARTS, "start_side": Order(one=True), "keep": TEXTS},
-        ),
-        "sections.section_state": Row(
-            lp.sections.section_state,
-            {"leaf": lp.Leaf(heavy(), heavy_leaf), "surface": "l3", "energy": 1.5, "coordinates": {"l1": 0.2},
-             "guess": [0.2, 1, 0, 0, 0, 1]},
-            {"coordinates": VALUES, "guess": Order(heavy().component_names, mapping=True)},
-        ),
-        "sweeps.Axis": Row(lp.sweeps.Axis, {"name": "epsilon", "values": (0.0, 0.5)}, {"values": IN_ORDER}),
-        "sweeps.Starts": Row(lp.sweeps.Starts, {"casimirs": {"C1": 1, "C2": 0}}, {"casimirs": VALUES}),
-        "sweeps.SweepSpec": Row(
-            lp.sweeps.SweepSpec,
-            {
-                "system": "twisted-top", "axes": (lp.sweeps.Axis("epsilon", (0.0, 0.5)),), "t_end": 10,
-                "parameters": {"I": (2, 2, 1), "a": (-1, 0, 0), "b": (0, 0, 0)},
-            },
-            {"axes": IN_ORDER, "parameters": VALUES},
-        ),
-        "systems.CanonicalSystem": Row(
-            lp.systems.CanonicalSystem,
-            {
-                "coordinates": ["x"], "momenta": ["p"], "hamiltonian": "p^2/2 + k*x^2/2", "parameters": {"k": 2},
-                "quadratures": {"psi": "p"}, "integrals": {"K": "p^2 + 2*x^2"}, "symbols": ["m"],
-            },
-            {
-                "coordinates": TEXTS, "momenta": TEXTS, "parameters": VALUES, "quadratures": VALUES, "symbols": TEXTS,
-                "integrals": VALUES,
-            },
-        ),
-        "systems.CanonicalSystem.invariant_values": Row(TOP.invariant_values, {"states": X}, body),
-        "systems.CanonicalSystem.right_hand_side": Row(
-            TOP.right_hand_side, {"time": 0.0, "state": X}, {"state": STATES}
-        ),
-        "systems.CanonicalSystem.vector_field": Row(TOP.vector_field, {"states": X}, body),
-        "systems.CanonicalSystem.without_value": Row(PARTIAL.without_value, {"states": X}, body),
-        "systems.Top.without_value": Row(PARTIAL.without_value, {"states": X}, body),
-        "systems.DiscreteSymmetry.meets": Row(symmetric.meets, {"values": {"H": 1, "C1": 0}}, {"values": VALUES}),
-        "systems.DiscreteSymmetry.__call__": Row(
-            symmetric, {"states": X}, body
-        ),
-        "systems.PhaseFunction.__call__": Row(TOP.functions.energy, {"states": X}, body),
-        "systems.PhaseFunction.gradient": Row(TOP.functions.energy.gradient, {"states": X}, body),
-        "systems.PhaseFunction.hessian": Row(TOP.functions.energy.hessian, {"states": X}, body),
-        "systems.System": Row(
-            lp.System,
-            {
-                "bracket": E3, "hamiltonian": "dot(l, l)/2 + k*alpha3 + c", "parameters": {"k": 2}, "symbols": ["c"],
-                "integrals": {"K": "l3"}, "partial_integrals": {"P": ("l1", "l2")},
-            },
-            {"parameters": VALUES, "symbols": TEXTS, "integrals": VALUES, "partial_integrals": VALUES},
-        ),
-        "systems.Top": top_row(lp.Top, b=(1, 2, 3)),
-        "systems.Top.charged_heavy": top_row(lp.Top.charged_heavy, b=(1, 2, 3)),
-        "systems.Top.free_rigid_body": Row(
-            lp.Top.free_rigid_body, {"inertia": (3, 2.5, 2)}, {"inertia": Order(("I1", "I2", "I3"))}
-        ),
-        "systems.Top.heavy": top_row(lp.Top.heavy),
-        "systems.Top.twisted": top_row(lp.Top.twisted, b=(1, 2, 3)),
-    }  # fmt: skip
+    add("results.LaxPair.spectral_curve", "point:w", pair, point=dict.fromkeys(pair.system.component_names, "1/2"))
+    add("results.Orbit.at", "times:1", orbit, times=[0.1, 0.2])
+    add("results.Orbit.go_on", "times:1", orbit, times=[0.75, 1.0])
+    family = lp.System(E3, "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
+    case = lp.integrability.integrable_families(family, degree=1, positive=["J"]).cases[1]
+    add("results.ParameterCase.holds_at", "values:v", case, values={"J": 1, "a": 0})
+    sleeping = lp.phase_space.sleeping_top(lp.Top.lagrange(transverse=2, axial=1, a3=1), l3=5, alpha3=1)
+    add("results.SleepingTop.analysis", "along:o", sleeping, along=["l3"])
+
+
+@cache
+def crossings():
+    return lp.section(TOP, X, surface="l3", t_end=20)
+
+
+@cache
+def exponents():
+    rng = np.random.default_rng(1)
+    return 0.1 + 1 / CURVE + 0.001 * rng.standard_normal((6, len(CURVE)))
 
 
 @cache
@@ -763,9 +416,9 @@ def public_names():
 
 @cache
 def several():
-    """The arguments with several values of each public function: all that are not known to be one thing."""
+    """The arguments of several values of each public function, by their annotations."""
     found, known = {}, set()
-    for dotted, arguments in public_names().callables().items():
+    for dotted in public_names().callables():
         value = public_names().chapters()[dotted.split(".")[0]]
         for part in dotted.split(".")[1:]:
             value = getattr(value, part)
@@ -773,9 +426,10 @@ def several():
         if not str(getattr(function, "__module__", "")).startswith("liepoisson") or function in known:
             continue  # inherited from elsewhere, or met under another name
         known.add(function)
-        if issubclass(value, Exception) if isinstance(value, type) else dotted in MADE_BY_US:
+        if (isinstance(value, type) and issubclass(value, Exception)) or dotted in NOT_READ:
             continue
-        names = {name for name in arguments if name not in PLAIN | ONE_THING.get(dotted, set())}
-        if names and dotted not in MADE_BY_US:
+        parameters = inspect.signature(function).parameters.values()
+        names = {one.name for one in parameters if SEVERAL.search(str(one.annotation))} - {"root"}
+        if names:
             found[dotted] = names
     return found

@@ -5,8 +5,6 @@ import re
 import shutil
 from pathlib import Path
 
-import pytest
-
 from script_folders import modules_of
 
 ROOT = Path(__file__).parent.parent
@@ -28,45 +26,6 @@ def test_the_page_shows_what_the_files_say():
     shown = page()
     for name, text in report.blocks({}, FILES).items():
         assert shown[name] == f"\n{text}\n", name
-
-
-def test_each_table_says_its_processor():
-    silent = [
-        name for name, text in page().items() if not re.search(r"model \d+|^Not measured yet", text, re.MULTILINE)
-    ]
-    assert silent == []
-
-
-@pytest.mark.parametrize("one", FILES, ids=[processors.file_of(one["processor"]) for one in FILES])
-def test_a_file_has_all_fields(one):
-    assert (processors.FOLDER / processors.file_of(one["processor"])).exists()
-    assert {"vendor_id", "cpu family", "model", "model name", "flags"} <= one["processor"].keys()
-    assert {"date", "liepoisson", "heyoka", "system", "python", "load_at_start"} <= one["facts"].keys()
-    for row in one["rows"].values():
-        assert {"title", "date", "rounds", "liepoisson", "heyoka", "lines"} <= row.keys()
-        assert row["lines"]
-        for line in row["lines"]:
-            assert line.keys() == {"kind", "simd", "name", "setting", "errors", "seconds", "rate", "heyoka", "ratios"}
-            assert line["heyoka"].keys() == {"name", "seconds", "rate"}
-            assert line["ratios"].keys() == {"best", "median", "rounds"}
-            # by what is rounded to three digits in each
-            assert line["heyoka"]["rate"] is None or line["ratios"]["best"] == pytest.approx(
-                line["rate"] / line["heyoka"]["rate"], rel=0.05
-            )
-    for part in (one["peak"] or {"reached": []})["reached"]:
-        assert part.keys() == {"kernel", "simd", "gflops", "fraction"}
-
-
-def test_a_ratio_below_one_is_marked():
-    assert [processors.marked(ratio) for ratio in (0.994, 0.9999, 1.0, 250.3)] == [
-        "**0.99**",
-        "**1.00**",
-        "1.00",
-        "250",
-    ]
-    lost = sum(line["ratios"]["rounds"] < 1 for one in FILES for row in one["rows"].values() for line in row["lines"])
-    assert lost > 0
-    assert page()["processors"].count("| **") == lost
 
 
 def row(seconds, model):
@@ -127,18 +86,6 @@ def test_a_new_run_renews_its_own_rows_and_takes_the_head(tmp_path):
             assert shown[name] == text, name
 
 
-def test_other_tools_have_a_column_for_each_level():
-    one = row(SECONDS, model="999")
-    tables = {
-        f"peers-{level}": one | {"absent": {"slow": "why"} if level == "1e-13" else {}} for level in ("1e-8", "1e-13")
-    }
-    lines = report.peers(tables, one["facts"])["peers"].splitlines()
-    assert lines[2] == "| tool | at 1e-13 | at 1e-8 |"
-    assert "| heyoka | 4.40 | 4.40 |" in lines
-    assert "| slow | does not reach it |  |" in lines
-    assert page()["peers"].splitlines()[1] == lines[0]
-
-
 def test_an_older_table_does_not_replace_a_newer_row(tmp_path):
     processors.update(tmp_path, {"1e-13": row(SECONDS, model="999")})
     old = row({name: [10.0] for name in SECONDS}, model="999")
@@ -146,13 +93,6 @@ def test_an_older_table_does_not_replace_a_newer_row(tmp_path):
     written = (tmp_path / "genuineintel-6-999.json").read_bytes()
     processors.update(tmp_path, {"1e-13": old})
     assert (tmp_path / "genuineintel-6-999.json").read_bytes() == written
-
-
-def test_a_table_from_another_processor_says_all_its_facts():
-    table = row(SECONDS, model="999")
-    first = FILES[0]["facts"]
-    assert "Load at the start" not in report.blocks({"x": table | {"facts": first}}, FILES[:1])["x"]
-    assert "Load at the start" in report.blocks({"x": table}, FILES[:1])["x"]
 
 
 def test_mixed_precision_does_less_than_double():
@@ -175,19 +115,3 @@ def test_a_kernel_of_two_precisions_is_compared_with_both_peaks():
     # at the peaks a step would take 1 + 1.5 ns, and it takes 5
     assert reached == [{"kernel": "Mixed", "simd": "avx512", "gflops": 80.0, "fraction": 0.5}]
     assert kernels.lines(data | {"measured": [one]})[1][2:] == ["5.0", "80.0", "160.0 (avx512 f64 and f32)", "50%"]
-
-
-def test_commands_and_spectra_become_tables():
-    cases = [
-        {"name": "liepoisson orbit", "target": 0.5, "seconds": 0.3},
-        {"name": "other", "target": 0.1, "seconds": 1},
-    ]
-    facts = FILES[0]["facts"]
-    commands = {"kind": "commands", "title": "Commands", "numpy": 0.06, "cases": cases, "rounds": 5, "facts": facts}
-    shown = report.render(commands)
-    assert "| `liepoisson orbit` | 0.30 | 5.0 | 0.25 (MISSED) |" in shown
-    one = {"seconds": 3.0, "n_steps": 1_000_000, "interval": 2.0, "integration": 2.5}
-    spectra = {"kind": "spectra", "title": "Spectra", "spectra": {"default": one}, "rounds": 1, "facts": facts}
-    shown = report.render(spectra | {"states_alone": 0.5, "vectors": {"1": 0.3, "2": 0.2}})
-    assert "| spectrum, default | 3.00 | 3.00 us a step" in shown
-    assert "| su(5), each of 1 tangent vectors | 0.3000 | 1.50 of the least |" in shown

@@ -15,7 +15,6 @@ import matplotlib.pyplot as plt
 import pytest
 
 import liepoisson as lp
-from liepoisson import _core
 from liepoisson.numeric.methods import METHODS
 
 ROOT = Path(__file__).parent.parent
@@ -261,66 +260,6 @@ def in_short(description: str) -> str:
 def test_the_page_of_methods_names_every_method():
     text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
     assert [kind.__name__ for kind in METHODS.values() if not re.search(rf"\.{kind.__name__}\b", text)] == []
-
-
-GROUPS_OF_GUIDES = (
-    "Write a system",
-    "Integrate",
-    "Exponents and chaos",
-    "Sections and orbits",
-    "Leaves and charts",
-    "Prove",
-    "Laboratory",
-    "Commands",
-)
-"""Those groups of the table of contents whose pages are about tasks."""
-
-
-def guides() -> list[Path]:
-    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    parts = re.split(r"^## (.+)$", index, flags=re.MULTILINE)
-    rows = dict(zip(parts[1::2], parts[2::2], strict=True))
-    links = [
-        link
-        for group in GROUPS_OF_GUIDES
-        for link in re.findall(r"^\| \[[^\]]+\]\(([^)/]+)\)", rows[group], re.MULTILINE)
-    ]
-    return [ROOT / "docs" / link for link in links]
-
-
-@pytest.mark.parametrize("guide", named(guides()))
-def test_a_guide_ends_with_what_it_cannot_do_and_who_can(guide):
-    titles = re.findall(r"^## (.+)$", FENCE.sub("", guide.read_text(encoding="utf-8")), re.MULTILINE)
-    assert titles[-1] == "What this page cannot do, and who can"
-    assert titles.count(titles[-1]) == 1
-    last = guide.read_text(encoding="utf-8").split(f"## {titles[-1]}")[1].strip().splitlines()
-    assert last[:2] == ["| not here | who can |", "|---|---|"]
-    assert len(last) >= 5
-    assert all(re.fullmatch(r"\| .+ \| .+ \|", row) for row in last[2:])
-
-
-def test_ways_that_work_stand_where_users_look():
-    """Each in a block that runs."""
-    wanted = {
-        "catalog": ['lp.catalog.system("twisted-top", {'],
-        "brackets": ["is_casimir(", "opposite = lp.LieAlgebra.from_brackets"],
-        "canonical": ['("p_x", "p_y"): "B"', '("ls", "lps"): 1', "sin(ls)"],
-        "systems": ['"p_{name}*({rate})"'],
-    }
-    for page, pieces in wanted.items():
-        code = "".join(b.content for b in blocks(ROOT / "docs" / f"{page}.md") if b.language == "python")
-        assert [piece for piece in pieces if piece not in code] == [], page
-
-
-def test_getting_started_names_every_outcome():
-    text = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
-    assert [outcome for outcome in _core.outcomes() if f"| `{outcome}` |" not in text] == []
-
-
-def test_versions_agree():
-    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    assert f"\nversion: {lp.__version__}\n" in citation
-    assert f"## {lp.__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,3 @@ def test_an_example_prints_what_it_says(name):
 def test_every_public_name_has_an_example():
     missing = [name for name, value in PUBLIC.items() if ">>>" not in (value.__doc__ or "")]
     assert not missing, f"no example in the docstring of {', '.join(missing)}"
-
-
-def test_the_slow_examples_are_there():
-    assert set(EXAMPLES) >= SLOW

@@ -122,32 +122,11 @@ def test_every_public_name_is_the_object_that_its_stub_promises(chapter):
             assert name == "__version__" or getattr(module, name).__name__ == name
 
 
-def test_the_top_level_is_short_and_repeats_names_of_chapters():
-    """New names go into chapters; each is in one chapter, and the top level repeats the most used."""
-    homes = {name: chapter for chapter in CHAPTERS for name in getattr(lp, chapter).__all__ if chapter != "plot"}
-    n_names = sum(len(getattr(lp, chapter).__all__) for chapter in CHAPTERS if chapter != "plot")
-    assert len(homes) == n_names
-    short = set(lp.__all__) - set(CHAPTERS) - {"__version__"}
-    assert len(short) <= 35
-    assert short <= set(homes)
-
-
 def test_no_module_hides_a_public_name():
     """Importing `liepoisson.leaf.leaf` sets `leaf` in the chapter; only `plot` imports its modules at once."""
     for module in (lp, *(getattr(lp, name) for name in CHAPTERS if name != "plot")):
         inside = {info.name for info in pkgutil.iter_modules(getattr(module, "__path__", ()))}
         assert inside & set(module.__all__) <= set(CHAPTERS), module.__name__
-
-
-def test_types_that_results_and_arguments_have_are_public():
-    import typing
-
-    growth, spec = typing.get_type_hints(lp.fits.mean_curve), typing.get_type_hints(lp.sweeps.SweepSpec)
-    assert growth["return"] is lp.results.MeanCurve
-    assert typing.get_type_hints(lp.fits.log_fit)["return"] is lp.results.LogFit
-    assert lp.sweeps.Starts in (spec["starts"], *typing.get_args(spec["starts"]))
-    assert lp.sweeps.Refinement in (spec["refine"], *typing.get_args(spec["refine"]))
-    assert lp.sweeps.Axis in typing.get_args(spec["axes"])
 
 
 def test_an_unknown_name_is_an_attribute_error():

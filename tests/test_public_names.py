@@ -53,11 +53,6 @@ def test_no_argument_has_a_second_name(names):
     assert found == []
 
 
-def test_the_words_of_the_page_are_used(names):
-    used = {argument for arguments in names.callables().values() for argument in arguments}
-    assert set(names.WORDS) <= used
-
-
 def test_every_random_thing_has_a_seed_with_a_default(names):
     import inspect
 

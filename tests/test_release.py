@@ -93,11 +93,6 @@ def test_what_is_wrong_is_found_by_its_check(copy, capsys, wrong):
     assert f"not ready for {TAG}" in out
 
 
-def test_another_tag_than_the_version_is_found(copy):
-    for check in ("version", "changelog", "citation"):
-        assert release.CHECKS[check](copy, "v9.9.9"), check
-
-
 def test_what_is_not_committed_is_found(copy):
     assert release.tree(copy, TAG) == []
     (copy / "new.txt").write_text("new")
@@ -116,12 +111,6 @@ def test_a_tag_that_exists_is_found_here_and_where_it_is_pushed(copy, tmp_path_f
     assert len(release.unused(copy, TAG)) == 2
 
 
-def test_what_cannot_be_checked_is_not_ready(copy, capsys):
-    (copy / "Cargo.lock").unlink()
-    assert release.main(["--only", "version"], root=copy) == 1
-    assert "could not be checked" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(("check", "recipe"), [("tests", "static"), ("tests", "test"), ("wheels", "wheel-check")])
 def test_a_recipe_that_fails_is_found(copy, check, recipe):
     makefile = "static test wheel-check:\n\t@true\n"
@@ -131,17 +120,3 @@ def test_a_recipe_that_fails_is_found(copy, check, recipe):
     assert release.CHECKS[check](copy, TAG) == []
     (copy / "Makefile").write_text(makefile + f"{recipe}: fails\nfails:\n\t@false\n")
     assert release.CHECKS[check](copy, TAG) == [f"make {recipe} failed"]
-
-
-def test_a_wheel_of_another_version_is_found(copy):
-    (copy / "Makefile").write_text("wheel-check:\n\t@true\n")
-    (copy / "dist").mkdir()
-    (copy / "dist" / "liepoisson-9.9.9-cp311-abi3-linux_x86_64.whl").touch()
-    assert "9.9.9" in release.wheels(copy, TAG)[0]
-
-
-def test_the_list_of_the_page_is_that_of_the_script():
-    page = (ROOT / "docs" / "releasing.md").read_text(encoding="utf-8")
-    assert re.findall(r"^\| `(\w+)` \|", page, re.MULTILINE) == list(release.CHECKS)
-    for recipe in ("static", "test", "wheel-check", "vulnerabilities"):
-        assert re.search(rf"^{recipe}:", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE), recipe

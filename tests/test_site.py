@@ -1,6 +1,5 @@
 """The site: what goes into it, and that its checker finds what is wrong.  Building it is `make docs-check`."""
 
-import re
 import shutil
 from pathlib import Path
 
@@ -29,49 +28,6 @@ def test_every_chapter_is_in_one_group_and_every_name_has_one_page():
     assert sorted(chapter for group in name_pages.GROUPS.values() for chapter in group) == sorted(name_pages.chapters())
     pages = [one.page.lower() for one in name_pages.names() if one.chapter != "errors"]
     assert len(pages) == len(set(pages))  # also where files differ in more than the case of letters
-
-
-def page_of(long):
-    return next(name_pages.name_page(one) for one in name_pages.names() if one.long == long)
-
-
-def test_a_name_at_the_top_has_one_entry():
-    page = page_of("lp.orbits.integrate")
-    assert re.findall(r"\{py:(\w+)\} ([\w.]+)\(", page) == [("function", "lp.integrate")]
-    assert ":canonical: lp.orbits.integrate" in page
-    assert "-> lp.results.Orbit" in page
-
-
-def test_every_argument_of_a_docstring_is_an_entry():
-    page = page_of("lp.methods.Taylor")
-    assert re.findall(r"^`(\w+)`$", page, re.MULTILINE) == ["tol", "order", "precision", "max_steps", "ParameterError"]
-
-
-def test_every_option_of_a_command_is_an_entry():
-    from typer.main import get_command
-
-    from liepoisson.cli.main import COMMANDS, application
-
-    whole = get_command(application())
-    for name in COMMANDS:
-        text = command_pages.page(name, whole.commands[name])
-        for parameter in whole.commands[name].params:
-            if parameter.param_type_name == "option" and not parameter.hidden:
-                assert re.search(rf"^`[^`]*{parameter.opts[0]}\b", text, re.MULTILINE), f"{name}: {parameter.opts[0]}"
-
-
-def test_links_lead_to_pages_and_code_is_left_as_it_is(tmp_path):
-    stage = staging.Stage(tmp_path / "source")
-    stage.fill()
-    text = (tmp_path / "source" / "getting-started.md").read_text(encoding="utf-8")
-    assert "(readme.md#set-up)" in text
-    assert "](../" not in staging.outside_code(text, lambda part: part)
-    entry = (
-        tmp_path / "source" / "source" / "python" / "liepoisson" / "catalog" / "kepler-on-the-sphere.toml.md"
-    ).read_text()
-    assert "nosearch: true" in entry
-    assert 'savefig("fluid.png")' in (tmp_path / "source" / "gallery" / "fluid.md").read_text(encoding="utf-8")
-    assert staging.outside_code("`[a](b)` [a](b)", lambda part: part.replace("b", "c")) == "`[a](b)` [a](c)"
 
 
 GOOD = '<html><body id="here"><a href="#here">x</a><a href="other.html#there">y</a><a href="https://x.org">z</a></body></html>'

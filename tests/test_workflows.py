@@ -62,9 +62,3 @@ def test_all_wheels_are_published_and_no_other():
     assert all(
         system in page for system in ("Linux (x86-64 and ARM64", "macOS (Intel and Apple silicon)", "Windows (x86-64)")
     )
-
-
-def test_the_oldest_glibc_is_that_of_the_page():
-    content = text(ROOT / ".github" / "workflows" / "wheels.yml")
-    (oldest,) = {value for value in re.findall(r'manylinux: "(.*?)"', content) if value != "off"}
-    assert f"glibc {oldest.replace('_', '.')} or newer" in text(ROOT / "docs" / "installing.md")

@@ -18,8 +18,8 @@ import numpy as np
 
 import liepoisson as lp
 from liepoisson.indicators.alignment import alignment
+from liepoisson.indicators.mean_error import proportion
 from liepoisson.indicators.megno import megno
-from liepoisson.indicators.proportions import proportion
 from liepoisson.indicators.verdict import decide
 from liepoisson.numeric.systems import HasField
 from liepoisson.plot.indicators import indicators

@@ -6,5 +6,5 @@ from liepoisson.structure.casimirs import CasimirReport as CasimirReport
 from liepoisson.structure.certificates import JacobiCertificate as JacobiCertificate
 from liepoisson.structure.certificates import RankCertificate as RankCertificate
 from liepoisson.structure.derivations import Derivation as Derivation
-from liepoisson.structure.locus import Locus as Locus
+from liepoisson.structure.strata import Locus as Locus
 from liepoisson.structure.strata import Stratum as Stratum

@@ -14,7 +14,7 @@ from liepoisson.indicators.fit_goodness import FitGoodness as FitGoodness
 from liepoisson.indicators.lyapunov_exponent import ExponentEstimate as ExponentEstimate
 from liepoisson.indicators.megno import Megno as Megno
 from liepoisson.indicators.spectrum import Spectrum as Spectrum
-from liepoisson.indicators.spectrum_check import SpectrumResiduals as SpectrumResiduals
+from liepoisson.indicators.structural_zeros import SpectrumResiduals as SpectrumResiduals
 from liepoisson.indicators.verdict import Agreement as Agreement
 from liepoisson.indicators.verdict import Verdict as Verdict
 from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies
@@ -42,8 +42,8 @@ from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrb
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit as SymmetricOrbit
 from liepoisson.orbits.periodic_orbits import SymmetricOrbits as SymmetricOrbits
+from liepoisson.orbits.polish import PreciseMidpoint as PreciseMidpoint
 from liepoisson.orbits.polish import PreciseSegment as PreciseSegment
-from liepoisson.orbits.polish_homoclinic import PreciseMidpoint as PreciseMidpoint
 from liepoisson.poincare.first_return import FirstReturn as FirstReturn
 from liepoisson.poincare.section import Section as Section
 from liepoisson.proofs.enclosures import FlowEnclosure as FlowEnclosure

@@ -11,10 +11,3 @@ def test_text_and_bibtex_are_those_of_python(command, tmp_path):
     assert command("cite", orbit, file) == (0, citation.text + "\n", "")
     assert command("cite", orbit, file, "--format", "bibtex") == (0, citation.bibtex + "\n", "")
     assert command("cite") == (0, lp.cite().text + "\n", "")
-
-
-def test_what_does_not_exist_is_refused(command):
-    for wrong, words in (("todda", "Did you mean toda"), ("no.toml", "no.toml"), ("no.nc", "no.nc"), (" ", "empty")):
-        code, out, err = command("cite", wrong)
-        assert (code, out) == (2, "")
-        assert words in err

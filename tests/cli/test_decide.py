@@ -3,8 +3,6 @@
 import json
 import re
 
-import pytest
-
 import liepoisson as lp
 
 KINDS = ("regular", "chaotic", "undecided")
@@ -34,36 +32,3 @@ def test_one_orbit_is_decided_for_programs(command):
     assert orbit["state"] == [0, 0, 3, 0.6, 0, 0.8]
     verdict = lp.decide(lp.catalog.system("lagrange"), orbit["state"], t_end=500)
     assert orbit["mean_megno"] == verdict.mean_megno[0]
-
-
-def test_starts_of_one_leaf_and_energy(command):
-    code, out, _ = command("decide", "lagrange", "--leaf", "C1=1/2,C2=1", "--energy", 2, "--starts", 2, "--t-end", 200)
-    assert code == 0
-    assert "lagrange: 2 random starts on one leaf and energy (seed 0) to t = 200" in out
-    assert "leaf     dimension 4, alpha != 0: C1 = 0.5, C2 = 1\nenergy   H = 2" in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["twisted-top"], "must have numbers for all parameters"),
-        (["lagrang"], "Did you mean lagrange"),
-        (["lagrange", "--t-end", "0"], "--t-end must be a positive finite time"),
-        (["lagrange", "--starts", "0"], "--starts must be from 1 to"),
-        (["lagrange", "--leaf", "C9=1"], "--leaf must name Casimirs of lagrange; got 'C9'. Known: C1 = l.alpha"),
-        (["lagrange", "--method", "splittig"], "Did you mean splitting"),
-    ],
-)
-def test_refusals_are_plain(command, arguments, words):
-    code, out, err = command("decide", *arguments)
-    assert (code, out) == (2, "")
-    assert words in err
-
-
-def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch):
-    def interrupted(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("liepoisson.indicators.verdict.decide", interrupted)
-    code, _, err = command("decide", "lagrange")
-    assert (code, "--time-limit SECONDS" in err) == (130, True)

@@ -47,30 +47,6 @@ def test_parameters_surfaces_and_files_are_read_as_elsewhere(command, tmp_path):
     assert '"surfaces":{"names":["m1 - m3"]' in text
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("nothing",), "nothing"),
-        (("kirchhoff", "--start", "m=1,2"), "3"),
-        (("kirchhoff", "--surface", "m1 +"), "m1 +"),
-        (("kirchhoff", "--start", "m1=1e7"), "Rescale"),
-        (("--start", "l=1,0,0"), "SYSTEM must be given"),
-        (("kirchhoff", "--seed", "-1"), "--seed"),
-        (("kirchhoff", "--export", "a.pdf"), ".html"),
-        (("kirchhoff", "--export", "a.html", "--no-open"), "exclude"),
-        (("kirchhoff", "--with", "missing.nc"), "missing.nc"),
-    ],
-)
-def test_a_wrong_call_is_refused_in_a_sentence(command, monkeypatch, tmp_path, arguments, message):
-    monkeypatch.chdir(tmp_path)
-    code, out, err = command("lab", *arguments, *(() if "--no-open" in arguments else ("--no-open",)))
-    assert (code, out) == (2, "")
-    assert err.startswith("liepoisson: ")
-    assert message in err
-    assert "Traceback" not in err
-    assert not list(tmp_path.iterdir())
-
-
 def started(*arguments, **environment):
     return subprocess.Popen(
         [sys.executable, "-m", "liepoisson", "lab", *arguments],
@@ -101,27 +77,3 @@ def test_the_address_is_printed_and_answers_until_control_c(arguments, begin):
         out, err = process.communicate(timeout=20)
     assert process.returncode == 0
     assert (out.strip(), err) == ("", "")
-
-
-@pytest.mark.skipif(os.name == "nt", reason="Windows sends no SIGINT to one process")
-def test_it_is_said_where_no_browser_can_be_opened(tmp_path):
-    process = started(PATH=str(tmp_path), BROWSER="", DISPLAY="", WAYLAND_DISPLAY="")
-    try:
-        assert "http://127.0.0.1:" in process.stdout.readline()
-        assert process.stderr.readline() == "No browser could be opened; open this address in one.\n"
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=20)
-    assert process.returncode == 0
-
-
-def test_a_name_that_is_markup_stays_text(command, tmp_path):
-    page, hostile = tmp_path / "a.html", tmp_path / "h.toml"
-    name = "</script><img src=x onerror=alert(1)>"
-    hostile.write_text(
-        f'name = "{name}"\n[bracket]\ncanonical = 2\n[hamiltonian]\nexpression = "q1^2 + p1^2"\n', encoding="utf-8"
-    )
-    assert command("lab", hostile, "--export", page) == (0, f"wrote    {page}\n", "")
-    text = page.read_text(encoding="utf-8")
-    assert "<img" not in text
-    assert r"\u003c/script\u003e\u003cimg src=x onerror=alert(1)\u003e" in text

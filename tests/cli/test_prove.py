@@ -26,30 +26,6 @@ def test_an_altered_certificate_is_refused(command, tmp_path):
     assert "refused" in err
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("kovalevskaya",), "no certificate is shipped"),
-        (("twisted-kovalevskaya", "--certificate", "none.json"), "no such file"),
-        (("twisted-kovalevskaya", "--level", "H=1/2"), "belong to --search"),
-        (("twisted-kovalevskaya", "--search", "--certificate", "x.json"), "got both"),
-        (
-            ("twisted-kovalevskaya", "--search", "--level", "C1=1"),
-            "got none of H, C2, C3; add for example --level H=1,C2=1,C3=1",
-        ),
-        (("twisted-kovalevskaya", "--search", "--level", "H"), "must be name=value"),
-        (("twisted-kovalevskaya", "--starts", "5"), "belong to --search"),
-        (("kovalevskaya", "--search"), "wanted a level of kovalevskaya"),
-        (("kovalevskaya", "--search", "--level", "H=1,C1=1/2"), "got none of C2; add for example --level C2=1"),
-        (("kovalevskaya", "--search", "--level", "H=1,H=2"), "H comes twice"),
-    ],
-)
-def test_what_is_refused(command, arguments, message):
-    code, out, err = command("prove", *arguments)
-    assert (code, out) == (2, "")
-    assert message in err
-
-
 SEARCHES = {
     "second level": ("twisted-kovalevskaya", "H=4,C1=10,C2=-2,C3=1", "1000000000"),
     "heavy top": ("heavy-top --set I=1,1,2 --set a=1,0,0", "H=1,C1=1/2,C2=1", "100000000"),

@@ -45,10 +45,11 @@ def run(tmp_path, monkeypatch, capsys):
     return run
 
 
-def test_it_prints_the_result_and_keeps_it(run, tmp_path):
-    first, second = (run("twist.toml", "--threads", "1") for _ in range(2))
+def test_it_prints_and_draws_the_result_and_keeps_it(run, tmp_path):
+    first, second = (run("twist.toml", "--threads", "1", "--figure", "twist.png") for _ in range(2))
     code, out, err = first
-    assert (code, err) == (0, "")
+    assert (code, err) == (0, "figure twist.png\n")
+    assert (tmp_path / "twist.png").stat().st_size > 5000
     assert out.splitlines()[0] == "twist: 3 points, 8 orbits each to t = 200, seed 1"
     assert "outcomes: finished 24" in out
     assert "         1  1.0000  [0.6756, 1.0000]" in out
@@ -56,15 +57,18 @@ def test_it_prints_the_result_and_keeps_it(run, tmp_path):
     line = "3 of 3 points were in the store\n"
     assert line in second[1]
     assert second[1].replace(line, "") == out
+    (tmp_path / "twist.toml").write_text(TWIST.replace("seed = 1", "seed = 2"))
+    code, out, err = run("twist.toml")
+    assert (code, out) == (2, "")
+    assert "liepoisson: twist.zarr holds another sweep: seed 1 instead of 2" in err
+    assert run("twist.toml", "--store", "other.zarr", "--points-per-piece", "2", "--patience", "2")[0] == 0
+    assert {path.name for path in (tmp_path / "other.zarr" / "level0" / "value").glob("*.0")} == {"0.0", "1.0"}
 
 
-def test_a_long_table_leaves_rows_out_before_the_last_ones(run, tmp_path):
-    long = (
-        TWIST.replace("count = 3", "count = 30")
-        .replace("t_end = 200", "t_end = 10")
-        .replace("n_starts = 8", "n_starts = 2")
-    )
-    (tmp_path / "twist.toml").write_text(long.replace("I = [2, 2, 1]", 'I = [2, "2 + epsilon", 1]'))
+def test_a_long_table_leaves_rows_out_before_the_last_ones_and_a_part_that_fails_is_reported(run, tmp_path):
+    long = TWIST.replace("count = 3", "count = 30").replace("t_end = 200", "t_end = 10")
+    long = long.replace("I = [2, 2, 1]", 'I = [2, "2 + epsilon", 1]')
+    (tmp_path / "twist.toml").write_text(long.replace("n_starts = 8", "n_starts = 2"))
     code, out, _ = run("twist.toml", "--threads", "1")
     assert code == 0
     assert "varied: I2 = 2 + epsilon\n" in out
@@ -72,40 +76,10 @@ def test_a_long_table_leaves_rows_out_before_the_last_ones(run, tmp_path):
     assert [row.split()[0] for row in rows[:2]] == ["0", "0.0344828"]
     assert rows[21] == "... 6 more, all in twist.zarr ..."
     assert [row.split()[0] for row in rows[22:]] == ["0.931034", "0.965517", "1"]
-
-
-@pytest.mark.thorough
-def test_another_sweep_in_the_folder_is_refused(run, tmp_path):
-    run("twist.toml")
-    (tmp_path / "twist.toml").write_text(TWIST.replace("seed = 1", "seed = 2"))
-    code, out, err = run("twist.toml")
-    assert (code, out) == (2, "")
-    assert "liepoisson: twist.zarr holds another sweep: seed 1 instead of 2" in err
-    assert run("twist.toml", "--fresh")[0] == 0
-    assert run("twist.toml", "--store", "other.zarr")[0] == 0
-
-
-@pytest.mark.thorough
-def test_a_figure(run, tmp_path):
-    code, _, err = run("twist.toml", "--figure", "twist.png")
-    assert code == 0
-    assert (tmp_path / "twist.png").stat().st_size > 5000
-    assert "figure twist.png" in err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["bogus.toml"], "there is no file bogus.toml"),
-        (["twist.toml", "--threads", "0"], "threads"),
-        (["twist.toml", "--threads", "1", "--processes", "1"], "one of scheduler, processes and threads"),
-        (["twist.toml", "--figure", "x.gif"], "--figure must end in"),
-    ],
-)
-def test_what_can_not_be_done_is_refused(run, arguments, message):
-    code, out, err = run(*arguments)
-    assert (code, out) == (2, "")
-    assert message in err
+    (tmp_path / "twist.toml").write_text(TWIST.replace("chaotic_fraction", "liepoisson.phase_space:bounds"))
+    code, _, err = run("twist.toml", "--allow-code", "--fresh")
+    assert code == 1
+    assert "level 0, point 0: failed: ParameterError" in err
 
 
 @pytest.mark.thorough
@@ -139,13 +113,6 @@ def test_points_without_a_system_are_told_by_the_exit_code(run, tmp_path):
         code, out, err = run("twist.toml", "--fresh")
         assert (code, "no system" in out) == (wanted, True)
         assert "have no system" in err
-
-
-def test_a_part_that_fails_is_reported(run, tmp_path):
-    (tmp_path / "twist.toml").write_text(TWIST.replace("chaotic_fraction", "liepoisson.phase_space:bounds"))
-    code, _, err = run("twist.toml", "--allow-code")
-    assert code == 1
-    assert "level 0, point 0: failed: ParameterError" in err
 
 
 @pytest.mark.thorough

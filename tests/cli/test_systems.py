@@ -3,10 +3,9 @@
 from fractions import Fraction
 
 import pytest
-import sympy as sp
 
 from liepoisson.cli.starts import read_numeric_system
-from liepoisson.cli.systems import read_file, read_system, with_settings
+from liepoisson.cli.systems import read_file, read_system
 from liepoisson.errors import MissingFileError, ParameterError, UnknownNameError
 
 
@@ -30,33 +29,6 @@ def test_settings_give_exact_values_and_may_override():
     assert system.top_parameters.a == (Fraction(1, 3), 0, 0)
 
 
-def test_settings_take_symbols_away():
-    file = with_settings(read_file("twisted-top"), ["epsilon=2"])
-    assert file.symbols == ("I[3]", "a[3]", "b[3]")
-    assert sp.Symbol("epsilon") not in file.system().hamiltonian.free_symbols
-    assert file.system().bracket.symbols == set()
-    unchanged = read_file("twisted-top")
-    assert with_settings(unchanged, []) is unchanged
-
-
-@pytest.mark.parametrize(
-    ("setting", "words"),
-    [
-        ("epsilon", "must be name=value"),
-        ("=1", "must be name=value"),
-        ("epsilon=", "must be name=value"),
-        ("epsilon=1,2", "must have one number; got 2 components"),
-        ("a=1", "must have 3 components; got one number"),
-        ("q=1", "--set q=1: 'twisted-top' has no parameter 'q'. Known: epsilon, I, a, b"),
-        ("epsilon=x", r"--set epsilon=x: the name 'x' is unknown\. .*\(column 1 of the formula\)"),
-        ("a=0, 0, 1 + x", r"--set a=0, 0, 1 \+ x: the name 'x' .*\(column 5 of the formula\)"),
-    ],
-)
-def test_bad_settings_are_refused(setting, words):
-    with pytest.raises(ParameterError, match=words):
-        read_system("twisted-top", [setting])
-
-
 def test_the_name_of_a_system_to_compute_with_says_what_was_set():
     assert read_numeric_system("twisted-kovalevskaya", []).name == "twisted-kovalevskaya"
     changed = read_numeric_system("twisted-kovalevskaya", ["epsilon = 1/3", "a=[1,0, sqrt(2)]"])
@@ -67,19 +39,6 @@ def test_an_integral_of_other_values_is_left_out_where_one_computes_and_refuted_
     assert list(read_numeric_system("kovalevskaya", ["I=1,2,3"]).invariants) == ["H", "C1", "C2"]
     assert "K" in read_numeric_system("manakov-so4", ["J=1,2,3,7/2"]).invariants
     assert "K" in read_system("kovalevskaya", ["I=1,2,3"]).integrals
-
-
-def test_a_matrix_is_not_set_by_numbers(tmp_path):
-    path = tmp_path / "matrix.toml"
-    text = '[bracket]\nalgebra = "so(3)"\n[parameters]\nA = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]\n[hamiltonian]\n'
-    path.write_text(text + 'expression = "dot(l, A*l)"\n')
-    with pytest.raises(ParameterError, match=r"A is a matrix\. Write it into a system file"):
-        read_system(str(path), ["A=1,2,3"])
-
-
-def test_a_parameter_that_is_set_twice_is_refused():
-    with pytest.raises(ParameterError, match="--set must give each parameter once; epsilon comes twice"):
-        read_system("twisted-kovalevskaya", ["epsilon=1", "a=1,0,0", "epsilon=2"])
 
 
 @pytest.mark.parametrize("setting", ["epsilon=1e-400", "a=1,0,1e-400"])

@@ -1,7 +1,7 @@
 """Command lines and the files that they name, as a hostile user would write them; for fuzzing and for Hypothesis.
 
 What to write is chosen by a source with two methods, `pick(items)` and `whole(least, most)`, so that one generator
-serves a random number generator, Hypothesis and atheris.  `run` runs a command in this process and says what a user
+serves a random number generator and Hypothesis.  `run` runs a command in this process and says what a user
 would complain of.
 """
 
@@ -39,89 +39,36 @@ SURFACES = ["l3", "l1 - 1/2", "sin(10^12*l1)", "H", "C1", "0", "pi", "l1*l2", "e
 SYSTEMS = ["free-rigid-body", "heavy-top", "twisted-kovalevskaya", "kovalevskaya", "twisted-top", "neumann"]
 QUANTITIES = ["exponent", "chaotic_fraction", "os:system", "math:sqrt", "nosuch:f", ":", "builtins:print"]
 
+_WHERE = {"--start": "state", "--leaf": "leaf", "--energy": "number", "--seed": "number", "--set": "setting"}
+_FILES = {"--out": "out", "--figure": "figure", "--plot": None}
+_STARTS = {"--starts": ["1", "2", "0", "-1", "x"]}
+_FORMAT = {"--format": ["json", "text", "latex", "x"]}
 OPTIONS = {
-    "catalog": {"--format": ["text", "json", "latex", "x"]},
+    "catalog": _FORMAT,
     "cite": {"--format": ["text", "bibtex", "json", "x"]},
-    "inspect": {"--format": ["text", "latex", "json", "yaml"], "--set": "setting"},
-    "orbit": {
-        "--start": "state",
-        "--guess": "state",
-        "--leaf": "leaf",
-        "--energy": "number",
-        "--seed": "number",
-        "--t-end": "number",
-        "--points": ["2", "3", "5", "0", "-1", "x"],
-        "--method": [*METHODS, "x"],
-        "--tol": "number",
-        "--step": ["0.1", "1", "0", "nan", "x"],
-        "--order": "number",
-        "--out": "out",
-        "--figure": "figure",
-        "--plot": None,
-        "--set": "setting",
+    "inspect": _FORMAT | {"--set": "setting"},
+    "orbit": _WHERE | _FILES | {
+        "--guess": "state", "--t-end": "number", "--points": ["2", "3", "5", "0", "-1", "x"],
+        "--method": [*METHODS, "x"], "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number",
     },
-    "section": {
-        "--surface": "surface",
-        "--start": "state",
-        "--leaf": "leaf",
-        "--energy": "number",
-        "--seed": "number",
-        "--t-end": ["10", "5e-324", "-1", "nan", "0"],
-        "--crossings": ["3", "1", "0", "-1", "x"],
-        "--starts": ["2", "0", "x"],
-        "--keep": "text",
-        "--x": "text",
-        "--y": "text",
-        "--out": "out",
-        "--figure": "figure",
-        "--plot": None,
-        "--set": "setting",
+    "section": _WHERE | _FILES | {
+        "--surface": "surface", "--t-end": ["10", "5e-324", "-1", "nan", "0"],
+        "--crossings": ["3", "1", "0", "-1", "x"], "--starts": ["2", "0", "x"],
+        "--keep": "text", "--x": "text", "--y": "text",
     },
-    "lyapunov": {
-        "--t-end": "number",
-        "--start": "state",
-        "--leaf": "leaf",
-        "--energy": "number",
-        "--figure": "figure",
-        "--starts": ["1", "2", "0", "-1", "x"],
-        "--seed": "number",
-        "--ensemble": "text",
-        "--tol": "number",
-        "--out": "out",
-        "--set": "setting",
-        "--spectrum": None,
+    "lyapunov": _WHERE | _FILES | _STARTS | {
+        "--t-end": "number", "--ensemble": "text", "--tol": "number", "--spectrum": None,
     },
-    "decide": {
-        "--t-end": "number",
-        "--starts": ["1", "2", "0", "-1", "x"],
-        "--start": "state",
-        "--leaf": "leaf",
-        "--energy": "number",
-        "--format": ["json", "text", "x"],
-    },
-    "equilibria": {
-        "--start": "state",
-        "--leaf": "leaf",
-        "--along": "setting",
-        "--starts": ["1", "2", "0", "-1", "x"],
-        "--format": ["json", "text", "x"],
-    },
-    "painleve": {
-        "--weights": ["1,1,1,2,2,2", "1,1,1,2,2,2,3,3,3", "1", "x", "-1,2", "1/2,1/2,1/2"],
-        "--free": "text",
-        "--format": ["json", "text", "x"],
+    "decide": _WHERE | _STARTS | _FORMAT | {"--t-end": "number"},
+    "equilibria": _STARTS | _FORMAT | {"--start": "state", "--leaf": "leaf", "--along": "setting"},
+    "painleve": _FORMAT | {
+        "--weights": ["1,1,1,2,2,2", "1,1,1,2,2,2,3,3,3", "1", "x", "-1,2", "1/2,1/2,1/2"], "--free": "text",
         "--set": "setting",
     },
     "sweep": {"--figure": "figure", "--plot": None, "--fresh": None, "--threads": ["1", "0", "x"], "--store": "store"},
     "reproduce": {"--nosuch": "text"},
-}
-ALWAYS = {
-    "orbit": ["--time-limit", "0.5"],
-    "section": ["--time-limit", "0.5"],
-    "lyapunov": ["--time-limit", "0.5"],
-    "decide": ["--time-limit", "0.5"],
-    "painleve": ["--time-limit", "0.5"],
-}
+}  # fmt: skip
+ALWAYS = {name: ["--time-limit", "0.5"] for name in ("orbit", "section", "lyapunov", "decide", "painleve")}
 """So that no run is long; a command that is given it twice refuses it, which is one more case."""
 
 

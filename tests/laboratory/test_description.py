@@ -33,12 +33,6 @@ def test_invariants_have_their_names_and_their_functions():
     assert TapeFunction(functions["n_components"], functions["instructions"], functions["outputs"]) == tape
 
 
-def test_pieces_are_those_of_the_system():
-    top = lp.Top.twisted_kovalevskaya()
-    assert field_of(read_back(description_of(top))["pieces"]) == top.pieces()
-    assert description_of(lp.catalog.toda(3))["pieces"] is None
-
-
 def test_a_field_alone_has_no_invariants():
     field = TapeField(2, (("sin", (0,), ()),), (1, 2))
     description = read_back(description_of(field))

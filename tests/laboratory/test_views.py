@@ -43,10 +43,6 @@ def test_the_page_of_the_widget_is_the_page_of_the_wheel(widget):
     assert not re.search("[<>&\u2028\u2029]", page)
 
 
-def test_one_script_serves_all_widgets(widget):
-    assert sent(lp.view(lp.catalog.system("kirchhoff")))["_esm"] is sent(widget)["_esm"]
-
-
 def test_state_start_and_time_follow_what_the_page_says(widget):
     seen = []
     widget.observe(lambda change: seen.append((change["name"], change["new"])), names=["start", "time"])
@@ -146,31 +142,18 @@ def test_a_hostile_name_is_data_and_never_markup():
 
 def test_an_orbit_and_a_section_are_viewed_with_their_states():
     pytest.importorskip("anywidget")
-    orbit = lp.integrate(TOP, START, times=[0, 1, 2])
-    section = lp.section(TOP, START, surface="l3", t_end=20)
+    starts = [[0.5, *START[1:]], START]
+    orbit = lp.integrate(TOP, starts, times=[0, 1, 2])
+    section = lp.section(TOP, starts, surface="l3", t_end=20)
     for result, kind in ((orbit, "orbit"), (section, "section")):
-        widget = lp.view(result)
+        widget = lp.view(result, trajectory=1)
         record = json.loads(sent(widget)["_carried"])
-        assert (record["saved"]["kind"], len(record["saved"]["times"])) == (kind, len(result.time))
+        assert record["saved"]["kind"] == kind
+        assert "of 2 orbits" in record["saved"]["words"]
         assert widget.start == tuple(START)
         assert widget.system is result.system
         with pytest.raises(ParameterError, match="those of the result"):
             lp.view(result, start=START)
-
-
-def test_an_orbit_of_many_begins_with_the_one_that_is_named():
-    pytest.importorskip("anywidget")
-    starts = [START, [0.5, *START[1:]]]
-    orbit = lp.integrate(TOP, starts, times=[0, 1, 2])
-    section = lp.section(TOP, starts, surface="l3", t_end=20)
-    for result, words in ((orbit, "number 2 of 2 orbits"), (section, "of 2 orbits")):
-        widget = lp.view(result, trajectory=1)
-        saved = json.loads(sent(widget)["_carried"])["saved"]
-        assert widget.start == tuple(starts[1])
-        assert words in saved["words"]
-    assert json.loads(sent(lp.view(orbit, trajectory=1))["_carried"])["saved"]["states"] == orbit.state[1].tolist()
-    with pytest.raises(ParameterError, match="from 0 to 1, as there are 2; got 2"):
-        lp.view(orbit, trajectory=2)
 
 
 def test_a_rod_is_viewed_as_a_rod_from_its_start():
@@ -181,12 +164,6 @@ def test_a_rod_is_viewed_as_a_rod_from_its_start():
     assert (widget.state["view"], widget.state["theme"], widget.start[0]) == ("rod", "light", 0.5)
     assert (widget.time, widget.state["surface"]) == (2, "l1")
     assert str(widget.system.epsilon) == "1/3"
-
-
-def test_a_rod_that_the_page_cannot_draw_is_refused_with_what_can_be_done():
-    rod = lp.orbits.rod(lp.Top.lagrange(axial="sqrt(2)", a3=1), START, length=2)
-    with pytest.raises(ParameterError, match=r"parameters that are fractions or decimals.*lp\.plot\.rod"):
-        lp.view(rod)
 
 
 TWISTED = {"system": "twisted-top", "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}}
@@ -208,60 +185,25 @@ def test_an_orbit_of_a_sweep_is_viewed_at_its_point():
         assert growth.exponent[0, 0] == sweep.value[point, 2]
 
 
-def test_a_sweep_of_one_point_needs_no_point():
-    pytest.importorskip("anywidget")
-    sweep = lp.sweep(**TWISTED, axes={"epsilon": [0.5]}, n_starts=2, t_end=20)
-    assert str(lp.view(sweep).system.epsilon) == "1/2"
-
-
-@pytest.mark.parametrize("point", [None, 2, -1, 0.5, True, "0", [0, 1]])
-def test_a_sweep_of_many_systems_says_that_one_point_is_viewed(point):
-    sweep = lp.sweep(**TWISTED, axes={"epsilon": [0, 1]}, n_starts=2, t_end=20)
-    words = r"at one of its points.*from point=0 \(epsilon = 0\) to point=1 \(epsilon = 1\)"
-    with pytest.raises(ParameterError, match=words):
-        lp.view(sweep, point=point)
-
-
-def test_a_point_without_a_system_or_a_start_says_so():
-    sweep = lp.sweep(
-        system="twisted-top", parameters={"I": ["moment", 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0], "epsilon": 1},
-        axes={"moment": [-1, 2], "energy": [-1e4, 1]}, n_starts=2, t_end=20,
-    )  # fmt: skip
-    outcomes = sweep.outcome[:, 0].tolist()
-    assert outcomes[:2] == ["no system", "no system"]
-    for point, outcome in enumerate(outcomes):
-        if outcome != "finished":
-            with pytest.raises(ParameterError, match=f"its outcome is '{outcome}'"):
-                lp.view(sweep, point=point)
-
-
-def test_point_and_trajectory_are_refused_where_they_mean_nothing():
+def test_what_cannot_be_viewed_is_refused():
     orbit = lp.integrate(TOP, START, times=[0, 1])
-    for shown, wrong in ((TOP, {"point": 0}), (orbit, {"point": 0}), (TOP, {"trajectory": 1})):
-        with pytest.raises(ParameterError, match="is one of a"):
-            lp.view(shown, **wrong)
-
-
-@pytest.mark.parametrize("shown", [3, "kirchhoff", None, lp.Top, lp.Taylor()])
-def test_what_cannot_be_viewed_is_said_with_what_can(shown):
-    with pytest.raises(ParameterError, match="a system, a top, an orbit, a section, a rod or a sweep; got"):
-        lp.view(shown)
-
-
-def test_a_result_without_states_names_its_system():
     growth = lp.finite_time_exponents(TOP, [START], t_end=5)
-    with pytest.raises(ParameterError, match=r"got 'FiniteTimeExponents'. View its `\.system` instead"):
-        lp.view(growth)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [{"panels": "three"}, {"height": 0.5}, {"height": 0}, {"height": True}, {"state": {"t": 1}}, {"start": [1]}],
-)
-def test_wrong_arguments_are_refused(wrong):
-    pytest.importorskip("anywidget")
-    with pytest.raises(LiePoissonError):
-        lp.view(TOP, **{"start": START, **wrong})
+    rod = lp.orbits.rod(lp.Top.lagrange(axial="sqrt(2)", a3=1), START, length=2)
+    parameters = {"I": ["moment", 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0], "epsilon": 1}
+    sweep = lp.sweep(system="twisted-top", parameters=parameters, axes={"moment": [-1, 2]}, n_starts=2, t_end=20)
+    one_of = r"at one of its points.*from point=0 \(moment = -1\) to point=1 \(moment = 2\)"
+    for shown, given, words in (
+        (3, {}, "a system, a top, an orbit, a section, a rod or a sweep; got"), (lp.Top, {}, "or a sweep; got"),
+        (growth, {}, r"got 'FiniteTimeExponents'. View its `\.system` instead"),
+        (rod, {}, r"parameters that are fractions or decimals.*lp\.plot\.rod"),
+        (TOP, {"point": 0}, "is one of a"), (orbit, {"point": 0}, "is one of a"), (TOP, {"trajectory": 1}, "one of a"),
+        (orbit, {"trajectory": 1}, "from 0 to 0"), (sweep, {}, one_of), (sweep, {"point": 2}, one_of),
+        (sweep, {"point": True}, one_of), (sweep, {"point": 0}, "its outcome is 'no system'"),
+        (TOP, {"panels": "three"}, "panels"), (TOP, {"height": 0.5}, "height"), (TOP, {"state": {"t": 1}}, "'t'"),
+        (TOP, {"playing": "no"}, "playing: wanted True or False"), (TOP, {"surfaces": None}, "surfaces"),
+    ):  # fmt: skip
+        with pytest.raises(LiePoissonError, match=words):
+            lp.view(shown, **given)
 
 
 def test_without_anywidget_the_error_says_how_to_install_it(monkeypatch):
@@ -285,28 +227,6 @@ def test_only_a_view_loads_the_libraries_of_notebooks():
     assert done.stdout.split("\n")[:2] == ["", "[]"]
 
 
-@pytest.fixture
-def plane():
-    pytest.importorskip("anywidget")
-    return lp.System(lp.canonical(names=["x", "y"]), "p_x^2/2 + p_y^2/2 + x^2 + y^4")
-
-
-def test_one_surface_may_be_an_expression_and_none_is_refused(plane):
-    start = [0.1, 0.2, 0.3, 0.4]
-    shown = lp.view(plane, start=start, surfaces=plane.variables[0] ** 2 - 1)
-    assert '"x^2 - 1"' in sent(shown)["_carried"] or '"x**2 - 1"' in sent(shown)["_carried"]
-    with pytest.raises(ParameterError, match="surfaces: wanted a sequence of formulas"):
-        lp.view(plane, start=start, surfaces=None)
-
-
-def test_long_surfaces_that_begin_alike_keep_their_places(plane):
-    long = "+".join(f"x^{k}*y" for k in range(1, 60))
-    shown = lp.view(plane, start=[0.1, 0.2, 0.3, 0.4], surfaces=[f"{long}+p_x", f"{long}+p_y"])
-    shown.address += "&section=6,1"  # as the page says it where the second is chosen
-    shown.time = 1
-    assert "section=6,1" in shown.address.replace("%2C", ",")
-
-
 def test_a_direction_without_a_surface_is_refused(widget):
     with pytest.raises(ParameterError, match="direction is that in which orbits cross a surface"):
         lp.view(TOP, state={"direction": -1})
@@ -318,15 +238,3 @@ def test_a_direction_without_a_surface_is_refused(widget):
     assert "section=l3,-1" in widget.address
     widget.state = {"direction": 1}
     assert "section=l3,1" in widget.address
-
-
-def test_playing_is_yes_or_no():
-    with pytest.raises(ParameterError, match="playing: wanted True or False"):
-        lp.view(TOP, start=START, playing="no")
-
-
-@pytest.mark.parametrize("size", ["1e300", "1e-300"])
-def test_a_system_with_extreme_numbers_has_a_component_as_surface(size):
-    pytest.importorskip("anywidget")
-    shown = lp.view(lp.System(lp.canonical(names=["q"]), f"p_q^2/2 + {size}*q^4"), start=[0.1, 0.2])
-    assert json.loads(sent(shown)["_carried"])["surface"] == 0

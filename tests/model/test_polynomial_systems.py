@@ -14,9 +14,9 @@ from liepoisson.compile.lowering import lower
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
 from liepoisson.model.known_integrals import known_integrals, known_polynomials
-from liepoisson.model.polynomial_formula import read_polynomial
+from liepoisson.model.polynomial_view import read_polynomial
 from liepoisson.model.system_text import formula_text
-from liepoisson.model.top_recognition import match_polynomial_top, match_top, recognised_top
+from liepoisson.model.top_parameters import match_polynomial_top, match_top, recognised_top
 from liepoisson.model.tops import Top
 
 READ = tuple(

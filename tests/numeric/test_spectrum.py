@@ -10,8 +10,7 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.indicators.mean_error import batch_errors, mean_error
 from liepoisson.indicators.spectrum import lyapunov_spectrum
-from liepoisson.indicators.spectrum_check import RATIO_LIMIT
-from liepoisson.indicators.structural_zeros import keeps_volume, poisson_structure
+from liepoisson.indicators.structural_zeros import RATIO_LIMIT, keeps_volume, poisson_structure
 from liepoisson.indicators.tangent_frames import orthonormal_frames
 
 TOP = lp.Top.twisted_kovalevskaya()

@@ -7,7 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.indicators.proportions import proportion
+from liepoisson.indicators.mean_error import proportion
 from liepoisson.indicators.verdict import INDICATORS, Rule, agreement, decide
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()

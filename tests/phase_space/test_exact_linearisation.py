@@ -9,8 +9,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.equilibrium.exact_linearisation import exact_linearisation
-from liepoisson.equilibrium.linearisation import LinearFlow
+from liepoisson.equilibrium.linearisation import LinearFlow, exact_linearisation
 
 
 def _coefficient(draw):

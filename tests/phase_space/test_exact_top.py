@@ -5,7 +5,7 @@ import sympy as sp
 from flint import fmpq
 
 import liepoisson as lp
-from liepoisson.equilibrium.exact_top import exact_top
+from liepoisson.equilibrium.heavy_equilibria import exact_top
 
 HEAVY = "l1^2/4 + l2^2/3 + l3^2/2 + 3/5*alpha1 + 4/5*alpha3"
 

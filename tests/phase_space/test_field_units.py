@@ -12,7 +12,7 @@ from sympy import Matrix, Rational, exp, sin, sqrt
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.leaf.field_units import field_units
+from liepoisson.leaf.leaf_in_units import field_units
 from liepoisson.phase_space import find_start
 from liepoisson.sections import default_surface, section_starts, section_state
 
@@ -71,14 +71,10 @@ def test_a_value_that_is_small_by_cancellation_is_no_unit():
     assert (lp.Leaf(top, {"C1": 1e-12, "C2": 1, "C3": 1}).in_units().units == 1.0).all()
 
 
-def test_terms_that_move_nothing_are_no_measure():
+def test_a_field_that_is_strong_in_the_hamiltonian_makes_momenta_long():
     base = lp.catalog.system("clebsch")
     l, p = base.variables[:3], base.variables[3:]
-    kinetic = sum(x**2 for x in l) / 2
-    with_casimir = lp.System(base.bracket, kinetic + p[2] + 10**9 * sum(x**2 for x in p))
-    functions = with_casimir.functions
-    assert (field_units(with_casimir, functions.casimirs, np.array([0.5, 1.0])) == 1.0).all()
-    anisotropic = lp.System(base.bracket, kinetic + 10**9 * p[2] ** 2)
+    anisotropic = lp.System(base.bracket, sum(x**2 for x in l) / 2 + 10**9 * p[2] ** 2)
     units = field_units(anisotropic, anisotropic.functions.casimirs, np.array([0.5, 1.0]))
     assert units[0] / units[3] > 1e3
 

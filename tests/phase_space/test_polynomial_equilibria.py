@@ -6,8 +6,8 @@ import pytest
 import liepoisson as lp
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch
-from liepoisson.equilibrium.exact_top import exact_top
-from liepoisson.equilibrium.polynomial_equilibria import polynomial_equilibria
+from liepoisson.equilibrium.heavy_equilibria import exact_top
+from liepoisson.equilibrium.leaf_equilibria import polynomial_equilibria
 from liepoisson.equilibrium.top_equilibria import equilibria_of_top
 
 

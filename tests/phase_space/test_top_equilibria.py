@@ -9,7 +9,7 @@ from flint import fmpq
 
 import liepoisson as lp
 from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch
-from liepoisson.equilibrium.exact_top import exact_top
+from liepoisson.equilibrium.heavy_equilibria import exact_top
 
 TEN = {"inertia": (1.81, 0.99, 1.23), "a": (0.91, 0.02, -0.62), "b": (-0.63, -0.99, 0.05), "epsilon": 0.5}
 

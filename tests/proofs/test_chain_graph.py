@@ -3,7 +3,7 @@
 import pytest
 
 from liepoisson.errors import EnclosureError
-from liepoisson.proofs.chain_graph import chain_graph
+from liepoisson.proofs.certificate import chain_graph
 
 GOOD = [(0, 1, False), (1, 0, True), (0, 2, False), (2, 3, False), (3, 4, False), (4, 0, True)]
 

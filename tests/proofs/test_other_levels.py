@@ -18,8 +18,7 @@ from liepoisson.proofs.balls import checker as ball_checker
 from liepoisson.proofs.balls.checker import check_in_balls
 from liepoisson.proofs.balls.field import working
 from liepoisson.proofs.certificate import load_covering_certificate, read_certificate
-from liepoisson.proofs.chain import HSet
-from liepoisson.proofs.float_check import points_of
+from liepoisson.proofs.chain import HSet, points_of
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import polynomial_field
 from liepoisson.proofs.search import find_certificate

@@ -10,8 +10,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import LeafError, OrbitError, ParameterError
 from liepoisson.proofs.certificate import FORMAT
-from liepoisson.proofs.chain import Chain, ChainMaker, Edge, HSet
-from liepoisson.proofs.float_check import float_check, points_of
+from liepoisson.proofs.chain import Chain, ChainMaker, Edge, HSet, float_check, points_of
 from liepoisson.proofs.search import find_certificate
 
 TOP = lp.Top.kovalevskaya(epsilon=1)

@@ -14,8 +14,7 @@ from liepoisson.errors import CertificateError, LiePoissonError, MissingFileErro
 from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import polynomial_field
-from liepoisson.proofs.regularity import is_regular
-from liepoisson.proofs.theorem import keeps_bracket
+from liepoisson.proofs.theorem import is_regular, keeps_bracket
 
 
 def test_the_printed_equations_are_those_of_the_paper(twisted):

@@ -41,7 +41,7 @@ from liepoisson.report.printing import (
     write_vector,
 )
 from liepoisson.report.wrapping import wrapped
-from liepoisson.structure.locus import Locus
+from liepoisson.structure.strata import Locus
 
 FIELDS = ("l", "alpha", "beta")
 COORDINATES = {f"{f}{i}": (f, str(i)) for f in FIELDS for i in (1, 2, 3)}

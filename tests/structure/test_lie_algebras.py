@@ -6,10 +6,21 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from liepoisson.structure.lie.representations import semidirect_sum
 from liepoisson.structure.lie.sine_algebra import sine_names
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.lie_algebras import ALGEBRAS, abelian, affine, gl, heisenberg, se, sine, sl, so, su
+from liepoisson.structure.lie_algebras import (
+    ALGEBRAS,
+    abelian,
+    affine,
+    gl,
+    heisenberg,
+    se,
+    semidirect_sum,
+    sine,
+    sl,
+    so,
+    su,
+)
 
 SMALL = [
     *(so(n) for n in (2, 3, 4, 5, 6)),

@@ -8,8 +8,7 @@ from commutative import in_basis
 from liepoisson.structure.canonical_bracket import canonical
 from liepoisson.structure.extensions import leibniz, semidirect, trivial
 from liepoisson.structure.lie_algebras import so, su
-from liepoisson.structure.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
-from liepoisson.structure.poisson.pfaffians import PfaffianIdeal
+from liepoisson.structure.poisson.pfaffians import PfaffianIdeal, casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.structure.poisson.polynomials import expression_of
 
 

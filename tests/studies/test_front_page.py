@@ -6,7 +6,7 @@ import pytest
 
 from liepoisson.studies.twisted_top.claims import CLAIMS
 from liepoisson.studies.twisted_top.claims.errata import KINDS
-from liepoisson.studies.twisted_top.front_page import _CONFIRMED, _NOT_CONFIRMED, _QUESTIONS, _REFINED, front_page
+from liepoisson.studies.twisted_top.front_page import _CONFIRMED, _NOT_CONFIRMED, _REFINED, front_page
 from liepoisson.studies.twisted_top.report import spans
 
 NUMBERS = {claim.id: number for number, claim in enumerate(CLAIMS, 1)}
@@ -36,37 +36,12 @@ def test_every_claim_is_on_the_first_page_once(changed):
     assert counts == Counter(claim.id for claim in CLAIMS)
 
 
-def test_no_line_falls_back_when_all_is_as_expected():
-    texts = {line.text for line in _CONFIRMED} | {*_NOT_CONFIRMED.values(), *_REFINED.values()}
-    page = table()
-    found = {line.text for line in (*page.confirmed, *page.not_confirmed, *page.refined)}
-    assert {text.removesuffix(" " + AS_PRINTED) for text in found} == texts
-    assert [line.claims for line in page.open] == [("nearby-integrable-case",)]
-    assert len(page.questions) == len(_QUESTIONS)
-
-
-@pytest.mark.parametrize("verdict", ["misprint", "not settled", "not run"])
-def test_what_is_measured_is_on_the_first_page_only_if_the_runs_show_it(verdict):
-    page = table(dashed_curve_inertia=verdict)
-    (line,) = [line for line in page.not_confirmed if line.claims[0] == "kovalevskaya-inertia"]
-    (question,) = [line for line in page.questions if line.claims == ("kovalevskaya-inertia",)]
-    assert line.text.startswith("Section 5: I₃ = 2I₁ is a misprint of I₁ = 2I₃.")
-    assert (AS_PRINTED in line.text) is ("dashed-curve-inertia" in line.claims) is (verdict == "misprint")
-    assert ("dashed curve" in question.text) is (verdict == "misprint")
-
-
 def test_another_verdict_is_never_told_in_the_old_words():
     page = table(collinear_stays_collinear="holds", leibniz_jacobi="wrong")
     assert not any("collinear α and β do not stay collinear" in line.text for line in lines(page))
     assert not any("satisfy the Jacobi identity" in line.text for line in lines(page))
     assert any(line.text == "The Leibniz bracket is a Poisson bracket: wrong." for line in page.not_confirmed)
     assert not any("counter-example" in line.text for line in page.questions)
-
-
-def test_the_mistake_that_most_claims_share_comes_first():
-    first = table().not_confirmed[0]
-    assert first.claims[0] == "collinear-stays-collinear"
-    assert {"never-collinear", "always-invertible", "leaves-cotangent-so3"} < set(first.claims)
 
 
 def test_runs_of_numbers_are_joined():

@@ -6,7 +6,6 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from numerical_claims import NUMERICAL
-from program_text import PROGRAM_TEXT, lines_of
 
 from liepoisson.studies.twisted_top.claims import CLAIMS, Context
 from liepoisson.studies.twisted_top.claims.numerics import _heterogeneity
@@ -97,13 +96,6 @@ def test_numerical_verdicts_follow_the_measurements(claim, made_up, verdict):
     json.dumps(found.data)
 
 
-def test_the_exponent_agrees_when_every_ensemble_does():
-    made_up = measurements()
-    for name in ("unit-vectors", "cube", "gaussian"):
-        made_up["runs"][f"twisted-{name}"]["fit"] = fit(0.1225)
-    assert judge("lyapunov-exponent-value", made_up).verdict == HOLDS
-
-
 @pytest.mark.parametrize("claim", ["lyapunov-exponent-value", "printed-fit"])
 @pytest.mark.parametrize("value", [0.1221, 0.5])
 @pytest.mark.parametrize(("error", "settled"), [(0.05, False), (float("nan"), False), (0.013, True)])
@@ -126,25 +118,6 @@ def test_an_exponent_far_from_the_printed_one_is_wrong():
     assert "from 0.290 to 0.300" in found.correct_statement
 
 
-def test_the_printed_fit_is_compared_with_all_fits_and_with_the_window_fixed_beforehand():
-    """Agreement with the nearest of many fits is told as that, with the others beside it."""
-    made_up = changed(("twisted-cube", "windows"), [fit(0.1221, 0.112, 0.49, window=(50, 100))])
-    text = judge("printed-fit", made_up).correct_statement
-    assert "Compatible with one of 8 fits, the nearest: that to twisted-cube over t in [50, 100] (χ² = 0.1" in text
-    # The fits of the others to [5, 100], the nearer of their two: 0.130 against 0.122 with error 0.0005, and so on.
-    rest = min(window["chi_squared_of_printed"] for window in made_up["runs"]["twisted-gaussian"]["windows"])
-    own = made_up["runs"]["twisted-gaussian"]["fit"]["chi_squared_of_printed"]
-    assert f"χ² ≥ {min(rest, own):.0f}" in text
-    assert "λ of twisted-cube is 6.0 standard errors from the printed one" in text  # 0.125 ± 0.0005
-
-
-def test_two_scalings_that_agree_leave_the_claim_open():
-    made_up = measurements()
-    for name in ("unit-vectors", "cube"):
-        made_up["runs"][f"twisted-halved-{name}"]["fit"] = fit(0.1255)
-    assert judge("parameters-fix-exponent", made_up).verdict == OPEN
-
-
 def test_groups_of_energy_are_compared_by_chi_squared():
     chi_squared, sigmas = _heterogeneity([(0.1, 0.01), (0.1, 0.02), (0.1, 0.03)])
     assert chi_squared == pytest.approx(0)
@@ -152,20 +125,6 @@ def test_groups_of_energy_are_compared_by_chi_squared():
     # Seven degrees of freedom: 18.48 is exceeded with probability 0.01, 2.326 standard deviations.
     step = np.sqrt(18.475 / 8)
     assert _heterogeneity([(sign * step, 1.0) for sign in (1, -1) * 4]) == pytest.approx((18.475, 2.326), abs=0.02)
-
-
-def test_certificates_print_the_measured_numbers():
-    assert "λ = 0.12500 ± 0.00050 (1000 starts, t from 20 to 200)" in judge(LAMBDA_CLAIM, measurements()).certificate
-
-
-@pytest.mark.parametrize("claim", NUMERICAL)
-def test_no_measurement_is_printed_as_program_text(claim):
-    shown = list(lines_of(judge(claim, measurements())))
-    assert shown
-    assert [line for line in shown if PROGRAM_TEXT.search(line)] == []
-
-
-LAMBDA_CLAIM = "twisted-kovalevskaya-chaotic"
 
 
 @pytest.mark.parametrize("claim", NUMERICAL)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from small_study import one_run
 
 from liepoisson.errors import ParameterError, UnknownNameError
 from liepoisson.studies import check_study
@@ -33,12 +32,6 @@ def test_plan_covers_both_tops_three_ensembles_and_the_readings_of_the_inertia()
     assert planned["twisted-halved-cube"].top().field().inertia == (1.0, 1.0, 0.5)
     assert planned["ordinary-as-printed-unit-vectors"].top().field().inertia == (1.0, 1.0, 2.0)
     assert planned["ordinary-as-printed-unit-vectors"].end_time == 200.0
-
-
-def test_pieces_of_a_run_cover_every_member_once():
-    run = one_run(Settings(members=4500), "twisted-cube")
-    members = [member for first, count in run.pieces() for member in range(first, first + count)]
-    assert members == list(range(4500))
 
 
 @pytest.mark.parametrize(

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pytest
 from small_study import SMALL, integrate, one_run, stored_piece
 
 import liepoisson as lp
-from liepoisson.errors import OutputError, ParameterError
-from liepoisson.io.files import exclusive
+from liepoisson.errors import ParameterError
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.integration import Tracker, complete
-from liepoisson.studies.twisted_top.runs import Settings
 from liepoisson.studies.twisted_top.store import RunStore, discard, fingerprint, remove_unfinished
-from liepoisson.studies.twisted_top.study import reproduce
 
 
 @pytest.mark.thorough
@@ -43,17 +37,6 @@ def test_interrupted_study_resumes_and_gives_the_same_bits(tmp_path, monkeypatch
     assert sorted(computed + kept) == list(store.run.pieces())
     for array in ("exponent", "start", "outcome", "n_steps"):
         np.testing.assert_array_equal(getattr(resumed, array), getattr(whole, array))
-
-
-def test_pieces_hold_the_members_that_one_call_gives(tmp_path, monkeypatch):
-    monkeypatch.setattr(runs, "PIECE_SIZE", 16)
-    run = one_run(SMALL, "ordinary-gaussian")
-    members = integrate(tmp_path, SMALL, run.name)
-    top = run.top()
-    x0 = lp.sample_states(top, 50, seed=0, ensemble="gaussian")
-    growth = lp.finite_time_exponents(top, x0, times=run.time, seed=0, method=lp.Taylor(tol=run.tolerance))
-    np.testing.assert_array_equal(members.exponent, growth.exponent)
-    np.testing.assert_array_equal(members.start, x0)
 
 
 def test_finished_run_is_one_netcdf_file_that_can_be_run_again(tmp_path):
@@ -86,14 +69,6 @@ def test_work_with_other_options_is_neither_used_nor_overwritten(tmp_path, monke
         integrate(tmp_path, other, "twisted-unit-vectors")
 
 
-def test_fresh_discards_stored_work_and_nothing_else(tmp_path):
-    integrate(tmp_path, SMALL, "twisted-cube")
-    (tmp_path / "notes.txt").write_text("mine")
-    discard(tmp_path)
-    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
-    discard(tmp_path / "absent")
-
-
 def test_fresh_leaves_files_of_others_in_data_and_pieces(tmp_path):
     mine = [
         "data/mine.nc",
@@ -120,65 +95,6 @@ def test_fresh_leaves_files_of_others_in_data_and_pieces(tmp_path):
     discard(tmp_path)
     assert sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()) == sorted(mine)
     assert not (tmp_path / "pieces" / "ordinary-cube").exists()
-
-
-def test_finished_run_leaves_files_of_others_among_its_pieces(tmp_path):
-    notes = tmp_path / "pieces" / "twisted-cube" / "notes.txt"
-    notes.parent.mkdir(parents=True)
-    notes.write_text("mine")
-    integrate(tmp_path, SMALL, "twisted-cube")
-    assert list(notes.parent.iterdir()) == [notes]
-
-
-def test_folder_of_another_run_is_neither_used_nor_discarded(tmp_path):
-    (tmp_path / "data").mkdir()
-    (tmp_path / "data" / "twisted-cube.nc").write_text("")
-    with exclusive(tmp_path), pytest.raises(OutputError, match="another run is using"):
-        reproduce(SMALL, tmp_path, fresh=True, progress=lambda *_: pytest.fail("it started"))
-    assert (tmp_path / "data" / "twisted-cube.nc").exists()
-
-
-def test_output_below_a_file_is_refused(tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(OutputError, match="choose another folder"):
-        reproduce(SMALL, tmp_path / "file" / "out")
-    with pytest.raises(OutputError, match="choose another folder"):
-        reproduce(SMALL, tmp_path / "file")
-
-
-@pytest.mark.thorough
-def test_study_killed_without_warning_resumes(tmp_path):
-    code = (
-        "from pathlib import Path; import sys\n"
-        "from liepoisson.studies.twisted_top import runs, study\n"
-        "runs.PIECE_SIZE = 10\n"
-        "study.reproduce(runs.Settings(members=3000, end_time=60.0), Path(sys.argv[1]))"
-    )
-    process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)])
-    folder = tmp_path / "pieces" / "twisted-unit-vectors"
-    until = time.monotonic() + 60
-    try:
-        while not (folder.exists() and len(list(folder.glob("*.npz"))) >= 3):
-            assert process.poll() is None
-            assert time.monotonic() < until
-            time.sleep(0.01)
-    finally:
-        process.kill()
-        process.wait()
-    kept = len(list(folder.glob("*.npz")))
-    assert kept < 300, "killed too late for this test"
-    settings = Settings(members=3000, end_time=60.0)
-    store = RunStore(tmp_path, one_run(settings, "twisted-unit-vectors"))
-    runs.PIECE_SIZE, usual = 10, runs.PIECE_SIZE
-    try:
-        missing = len(store.missing_pieces())
-        assert missing == 300 - kept
-        resumed = complete(store, None, Tracker([store], None))
-    finally:
-        runs.PIECE_SIZE = usual
-    np.testing.assert_array_equal(
-        resumed.exponent, integrate(tmp_path / "whole", settings, "twisted-unit-vectors").exponent
-    )
 
 
 def test_a_run_removes_what_a_killed_one_was_writing_and_nothing_else(tmp_path):

@@ -82,8 +82,3 @@ def test_a_function_of_unknown_state_has_no_store(tmp_path):
     with pytest.raises(ParameterError, match=r"list_iterator.*Name a module function"):
         sweep(**GIVEN, quantity=quantity, store=tmp_path / "a.zarr")
     assert not (tmp_path / "a.zarr").exists()
-
-
-def test_a_seed_of_numpy_is_stored(tmp_path):
-    sweep(**GIVEN, seed=np.int64(1), store=tmp_path / "a.zarr")
-    assert sweep(**GIVEN, seed=1, store=tmp_path / "a.zarr").n_reused == 2

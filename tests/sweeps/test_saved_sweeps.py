@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import sys
 
 import numpy as np
@@ -83,17 +82,7 @@ def test_a_function_of_the_caller_is_not_called_by_a_file(tmp_path):
         lp.load(sweep.save(tmp_path / "sweep.nc"))
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"t_end": "soon"},
-        {"axes": []},
-        {"axes": None},
-        {"system": 5},
-        {"starts": []},
-        {"quantity": {"function": "os:system"}},
-    ],
-)
+@pytest.mark.parametrize("change", [{"t_end": "soon"}, {"axes": []}, {"system": 5}, {"quantity": {"function": "a:b"}}])
 def test_altered_descriptions_are_refused(tmp_path, change):
     record = made("name").spec.record() | change
     store = tmp_path / "sweep.zarr"
@@ -104,11 +93,6 @@ def test_altered_descriptions_are_refused(tmp_path, change):
     path.write_text(json.dumps(content))
     with pytest.raises(LiePoissonError):
         lp.load(store)
-
-
-def test_a_folder_that_is_no_sweep_is_refused(tmp_path):
-    with pytest.raises(DamagedFileError, match="got a folder without one"):
-        lp.load(tmp_path)
 
 
 @pytest.mark.parametrize("content", [None, "", "{", "[]", '{"attributes": {"kind": "other"}}', "[" * 100_000])
@@ -126,13 +110,6 @@ def test_a_folder_that_is_no_sweep_stays(tmp_path, content):
         assert "Look at the name" in str(refused.value)
 
 
-def test_no_name_is_not_the_working_folder():
-    with pytest.raises(ParameterError, match="wanted the name of a file; got ''"):
-        lp.load("")
-    with pytest.raises(ParameterError, match="wanted the path of a folder; got ''"):
-        made("name", store="")
-
-
 def test_a_store_or_a_file_that_was_altered_is_refused(tmp_path):
     sweep = made("name", store=tmp_path / "sweep.zarr")
     path = tmp_path / "sweep.zarr" / "zarr.json"
@@ -145,34 +122,6 @@ def test_a_store_or_a_file_that_was_altered_is_refused(tmp_path):
     for k, part in enumerate(({"point": slice(0, 1)}, {"point": [2, 1, 0]}, {"member": [0]})):
         with pytest.raises(DamagedFileError, match="sweep: wanted"):
             lp.load(save(whole.isel(part), tmp_path / f"{k}.nc"))
-
-
-def test_a_sweep_says_what_is_missing(tmp_path):
-    made("name", store=tmp_path / "sweep.zarr")
-    shutil.rmtree(tmp_path / "sweep.zarr" / "level0")
-    assert "3 points (3 not computed)" in repr(lp.load(tmp_path / "sweep.zarr"))
-
-
-def test_the_dataset_of_a_sweep_is_rerun_too():
-    made = lp.sweep(
-        system="kovalevskaya",
-        axes=[lp.sweeps.Axis("energy", [1, 2], "the energy")],
-        n_starts=2,
-        t_end=5,
-        seed=3,
-        name="a sweep",
-        threads=1,
-    )
-    again = lp.rerun(made.dataset)
-    np.testing.assert_array_equal(again.value, made.value)
-    assert again.spec.record() == made.spec.record()
-    assert again.spec.description() == made.spec.description()
-
-
-def test_an_altered_dataset_of_a_sweep_is_refused():
-    dataset = lp.sweep(system="kovalevskaya", axes={"energy": [1, 2]}, n_starts=2, t_end=5, threads=1).dataset
-    with pytest.raises(lp.errors.DamagedFileError, match="repeat the sweep or its file"):
-        lp.rerun(dataset.assign_attrs(spec="{}"))
 
 
 @pytest.fixture
@@ -228,30 +177,9 @@ def test_a_sweep_imports_no_code_without_consent(named_module):
     assert lp.sweep(**given | {"quantity": lambda system, x0, **_: x0[:, 0]}, threads=1).is_complete
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "liepoisson.io.files:os.abort",
-        "liepoisson.saved.rerun:import_module",
-        "liepoisson.model.tops:Top.kovalevskaya.__call__",
-    ],
-)
+@pytest.mark.parametrize("name", ["liepoisson.io.files:os.abort", "liepoisson.saved.rerun:import_module"])
 def test_a_record_names_functions_of_this_package_alone(name):
     spec = lp.sweeps.SweepSpec(system=lp.Top.kovalevskaya, axes=(lp.sweeps.Axis("epsilon", (0.0, 1.0)),), t_end=1.0)
-    record = spec.record()
-    record["system"] = {"function": name}
+    record = spec.record() | {"system": {"function": name}}
     with pytest.raises(ParameterError, match="of the caller"):
         lp.sweeps.SweepSpec.of_record(record, {})
-
-
-def test_a_store_that_is_loaded_stays_as_it_is(tmp_path):
-    store = tmp_path / "sweep.zarr"
-    made("name", store=store)
-    shutil.rmtree(store / "level0" / "value")
-    before = sorted(store.rglob("*"))
-    with pytest.raises(DamagedFileError, match=r"cannot be read.*Copy it again") as refused:
-        lp.load(store)
-    assert "fresh" not in str(refused.value)
-    assert sorted(store.rglob("*")) == before
-    made("name", store=store)
-    assert (store / "level0" / "value").is_dir()

@@ -1,9 +1,5 @@
 """Starts with prescribed energy and Casimirs."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -28,16 +24,6 @@ def test_the_functions_of_a_top_are_those_of_its_bracket(epsilon):
     np.testing.assert_allclose(gradients, exact_gradients, rtol=1e-13, atol=1e-13)
 
 
-def test_projection_reaches_the_wanted_values():
-    x = lp.sample_states(TOP, 200, seed=2)
-    wanted = np.tile([0.8, 1.0, 0.2, 1.0], (200, 1))
-    functions = TopRows.of([TOP.field()], 200).functions(NAMES)
-    moved, found = project(functions, wanted, x)
-    assert found.mean() > 0.95
-    values, _ = functions(moved[found], np.flatnonzero(found))
-    assert np.abs(values - wanted[found]).max() < 1e-11
-
-
 def test_a_row_does_not_depend_on_its_neighbours():
     x = lp.sample_states(TOP, 50, seed=2)
     wanted = np.tile([0.8, 1.0, 0.2, 1.0], (50, 1))
@@ -46,20 +32,6 @@ def test_a_row_does_not_depend_on_its_neighbours():
     for k in (0, 7, 49):
         alone, _ = project(TopRows.of([TOP.field()], 1).functions(NAMES), wanted[k : k + 1], x[k : k + 1])
         np.testing.assert_array_equal(alone[0], together[k])
-
-
-def test_values_that_no_state_has_are_told():
-    x = lp.sample_states(TOP, 5, seed=2)
-    functions = TopRows.of([TOP.field()], 5).functions(("C3",))
-    _, found = project(functions, np.full((5, 1), -1.0), x)
-    assert not found.any()
-
-
-def test_an_unknown_casimir_is_refused():
-    with pytest.raises(ParameterError, match="C1, C2 and C3"):
-        TopRows.of([TOP.field()], 1).functions(("C4",))
-    with pytest.raises(ParameterError, match="has the Casimirs"):
-        system_functions(lp.catalog.system("clebsch"), ("C7",))
 
 
 NO_TOP = {
@@ -101,38 +73,6 @@ def test_points_where_casimirs_are_other_functions_have_no_starts():
     assert sweep(**given, axes={"epsilon": [0.0]}).outcomes == {"finished": 2}
 
 
-def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp_path):
-    top = {"parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}, "axes": {"epsilon": [0.0, 1.0]}}
-    given = {"system": "twisted-top", **top, "n_starts": 2, "t_end": 1.0, "store": tmp_path / "a.zarr"}
-    for more, message in (
-        ({"starts": {"C4": 1}}, "C1, C2, C3; got C4"),
-        ({"starts": {"foo": 1}}, "got 'foo'"),
-        ({"points_per_piece": 0}, "points_per_piece"),
-        ({"points_per_piece": -1}, "points_per_piece"),
-        ({"points_per_piece": 0.5}, "points_per_piece"),
-        ({"quantity": "os:sep", "allow_code": True}, "wanted a function"),
-        ({"quantity": "os:getcwd"}, "code, which would be imported"),
-        ({"bogus": 1}, "no setting 'bogus'"),
-        ({"refine": {"levels": 2}}, "levels and difference"),
-    ):
-        with pytest.raises(ParameterError, match=message):
-            sweep(**given, **more)
-    assert not (tmp_path / "a.zarr").exists()
-
-
-@pytest.mark.thorough
-def test_the_command_takes_pieces_and_patience(tmp_path):
-    (tmp_path / "a.toml").write_text(
-        'system = "twisted-top"\nn_starts = 1\nt_end = 1\nparameters = {I = [2, 2, 1], a = [1, 0, 0], b = [0, 0, 0]}\n'
-        'axes = [{name = "epsilon", values = [0, 1, 2, 3]}]\n'
-    )
-    options = [str(tmp_path / "a.toml"), "--points-per-piece", "3", "--patience", "2"]
-    command = [str(Path(sys.executable).with_name("liepoisson")), "sweep", *options]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert sorted(p.name for p in (tmp_path / "a.zarr" / "level0" / "value").glob("*.0")) == ["0.0", "1.0"]
-
-
 @pytest.mark.parametrize(("u", "v"), [(1e-9, 1.0), (1.0, 1e6), (1e9, 1e-6)])
 def test_states_are_found_where_fields_have_units_of_their_own(u, v):
     """alpha in units 1/u, beta in units 1/v: the values are right relative to their own size."""
@@ -155,14 +95,6 @@ def test_energy_and_casimirs_are_given_side_by_side_or_nested():
         sweep(**given, starts={"C1": 0.2, "casimirs": {"C2": 1}})
     with pytest.raises(ParameterError, match="casimirs: wanted a mapping"):
         sweep(**given, starts={"casimirs": 3})
-
-
-@pytest.mark.parametrize("name", ["energy", "C2"])
-def test_what_starts_have_is_no_setting_of_its_own(name):
-    with pytest.raises(
-        ParameterError, match=f"a sweep has no setting '{name}'.* Write starts=.*\"{name}\": ...}}, or give"
-    ):
-        sweep(system="heavy-top", axes={"I1": [1.5, 2]}, t_end=10, **{name: 1})
 
 
 FAR = """

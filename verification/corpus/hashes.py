@@ -16,7 +16,7 @@ from verification.corpus.results import LAGRANGE, RESULTS, STARTS, result
 
 import liepoisson as lp
 
-PORTABLE = ROOT / "tests" / "portable_cases.py"
+PORTABLE = ROOT / "tests" / "portable" / "portable_cases.py"
 """What the tests hash, on each processor alike."""
 SYSTEMS = (
     *("kovalevskaya", "twisted-kovalevskaya", "clebsch", "manakov-so4", "rattleback", "three-wave"),

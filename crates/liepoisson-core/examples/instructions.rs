@@ -1,6 +1,6 @@
 //! A fixed piece of work for each hot kernel, to count its instructions: `instructions KERNEL T_END`, or `instructions list`.
 //!
-//! Prints the steps that all members took. `benchmarks/instructions.py` runs it under a counting emulator.
+//! Prints the steps that all trajectories took. `benchmarks/instructions.py` runs it under a counting emulator.
 
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::analysis::section::{Surface, sections};
@@ -23,7 +23,7 @@ const KERNELS: [&str; 18] = [
     "taylor-components",
     "taylor-quadratic",
     "taylor-tape",
-    "taylor-walls",
+    "taylor-barriers",
     "runge-kutta",
     "runge-kutta-adaptive",
     "splitting-4",
@@ -60,7 +60,7 @@ fn steps(kernel: &str, t_end: f64) -> Result<u64, Box<dyn std::error::Error>> {
         "taylor-components" => run(&kovalevskaya, AcrossComponents(series), 0, 1, 16.0 * t_end)?,
         "taylor-quadratic" => run(&kovalevskaya_as_quadratic()?, series, 1, 64, t_end)?,
         "taylor-tape" => run(&pendulum()?, series, 1, 64, t_end)?,
-        "taylor-walls" => run(&oscillator_at_a_wall()?, series, 1, 64, t_end)?,
+        "taylor-barriers" => run(&oscillator_at_a_steep_barrier()?, series, 1, 64, t_end)?,
         "runge-kutta" => run(&kovalevskaya, RungeKutta::fixed(0.25, max)?, 1, 64, t_end)?,
         "runge-kutta-adaptive" => run(&kovalevskaya, RungeKutta::new(1e-8, max)?, 1, 64, t_end)?,
         "splitting-4" => run(&kovalevskaya, Splitting::new(4, 0.25, max)?, 1, 64, t_end)?,
@@ -76,10 +76,10 @@ fn run<F: Space, M: Method<F>>(
     field: &F,
     method: M,
     n_tangents: usize,
-    members: usize,
+    trajectories: usize,
     t_end: f64,
 ) -> Result<u64, Error> {
-    run_at(field, method, n_tangents, members, &[0.0, t_end])
+    run_at(field, method, n_tangents, trajectories, &[0.0, t_end])
 }
 
 /// Any fixed number of modest size.
@@ -93,10 +93,10 @@ fn grid(t_end: f64) -> Vec<f64> {
 }
 
 /// Crossings of `l3 = 0`.
-fn section(field: &Top, method: Taylor, members: usize, t_end: f64) -> Result<u64, Error> {
+fn section(field: &Top, method: Taylor, trajectories: usize, t_end: f64) -> Result<u64, Error> {
     let (function, kept) = Functions::new(9, vec![], vec![2])?.split_first();
     let surface = Surface { function, kept, direction: 0, n_crossings: None, sides: vec![] };
-    let states: Vec<f64> = (0..9 * members).map(number).collect();
+    let states: Vec<f64> = (0..9 * trajectories).map(number).collect();
     let ensemble = Ensemble { field, method, states: &states, tangents: &[], n_tangents: 0, times: &[0.0, t_end] };
     let found = sections(&ensemble, &surface, 1, Simd::from_environment()?, &Control::default(), |_| ())?;
     Ok(found.summaries.iter().map(|summary| summary.n_steps).sum())
@@ -106,12 +106,12 @@ fn run_at<F: Space, M: Method<F>>(
     field: &F,
     method: M,
     n_tangents: usize,
-    members: usize,
+    trajectories: usize,
     times: &[f64],
 ) -> Result<u64, Error> {
     let n = field.n_components();
-    let states: Vec<f64> = (0..n * members).map(number).collect();
-    let tangents: Vec<f64> = (1..=n * members * n_tangents).map(number).collect();
+    let states: Vec<f64> = (0..n * trajectories).map(number).collect();
+    let tangents: Vec<f64> = (1..=n * trajectories * n_tangents).map(number).collect();
     let ensemble = Ensemble { field, method, states: &states, tangents: &tangents, n_tangents, times };
     let run = orbits(&ensemble, 1, Simd::from_environment()?, &Control::default(), false, |_| ())?;
     Ok(run.summaries.iter().map(|summary| summary.n_steps).sum())
@@ -140,8 +140,8 @@ fn pendulum() -> Result<Tape, Error> {
     Tape::new(2, vec![sine, minus], vec![1, 3])
 }
 
-/// `q' = p`, `p' = exp(-q) - q`: a field that may hide a wall, which is looked for along each step.
-fn oscillator_at_a_wall() -> Result<Tape, Error> {
+/// `q' = p`, `p' = exp(-q) - q`: a field that may hide a steep barrier, which is looked for along each step.
+fn oscillator_at_a_steep_barrier() -> Result<Tape, Error> {
     let minus = Instruction::from_parts("linear", &[0], &[-1.0, 0.0])?;
     let exponential = Instruction::from_parts("exp", &[2], &[])?;
     let force = Instruction::from_parts("linear", &[3, 0], &[1.0, -1.0, 0.0])?;

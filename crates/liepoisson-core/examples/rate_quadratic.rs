@@ -7,7 +7,7 @@
 
 use liepoisson_core::analysis::lyapunov;
 use liepoisson_core::ensemble::{Control, Ensemble};
-use liepoisson_core::field::{Hold, Quadratic, Top};
+use liepoisson_core::field::{Instantiate, Quadratic, Top};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ fn spread(k: usize) -> f64 {
     2.0 * ((x + 37.0 * x * (k % 101) as f64) % 1.0) - 1.0
 }
 
-/// Members, their states and tangent vectors, and how long they run.
+/// Trajectories, their states and tangent vectors, and how long they run.
 struct Starts {
     states: Vec<f64>,
     tangents: Vec<f64>,
@@ -27,19 +27,20 @@ struct Starts {
 }
 
 impl Starts {
-    fn new(n: usize, members: usize, size: f64, t_end: f64) -> Starts {
-        let states = (0..n * members).map(|k| size * spread(k)).collect();
-        Starts { states, tangents: (0..n * members).map(|k| spread(3 * k + 1)).collect(), t_end }
+    fn new(n: usize, trajectories: usize, size: f64, t_end: f64) -> Starts {
+        let states = (0..n * trajectories).map(|k| size * spread(k)).collect();
+        Starts { states, tangents: (0..n * trajectories).map(|k| spread(3 * k + 1)).collect(), t_end }
     }
 
     /// Nanoseconds for a step of one trajectory.
-    fn time<F: Hold>(&self, field: &F, method: Taylor, simd: Simd) -> f64 {
+    fn time<F: Instantiate>(&self, field: &F, method: Taylor, simd: Simd) -> f64 {
         let times = [0.0, self.t_end];
         let (states, tangents) = (&self.states, &self.tangents);
         let ensemble = Ensemble { field, method, states, tangents, n_tangents: 1, times: &times };
         let start = Instant::now();
-        let growth = lyapunov::growth(&ensemble, 1, simd, &Control::default(), |_| ()).expect("the ensemble is sound");
-        let steps: u64 = growth.summaries.iter().map(|summary| summary.n_steps).sum();
+        let found = lyapunov::finite_time_exponents(&ensemble, 1, simd, &Control::default(), |_| ())
+            .expect("the ensemble is sound");
+        let steps: u64 = found.summaries.iter().map(|summary| summary.n_steps).sum();
         start.elapsed().as_secs_f64() * 1e9 / steps as f64
     }
 }

@@ -1,6 +1,6 @@
 //! Crossings per second of the Kovalevskaya top with the surface `alpha3 = 0`, on one thread, and what a step costs.
 //!
-//! `cargo run --release --example rate_section -- [members] [crossings of each]`
+//! `cargo run --release --example rate_section -- [trajectories] [crossings of each]`
 
 use liepoisson_core::analysis::section::{Surface, sections};
 use liepoisson_core::ensemble::{Control, Ensemble};
@@ -11,11 +11,11 @@ use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1).map(|argument| argument.parse::<usize>());
-    let members = arguments.next().transpose()?.unwrap_or(256);
+    let trajectories = arguments.next().transpose()?.unwrap_or(256);
     let n_crossings = arguments.next().transpose()?.unwrap_or(1000);
     let top = Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 0.0)?;
     // alpha of length one, beta = 0: the ordinary top
-    let states: Vec<f64> = (0..members)
+    let states: Vec<f64> = (0..trajectories)
         .flat_map(|k| {
             let (angle, height) = (k as f64, 0.9 * libm::sin(1.7 * k as f64));
             let radius = (1.0 - height * height).sqrt();

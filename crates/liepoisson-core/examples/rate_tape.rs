@@ -1,4 +1,5 @@
-//! How fast are fields given as tapes? `cargo run --release --example rate_tape -- [tolerance] [members] [t_end] [repeats] [name]`
+//! How fast are fields given as tapes?
+//! `cargo run --release --example rate_tape -- [tolerance] [trajectories] [t_end] [repeats] [name]`
 //!
 //! A double pendulum and the canonical top, each with one tangent vector, one thread, every instruction set of this
 //! processor (or the one in `LIEPOISSON_SIMD`); the best of the repeats. The name of one of the two
@@ -110,7 +111,7 @@ fn spread(k: usize, component: usize, low: f64, high: f64) -> f64 {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let tolerance = arguments.next().map_or(Ok(1e-15), |s| s.parse())?;
-    let members: usize = arguments.next().map_or(Ok(512), |s| s.parse())?;
+    let trajectories: usize = arguments.next().map_or(Ok(512), |s| s.parse())?;
     let t_end: f64 = arguments.next().map_or(Ok(50.0), |s| s.parse())?;
     let repeats: usize = arguments.next().map_or(Ok(3), |s| s.parse())?;
     let wanted = arguments.next().unwrap_or_default();
@@ -126,8 +127,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let n = ranges.len();
         let states: Vec<f64> =
-            (0..members * n).map(|at| spread(at / n, at % n, ranges[at % n].0, ranges[at % n].1)).collect();
-        let tangents: Vec<f64> = (0..members * n).map(|at| spread(at / n + 7, at % n, -1.0, 1.0)).collect();
+            (0..trajectories * n).map(|at| spread(at / n, at % n, ranges[at % n].0, ranges[at % n].1)).collect();
+        let tangents: Vec<f64> = (0..trajectories * n).map(|at| spread(at / n + 7, at % n, -1.0, 1.0)).collect();
         let (tangents, times) = (&tangents, &[0.0, t_end]);
         let ensemble = Ensemble { field: &tape, method, states: &states, tangents, n_tangents: 1, times };
         let forced = std::env::var_os("LIEPOISSON_SIMD").is_some();
@@ -139,12 +140,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (mut steps, mut mean) = (0, f64::NAN);
             for _ in 0..repeats {
                 let start = Instant::now();
-                let growth = lyapunov::growth(&ensemble, 1, simd, &Control::default(), |_| ())?;
+                let found = lyapunov::finite_time_exponents(&ensemble, 1, simd, &Control::default(), |_| ())?;
                 best = best.min(start.elapsed().as_secs_f64());
-                steps = growth.summaries.iter().map(|summary| summary.n_steps).sum::<u64>();
-                mean = growth.exponents.iter().sum::<f64>() / members as f64;
+                steps = found.summaries.iter().map(|summary| summary.n_steps).sum::<u64>();
+                mean = found.exponents.iter().sum::<f64>() / trajectories as f64;
             }
-            let units = members as f64 * t_end;
+            let units = trajectories as f64 * t_end;
             println!(
                 "{name}, {:>6}: order {}, {:.2} steps per unit, {:.4}e6 units/s, {:.0} ns per step, exponent {mean:.12}",
                 simd.name(),

@@ -81,8 +81,8 @@ pub enum Error {
     },
     /// The growth of a tangent vector that is zero or not finite.
     TangentVector {
-        /// Member of the ensemble that it belongs to.
-        member: usize,
+        /// Trajectory of the ensemble that it belongs to.
+        trajectory: usize,
     },
     /// The result, or the dense output on the way to it, does not fit into memory.
     Memory {
@@ -111,7 +111,7 @@ pub enum Error {
     /// Quadratic fields for trajectories side by side that differ in more than coefficients.
     OtherTerms {
         /// Which field has other terms than the first.
-        member: usize,
+        trajectory: usize,
     },
     /// The name of an instruction that no tape has.
     UnknownInstruction {
@@ -258,9 +258,9 @@ impl fmt::Display for Error {
             Error::Length { name, wanted, got } => {
                 write!(f, "{name}: wanted {wanted} numbers; got {got}; one row per trajectory is needed")
             }
-            Error::TangentVector { member } => write!(
+            Error::TangentVector { trajectory } => write!(
                 f,
-                "tangent vector of member {member}: wanted finite components, not all zero or negligibly small; \
+                "tangent vector of member {trajectory}: wanted finite components, not all zero or negligibly small; \
                  leave tangent vectors out to have them drawn from the seed"
             ),
             Error::Memory { bytes } => write!(
@@ -282,9 +282,9 @@ impl fmt::Display for Error {
             Error::Threads { wanted } => {
                 write!(f, "threads: wanted {wanted}; the system starts none; try fewer, or end other programs")
             }
-            Error::OtherTerms { member } => write!(
+            Error::OtherTerms { trajectory } => write!(
                 f,
-                "fields: wanted quadratic fields with the same terms; got one, number {member}, with others than the first; \
+                "fields: wanted quadratic fields with the same terms; got one, number {trajectory}, with others than the first; \
                  integrate fields with other terms apart"
             ),
             Error::AcrossComponents => write!(

@@ -1,7 +1,8 @@
 //! The numerics of liepoisson: `x' = J(x) grad H(x)` for many starts at once, with tangent vectors.
 //!
 //! A [`field::Field`] is expanded in its power series by [`method::Taylor`] for as many trajectories as a register has
-//! [`lanes`]; an [`ensemble::Ensemble`] deals its members to threads and lanes; [`analysis`] watches each accepted step.
+//! [`lanes`]; an [`ensemble::Ensemble`] deals its trajectories to threads and lanes; [`analysis`] watches each accepted step.
+//! Where field and method are chosen when the program runs, [`choice`] says which go together.
 //!
 //! ```
 //! use liepoisson_core::{analysis::orbit, ensemble::Control, field::Top, lanes::Simd, method::Taylor};
@@ -23,6 +24,7 @@
 //! ```
 
 pub mod analysis;
+pub mod choice;
 pub mod elementary;
 pub mod enclosure;
 pub mod ensemble;

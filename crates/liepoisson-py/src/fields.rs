@@ -1,25 +1,17 @@
 //! Vector fields as Python gives them.
 
 use crate::errors::guarded;
+use liepoisson_core::choice::AnyField;
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Pieces, Quadratic, Quadratics, Ridge, Space, Tape, Top, Tops};
+use liepoisson_core::field::{Instruction, Quadratic, Quadratics, Ridge, SplitTerms, Tape, Top, Tops};
 use pyo3::prelude::*;
 
 /// A vector field that the core integrates.
 #[pyclass(frozen, module = "liepoisson._core")]
-pub(crate) struct Field(pub(crate) Kind);
-
-pub(crate) enum Kind {
-    Top(Top),
-    Tops(Tops),
-    Quadratic(Quadratic),
-    Quadratics(Quadratics),
-    Tape(Tape),
-    Pieces(Pieces),
-}
+pub(crate) struct Field(pub(crate) AnyField);
 
 /// A linear form, the coefficients of a polynomial, a sparse matrix.
-type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
+type SplitTermParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
 
 /// Entries of degree zero, one and two.
 type QuadraticParts = (Vec<(usize, f64)>, Vec<(usize, usize, f64)>, Vec<(usize, usize, usize, f64)>);
@@ -40,20 +32,13 @@ impl Field {
     /// Dimension of the state.
     #[getter]
     pub(crate) fn n_components(&self) -> usize {
-        match &self.0 {
-            Kind::Top(top) => top.n_components(),
-            Kind::Tops(tops) => tops.n_components(),
-            Kind::Quadratic(quadratic) => quadratic.n_components(),
-            Kind::Quadratics(quadratics) => quadratics.n_components(),
-            Kind::Tape(tape) => tape.n_components(),
-            Kind::Pieces(pieces) => pieces.n_components(),
-        }
+        self.0.n_components()
     }
 
     /// The charged or twisted top.
     #[staticmethod]
     fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {
-        guarded(|| Top::new(inertia, a, b, epsilon)).map(|top| Field(Kind::Top(top)))
+        guarded(|| Top::new(inertia, a, b, epsilon)).map(|top| Field(AnyField::Top(top)))
     }
 
     /// Tops, one for each trajectory.
@@ -63,7 +48,7 @@ impl Field {
             let made = tops.into_iter().map(|(inertia, a, b, epsilon)| Top::new(inertia, a, b, epsilon));
             Tops::new(made.collect::<Result<_, _>>()?)
         })
-        .map(|tops| Field(Kind::Tops(tops)))
+        .map(|tops| Field(AnyField::Tops(tops)))
     }
 
     /// Any field of degree at most two, by its nonzero entries.
@@ -75,7 +60,7 @@ impl Field {
         quadratic: Vec<(usize, usize, usize, f64)>,
     ) -> PyResult<Field> {
         let field = guarded(|| Quadratic::new(n_components, &constant, &linear, &quadratic))?;
-        Ok(Field(Kind::Quadratic(field)))
+        Ok(Field(AnyField::Quadratic(field)))
     }
 
     /// Fields of degree at most two with the same terms, one for each trajectory, by their nonzero entries.
@@ -84,21 +69,21 @@ impl Field {
         let make = |(constant, linear, quadratic): QuadraticParts| {
             Quadratic::new(n_components, &constant, &linear, &quadratic)
         };
-        guarded(|| Quadratics::new(fields.into_iter().map(make))).map(|fields| Field(Kind::Quadratics(fields)))
+        guarded(|| Quadratics::new(fields.into_iter().map(make))).map(|fields| Field(AnyField::Quadratics(fields)))
     }
 
     /// Any smooth field, by the instructions that compute it.
     #[staticmethod]
     fn tape(n_components: usize, instructions: Vec<InstructionParts>, outputs: Vec<usize>) -> PyResult<Field> {
         let tape = guarded(|| Tape::new(n_components, read_instructions(&instructions)?, outputs))?;
-        Ok(Field(Kind::Tape(tape)))
+        Ok(Field(AnyField::Tape(tape)))
     }
 
-    /// A Lie-Poisson system by pieces of its Hamiltonian, each with a known flow: form, derivative, matrix.
+    /// A Lie-Poisson system by split terms of its Hamiltonian, each with a known flow: form, derivative, matrix.
     #[staticmethod]
-    fn pieces(n_components: usize, pieces: Vec<PieceParts>) -> PyResult<Field> {
+    fn pieces(n_components: usize, pieces: Vec<SplitTermParts>) -> PyResult<Field> {
         let ridges =
             pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
-        guarded(|| Pieces::new(n_components, ridges)).map(|pieces| Field(Kind::Pieces(pieces)))
+        guarded(|| SplitTerms::new(n_components, ridges)).map(|terms| Field(AnyField::SplitTerms(terms)))
     }
 }

@@ -10,13 +10,14 @@ mod linear;
 mod methods;
 
 use crate::errors::{broken, exception, guarded, translate};
-use crate::fields::{Field, InstructionParts, Kind, read_instructions};
-use crate::methods::{How, Method, with_field_and_method};
+use crate::fields::{Field, InstructionParts, read_instructions};
+use crate::methods::Method;
 use liepoisson_core::analysis::frame::orthonormalise;
-use liepoisson_core::analysis::section::{self, Doubts, Surface};
-use liepoisson_core::analysis::tangent_frames::{self, Course};
-use liepoisson_core::analysis::{lyapunov, orbit};
-use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
+use liepoisson_core::analysis::section::{self, Surface, Uncertified};
+use liepoisson_core::analysis::tangent_frames::{self, Schedule};
+use liepoisson_core::analysis::{last_states, lyapunov, orbit};
+use liepoisson_core::choice::{AnyField, AnyMethod};
+use liepoisson_core::ensemble::{AnyEnsemble, Control, Outcome, Summary};
 use liepoisson_core::error::Error;
 use liepoisson_core::field::Functions;
 use liepoisson_core::lanes::Simd;
@@ -44,7 +45,7 @@ const BETWEEN_SIGNALS: Duration = Duration::from_millis(100);
 /// that, several times a second, lets Python look for signals and calls `progress` with the fraction that is done.
 fn supervised<R: Send>(
     py: Python<'_>,
-    n_members: usize,
+    n_trajectories: usize,
     time_limit: f64,
     progress: Option<Py<PyAny>>,
     work: impl Send + FnOnce(&Control, &mut (dyn FnMut(&dyn Fn(Duration) -> bool) + Send)) -> Result<R, Error>,
@@ -65,7 +66,7 @@ fn supervised<R: Send>(
                 let seen = Python::attach(|py| {
                     py.check_signals()?;
                     if let Some(progress) = &progress {
-                        progress.call1(py, (control.done() / n_members as f64,))?;
+                        progress.call1(py, (control.done() / n_trajectories as f64,))?;
                     }
                     Ok(())
                 });
@@ -84,22 +85,24 @@ fn supervised<R: Send>(
     }
 }
 
-/// Writes outcome codes, times reached, numbers of steps and last states into the result.
-fn add_summaries(result: &Bound<'_, PyDict>, summaries: &[Summary], n: usize) -> PyResult<()> {
-    let py = result.py();
-    let code =
-        |summary: &Summary| Outcome::ALL.iter().position(|&outcome| outcome == summary.outcome).unwrap_or(0) as i8;
-    let mut states = Vec::new();
-    let bytes = summaries.len().saturating_mul(n).saturating_mul(8);
-    states.try_reserve_exact(summaries.len().saturating_mul(n)).map_err(|_| translate(Error::Memory { bytes }))?;
-    for summary in summaries {
-        states.extend((0..n).map(|i| summary.state.get(i).copied().unwrap_or(f64::NAN)));
-    }
-    result.set_item("outcome", PyArray1::from_iter(py, summaries.iter().map(code)))?;
+/// The result of a run: outcome codes, times reached, numbers of steps and last states; kernel and order.
+fn result_of_run<'py>(
+    py: Python<'py>,
+    summaries: &[Summary],
+    n_components: usize,
+    kernel: &str,
+    order: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let codes = summaries.iter().map(|summary| summary.outcome.code() as i8);
+    let states = last_states(summaries, n_components).map_err(translate)?;
+    result.set_item("outcome", PyArray1::from_iter(py, codes))?;
     result.set_item("end_time", PyArray1::from_iter(py, summaries.iter().map(|summary| summary.time)))?;
     result.set_item("n_steps", PyArray1::from_iter(py, summaries.iter().map(|summary| summary.n_steps as i64)))?;
     result.set_item("final_state", PyArray1::from_vec(py, states))?;
-    Ok(())
+    result.set_item("kernel", kernel)?;
+    result.set_item("order", order)?;
+    Ok(result)
 }
 
 /// Orbits at `times`; arrays are flat, row-major: see `_core.pyi`.
@@ -122,30 +125,24 @@ fn orbits<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
     let simd = Simd::from_environment().map_err(translate)?;
-    macro_rules! run {
-        ($field:expr, $method:expr) => {{
-            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
-                orbit::orbits(&ensemble, threads, simd, control, dense, watch)
-            })?
-        }};
-    }
-    let (kernel, orbits) = match (&field.0, method.0) {
-        (Kind::Top(top), How::Taylor(taylor)) if components && n_tangents == 0 => {
-            ("components", run!(top, AcrossComponents(taylor)))
+    let (kernel, method) = match (components, method.0) {
+        (false, method) => (simd.name(), method),
+        (true, AnyMethod::Taylor(taylor)) if n_tangents == 0 && matches!(field.0, AnyField::Top(_)) => {
+            ("components", AnyMethod::AcrossComponents(AcrossComponents(taylor)))
         }
-        _ if components => return Err(translate(Error::AcrossComponents)),
-        _ => (simd.name(), with_field_and_method!(field, method, run)),
+        (true, _) => return Err(translate(Error::AcrossComponents)),
     };
-    let result = PyDict::new(py);
-    add_summaries(&result, &orbits.summaries, field.n_components())?;
+    let integrator = field.0.with(method).map_err(translate)?;
+    let ensemble = AnyEnsemble::new(integrator, states, tangents, n_tangents, times);
+    let orbits = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
+        orbit::orbits(ensemble, threads, simd, control, dense, watch)
+    })?;
+    let result = result_of_run(py, &orbits.summaries, field.n_components(), kernel, method.order())?;
     result.set_item("state", orbits.states.into_pyarray(py))?;
     result.set_item("tangent", orbits.tangents.into_pyarray(py))?;
     let series =
         orbits.series.into_iter().map(|series| (series.times.into_pyarray(py), series.coefficients.into_pyarray(py)));
     result.set_item("series", series.collect::<Vec<_>>())?;
-    result.set_item("kernel", kernel)?;
-    result.set_item("order", method.0.order())?;
     Ok(result)
 }
 
@@ -185,20 +182,12 @@ fn growth<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let simd = Simd::from_environment().map_err(translate)?;
     let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
-    macro_rules! run {
-        ($field:expr, $method:expr) => {{
-            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
-                lyapunov::growth(&ensemble, threads, simd, control, watch)
-            })?
-        }};
-    }
-    let growth = with_field_and_method!(field, method, run);
-    let result = PyDict::new(py);
-    add_summaries(&result, &growth.summaries, field.n_components())?;
-    result.set_item("exponent", growth.exponents.into_pyarray(py))?;
-    result.set_item("kernel", simd.name())?;
-    result.set_item("order", method.0.order())?;
+    let ensemble = AnyEnsemble::new(field.0.with(method.0).map_err(translate)?, states, tangents, 1, times);
+    let found = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
+        lyapunov::finite_time_exponents(ensemble, threads, simd, control, watch)
+    })?;
+    let result = result_of_run(py, &found.summaries, field.n_components(), simd.name(), method.0.order())?;
+    result.set_item("exponent", found.exponents.into_pyarray(py))?;
     Ok(result)
 }
 
@@ -228,20 +217,13 @@ fn carry_frames<'py>(
     let simd = Simd::from_environment().map_err(translate)?;
     let (states, frames) = (&*copied(&states)?, &*copied(&frames)?);
     let (units, elapsed) = (&*copied(&units)?, &*copied(&elapsed)?);
-    let course = Course { frames, units, elapsed, n_intervals, per_row, keep };
+    let schedule = Schedule { frames, units, elapsed, n_intervals, per_row, keep };
     let times = &[0.0, duration];
-    macro_rules! run {
-        ($field:expr, $method:expr) => {{
-            let ensemble =
-                Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
-                tangent_frames::carry(&ensemble, &course, threads, simd, control, watch)
-            })?
-        }};
-    }
-    let carried = with_field_and_method!(field, method, run);
-    let result = PyDict::new(py);
-    add_summaries(&result, &carried.summaries, field.n_components())?;
+    let ensemble = AnyEnsemble::new(field.0.with(method.0).map_err(translate)?, states, &[], n_vectors, times);
+    let carried = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
+        tangent_frames::carry(ensemble, &schedule, threads, simd, control, watch)
+    })?;
+    let result = result_of_run(py, &carried.summaries, field.n_components(), simd.name(), method.0.order())?;
     result.set_item("growth", carried.growth.into_pyarray(py))?;
     result.set_item("triangle", carried.triangles.into_pyarray(py))?;
     result.set_item("kept_frame", carried.kept_frames.into_pyarray(py))?;
@@ -249,8 +231,6 @@ fn carry_frames<'py>(
     result.set_item("frame", carried.frames.into_pyarray(py))?;
     result.set_item("n_complete", PyArray1::from_iter(py, carried.n_complete.iter().map(|&n| n as i64)))?;
     result.set_item("largest_ratio", carried.largest_ratios.into_pyarray(py))?;
-    result.set_item("kernel", simd.name())?;
-    result.set_item("order", method.0.order())?;
     Ok(result)
 }
 
@@ -274,41 +254,29 @@ fn sections<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let simd = Simd::from_environment().map_err(translate)?;
     let (states, times) = (&*copied(&states)?, &*copied(&times)?);
-    let How::Taylor(method) = method.0 else { return Err(translate(Error::MethodForField)) };
+    let ensemble = field.0.section(method.0, states, times).map_err(translate)?;
     let (n_components, instructions, outputs) = surface;
     let surface = guarded(|| {
         let functions = Functions::new(n_components, read_instructions(&instructions)?, outputs)?;
         let (function, kept) = functions.split_first();
         Ok(Surface { function, kept, direction, n_crossings, sides })
     })?;
-    macro_rules! run {
-        ($field:expr) => {{
-            let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
-            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
-                section::sections(&ensemble, &surface, threads, simd, control, watch)
-            })?
-        }};
-    }
-    let sections = match &field.0 {
-        Kind::Top(field) => run!(field),
-        Kind::Quadratic(field) => run!(field),
-        Kind::Tape(field) => run!(field),
-        Kind::Tops(_) | Kind::Quadratics(_) | Kind::Pieces(_) => return Err(translate(Error::MethodForField)),
-    };
-    let result = PyDict::new(py);
-    add_summaries(&result, &sections.summaries, field.n_components())?;
+    let sections = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
+        section::sections(ensemble, &surface, threads, simd, control, watch)
+    })?;
+    let result = result_of_run(py, &sections.summaries, field.n_components(), simd.name(), method.0.order())?;
     let counts = |counts: Vec<usize>| PyArray1::from_iter(py, counts.into_iter().map(|count| count as i64));
-    let doubts = |count: &dyn Fn(&Doubts) -> u64| {
-        PyArray1::from_iter(py, sections.doubts.iter().map(|doubts| count(doubts) as i64))
+    let uncertified = |count: &dyn Fn(&Uncertified) -> u64| {
+        PyArray1::from_iter(py, sections.uncertified.iter().map(|uncertified| count(uncertified) as i64))
     };
-    result.set_item("unbounded_steps", doubts(&|doubts| doubts.n_unbounded))?;
-    result.set_item("unseen_steps", doubts(&|doubts| doubts.n_unseen))?;
-    let times = |time: &dyn Fn(&Doubts) -> f64| PyArray1::from_iter(py, sections.doubts.iter().map(time));
-    result.set_item("undefined_time", times(&|doubts| doubts.undefined_time))?;
-    result.set_item("unresolved_time", times(&|doubts| doubts.unresolved_time))?;
-    result.set_item("seen_to", times(&|doubts| doubts.seen_to))?;
-    result.set_item("lost_changes", doubts(&|doubts| doubts.n_lost_changes))?;
-    let in_surface = sections.doubts.iter().map(|doubts| doubts.is_in_surface);
+    result.set_item("unbounded_steps", uncertified(&|uncertified| uncertified.n_unbounded))?;
+    result.set_item("unseen_steps", uncertified(&|uncertified| uncertified.n_unseen))?;
+    let times = |time: &dyn Fn(&Uncertified) -> f64| PyArray1::from_iter(py, sections.uncertified.iter().map(time));
+    result.set_item("undefined_time", times(&|uncertified| uncertified.undefined_time))?;
+    result.set_item("unresolved_time", times(&|uncertified| uncertified.unresolved_time))?;
+    result.set_item("seen_to", times(&|uncertified| uncertified.seen_to))?;
+    result.set_item("lost_changes", uncertified(&|uncertified| uncertified.n_lost_changes))?;
+    let in_surface = sections.uncertified.iter().map(|uncertified| uncertified.is_in_surface);
     result.set_item("in_surface", PyArray1::from_iter(py, in_surface))?;
     result.set_item("side", sections.sides.into_pyarray(py))?;
     result.set_item("first_step", sections.first_steps.into_pyarray(py))?;
@@ -319,8 +287,6 @@ fn sections<'py>(
     result.set_item("touch_count", counts(sections.touch_counts))?;
     result.set_item("touch_time", sections.touches.times.into_pyarray(py))?;
     result.set_item("touch_state", sections.touches.states.into_pyarray(py))?;
-    result.set_item("kernel", simd.name())?;
-    result.set_item("order", method.order())?;
     Ok(result)
 }
 

@@ -4,12 +4,41 @@ use crate::errors::exception;
 use crate::{Doubles, copied};
 use liepoisson_core::elementary;
 use liepoisson_core::fourier;
-use liepoisson_core::linear::{self, Lu};
+use liepoisson_core::linear::{self, Eigen, Lu, Singular};
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 
 /// Several arrays of doubles.
 type Parts<'py, const N: usize> = [Doubles<'py>; N];
+
+/// `N` arrays with the numbers of each of `n` matrices that have `size` entries; none where one matrix has no numbers.
+fn of_each<'py, const N: usize, Numbers: IntoIterator<Item = f64>>(
+    py: Python<'py>,
+    array: &PyReadonlyArray1<'py, f64>,
+    n: usize,
+    size: usize,
+    numbers_of: impl Fn(&[f64]) -> Option<[Numbers; N]>,
+) -> PyResult<Option<Parts<'py, N>>> {
+    let matrices = matrices(array, n, size)?;
+    let mut found = [const { Vec::new() }; N];
+    for k in 0..n {
+        let Some(numbers) = numbers_of(&matrices[k * size..(k + 1) * size]) else { return Ok(None) };
+        found.iter_mut().zip(numbers).for_each(|(all, these)| all.extend(these));
+    }
+    Ok(Some(found.map(|numbers| numbers.into_pyarray(py))))
+}
+
+/// The same where every matrix has them.
+fn of_all<'py, const N: usize, Numbers: IntoIterator<Item = f64>>(
+    py: Python<'py>,
+    array: &PyReadonlyArray1<'py, f64>,
+    n: usize,
+    size: usize,
+    numbers_of: impl Fn(&[f64]) -> [Numbers; N],
+) -> PyResult<Parts<'py, N>> {
+    let found = of_each(py, array, n, size, |matrix| Some(numbers_of(matrix)))?;
+    Ok(found.expect("each matrix has numbers"))
+}
 
 fn wrong_length(name: &str, wanted: usize, got: usize) -> PyErr {
     exception("ShapeError", &format!("{name}: wanted {wanted} numbers; got {got}."))
@@ -79,14 +108,11 @@ pub(crate) fn determinants<'py>(
     n_matrices: usize,
     n: usize,
 ) -> PyResult<Parts<'py, 3>> {
-    let a = matrices(&a, n_matrices, n * n)?;
-    let mut found = [const { Vec::new() }; 3];
-    for k in 0..n_matrices {
-        let lu = Lu::new(part(&a, n * n, k), n);
+    of_all(py, &a, n_matrices, n * n, |matrix| {
+        let lu = Lu::new(matrix, n);
         let (sign, logarithm) = lu.sign_and_logarithm();
-        found.iter_mut().zip([lu.determinant(), sign, logarithm]).for_each(|(column, x)| column.push(x));
-    }
-    Ok(found.map(|column| column.into_pyarray(py)))
+        [[lu.determinant()], [sign], [logarithm]]
+    })
 }
 
 /// Cholesky's factors of symmetric matrices of shape (n, n); none where one is not positive definite.
@@ -97,9 +123,8 @@ pub(crate) fn cholesky<'py>(
     n_matrices: usize,
     n: usize,
 ) -> PyResult<Option<Doubles<'py>>> {
-    let a = matrices(&a, n_matrices, n * n)?;
-    let found: Option<Vec<_>> = (0..n_matrices).map(|k| linear::cholesky(part(&a, n * n, k), n)).collect();
-    Ok(found.map(|lower| lower.concat().into_pyarray(py)))
+    let found = of_each(py, &a, n_matrices, n * n, |matrix| linear::cholesky(matrix, n).map(|lower| [lower]))?;
+    Ok(found.map(|[lower]| lower))
 }
 
 /// U, the singular values, and V^T of matrices of shape (n, m) with n >= m.
@@ -114,13 +139,10 @@ pub(crate) fn singular<'py>(
     if n < m {
         return Err(exception("ShapeError", "matrices must have at least as many rows as columns; got another shape."));
     }
-    let a = matrices(&a, n_matrices, n * m)?;
-    let mut found = [const { Vec::new() }; 3];
-    for k in 0..n_matrices {
-        let one = linear::singular(part(&a, n * m, k), n, m);
-        found.iter_mut().zip([one.left, one.values, one.right]).for_each(|(all, these)| all.extend(these));
-    }
-    Ok(found.map(|numbers| numbers.into_pyarray(py)))
+    of_all(py, &a, n_matrices, n * m, |matrix| {
+        let Singular { left, values, right } = linear::singular(matrix, n, m);
+        [left, values, right]
+    })
 }
 
 /// Eigenvalues, rising, and eigenvectors as rows of symmetric matrices, of which the lower triangles are read.
@@ -131,13 +153,7 @@ pub(crate) fn symmetric<'py>(
     n_matrices: usize,
     n: usize,
 ) -> PyResult<Parts<'py, 2>> {
-    let a = matrices(&a, n_matrices, n * n)?;
-    let mut found = [const { Vec::new() }; 2];
-    for k in 0..n_matrices {
-        let (values, vectors) = linear::symmetric(part(&a, n * n, k), n);
-        found.iter_mut().zip([values, vectors]).for_each(|(all, these)| all.extend(these));
-    }
-    Ok(found.map(|numbers| numbers.into_pyarray(py)))
+    of_all(py, &a, n_matrices, n * n, |matrix| <[_; 2]>::from(linear::symmetric(matrix, n)))
 }
 
 /// Eigenvalues and eigenvectors as rows of matrices of shape (n, n), real and imaginary parts by turns; none where one has entries
@@ -149,13 +165,10 @@ pub(crate) fn eigen<'py>(
     n_matrices: usize,
     n: usize,
 ) -> PyResult<Option<Parts<'py, 2>>> {
-    let a = matrices(&a, n_matrices, n * n)?;
-    let mut found = [const { Vec::new() }; 2];
-    for k in 0..n_matrices {
-        let Some(one) = linear::eigen(part(&a, n * n, k), n) else { return Ok(None) };
-        found.iter_mut().zip([one.values, one.vectors]).for_each(|(all, these)| all.extend(these.as_flattened()));
-    }
-    Ok(Some(found.map(|numbers| numbers.into_pyarray(py))))
+    of_each(py, &a, n_matrices, n * n, |matrix| {
+        let Eigen { values, vectors } = linear::eigen(matrix, n)?;
+        Some([values, vectors].map(|pairs| pairs.into_flattened()))
+    })
 }
 
 /// Fourier transforms of rows of `n` complex samples, real and imaginary parts by turns; `n` is a power of two.

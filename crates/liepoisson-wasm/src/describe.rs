@@ -2,65 +2,40 @@
 
 use crate::json::{self, Value};
 use crate::refusal::{Kind, Refusal};
-use liepoisson_core::field::{Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use liepoisson_core::choice::{AnyField, AnyMethod};
+use liepoisson_core::field::{Functions, Instruction, Quadratic, Ridge, SplitTerms, Tape, Top};
 use liepoisson_core::method::{Splitting, Taylor};
 
 /// A vector field.
-pub(crate) enum Field {
-    Top(Top),
-    Quadratic(Quadratic),
-    Tape(Tape),
-    Pieces(Pieces),
-}
-
-/// A method of integration.
-#[derive(Clone, Copy)]
-pub(crate) enum Method {
-    Taylor(Taylor),
-    Splitting(Splitting),
-}
-
-impl Field {
-    pub(crate) fn n_components(&self) -> usize {
-        match self {
-            Field::Top(field) => field.n_components(),
-            Field::Quadratic(field) => field.n_components(),
-            Field::Tape(field) => field.n_components(),
-            Field::Pieces(field) => field.n_components(),
+pub(crate) fn read_field(text: &[u8]) -> Result<AnyField, Refusal> {
+    let record = Record::read("field", text)?;
+    match record.kind()? {
+        "top" => {
+            let [inertia, a, b] = ["inertia", "a", "b"].map(|name| record.get(name)?.triple());
+            Ok(AnyField::Top(Top::new(inertia?, a?, b?, record.get("epsilon")?.number()?)?))
         }
-    }
-
-    pub(crate) fn read(text: &[u8]) -> Result<Field, Refusal> {
-        let record = Record::read("field", text)?;
-        match record.kind()? {
-            "top" => {
-                let [inertia, a, b] = ["inertia", "a", "b"].map(|name| record.get(name)?.triple());
-                Ok(Field::Top(Top::new(inertia?, a?, b?, record.get("epsilon")?.number()?)?))
-            }
-            "quadratic" => {
-                let constant = record.get("constant")?.each(|entry| entry.entry().map(|([i], c)| (i, c)))?;
-                let linear = record.get("linear")?.each(|entry| entry.entry().map(|([i, j], c)| (i, j, c)))?;
-                let quadratic =
-                    record.get("quadratic")?.each(|entry| entry.entry().map(|([i, j, k], c)| (i, j, k, c)))?;
-                Ok(Field::Quadratic(Quadratic::new(record.n_components()?, &constant, &linear, &quadratic)?))
-            }
-            "tape" => {
-                let (instructions, outputs) = record.lines()?;
-                Ok(Field::Tape(Tape::new(record.n_components()?, instructions, outputs)?))
-            }
-            "pieces" => {
-                let ridges = record.get("pieces")?.each(|piece| {
-                    let [form, derivative, generator] = piece.items()?;
-                    Ok(Ridge {
-                        form: form.each(|entry| entry.entry().map(|([i], c)| (i, c)))?,
-                        derivative: derivative.each(Part::number)?,
-                        generator: generator.each(|entry| entry.entry().map(|([i, k], c)| (i, k, c)))?,
-                    })
-                })?;
-                Ok(Field::Pieces(Pieces::new(record.n_components()?, ridges)?))
-            }
-            other => Err(record.unknown(other, "top, quadratic, tape or pieces")),
+        "quadratic" => {
+            let constant = record.get("constant")?.each(|entry| entry.entry().map(|([i], c)| (i, c)))?;
+            let linear = record.get("linear")?.each(|entry| entry.entry().map(|([i, j], c)| (i, j, c)))?;
+            let quadratic = record.get("quadratic")?.each(|entry| entry.entry().map(|([i, j, k], c)| (i, j, k, c)))?;
+            Ok(AnyField::Quadratic(Quadratic::new(record.n_components()?, &constant, &linear, &quadratic)?))
         }
+        "tape" => {
+            let (instructions, outputs) = record.lines()?;
+            Ok(AnyField::Tape(Tape::new(record.n_components()?, instructions, outputs)?))
+        }
+        "pieces" => {
+            let ridges = record.get("pieces")?.each(|piece| {
+                let [form, derivative, generator] = piece.items()?;
+                Ok(Ridge {
+                    form: form.each(|entry| entry.entry().map(|([i], c)| (i, c)))?,
+                    derivative: derivative.each(Part::number)?,
+                    generator: generator.each(|entry| entry.entry().map(|([i, k], c)| (i, k, c)))?,
+                })
+            })?;
+            Ok(AnyField::SplitTerms(SplitTerms::new(record.n_components()?, ridges)?))
+        }
+        other => Err(record.unknown(other, "top, quadratic, tape or pieces")),
     }
 }
 
@@ -74,25 +49,24 @@ pub(crate) fn read_functions(text: &[u8]) -> Result<Functions, Refusal> {
 /// Steps that a trajectory may take unless a method says otherwise, as in Python.
 const MAX_STEPS: u64 = 10_000_000;
 
-impl Method {
-    pub(crate) fn read(text: &[u8]) -> Result<Method, Refusal> {
-        let record = Record::read("method", text)?;
-        let max_steps = match record.optional("max_steps") {
-            Some(count) => count.whole()? as u64,
-            None => MAX_STEPS,
-        };
-        match record.kind()? {
-            "taylor" => {
-                let order = record.optional("order").map(|order| order.whole()).transpose()?;
-                let tol = record.optional("tol").map_or(Ok(1e-15), |tol| tol.number())?;
-                Ok(Method::Taylor(Taylor::new(tol, order, max_steps)?))
-            }
-            "splitting" => {
-                let order = record.optional("order").map_or(Ok(4), |order| order.whole())?;
-                Ok(Method::Splitting(Splitting::new(order, record.get("step")?.number()?, max_steps)?))
-            }
-            other => Err(record.unknown(other, "taylor or splitting")),
+/// A method of integration.
+pub(crate) fn read_method(text: &[u8]) -> Result<AnyMethod, Refusal> {
+    let record = Record::read("method", text)?;
+    let max_steps = match record.optional("max_steps") {
+        Some(count) => count.whole()? as u64,
+        None => MAX_STEPS,
+    };
+    match record.kind()? {
+        "taylor" => {
+            let order = record.optional("order").map(|order| order.whole()).transpose()?;
+            let tol = record.optional("tol").map_or(Ok(1e-15), |tol| tol.number())?;
+            Ok(AnyMethod::Taylor(Taylor::new(tol, order, max_steps)?))
         }
+        "splitting" => {
+            let order = record.optional("order").map_or(Ok(4), |order| order.whole())?;
+            Ok(AnyMethod::Splitting(Splitting::new(order, record.get("step")?.number()?, max_steps)?))
+        }
+        other => Err(record.unknown(other, "taylor or splitting")),
     }
 }
 

@@ -13,9 +13,9 @@ mod refusal;
 mod runs;
 mod table;
 
-use crate::describe::{Field, Method};
 use crate::refusal::{Kind, Refusal};
 use crate::table::{Thing, keep, say};
+use liepoisson_core::analysis::filled;
 use liepoisson_core::ensemble::Outcome;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -31,8 +31,12 @@ fn answer(result: Result<Thing, Refusal>) -> i32 {
     }
 }
 
+fn bytes(bytes: Vec<u8>) -> Thing {
+    Thing::Bytes(Rc::new(RefCell::new(bytes)))
+}
+
 fn text(text: String) -> Result<Thing, Refusal> {
-    Ok(Thing::Bytes(Rc::new(RefCell::new(text.into_bytes()))))
+    Ok(bytes(text.into_bytes()))
 }
 
 fn numbers(numbers: Vec<f64>) -> Thing {
@@ -53,13 +57,13 @@ pub extern "C" fn lp_start() -> i32 {
 /// Room for a text.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_bytes(len: u32) -> i32 {
-    answer(table::room(len as usize, 0).map(Thing::Bytes))
+    answer(filled(len as usize, 0).map(bytes).map_err(Refusal::from))
 }
 
 /// Room for numbers of double precision.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_numbers(len: u32) -> i32 {
-    answer(table::room(len as usize, 0.0).map(Thing::Numbers))
+    answer(filled(len as usize, 0.0).map(numbers).map_err(Refusal::from))
 }
 
 /// Where a text or numbers are in memory; 0 of anything else.
@@ -115,7 +119,7 @@ pub extern "C" fn lp_outcomes() -> i32 {
 /// A field from its description.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_field(description: i32) -> i32 {
-    answer(table::bytes(description).and_then(|text| Ok(Thing::Field(Rc::new(Field::read(&text.borrow())?)))))
+    answer(table::bytes(description).and_then(|text| Ok(Thing::Field(Rc::new(describe::read_field(&text.borrow())?)))))
 }
 
 /// Functions on phase space from their description.
@@ -128,7 +132,7 @@ pub extern "C" fn lp_functions(description: i32) -> i32 {
 /// A method from its description.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_method(description: i32) -> i32 {
-    answer(table::bytes(description).and_then(|text| Ok(Thing::Method(Method::read(&text.borrow())?))))
+    answer(table::bytes(description).and_then(|text| Ok(Thing::Method(describe::read_method(&text.borrow())?))))
 }
 
 /// Components of the state of a field or of functions; 0 of anything else.
@@ -218,8 +222,8 @@ pub extern "C" fn lp_exponents(field: i32, method: i32, states: i32, tangents: i
     answer(run())
 }
 
-/// A result: frames of tangent vectors, `(member, component, vector)`, orthonormal after each of `n_intervals` intervals of length
-/// `duration`, to go on with. Its parts are `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`.
+/// A result: frames of tangent vectors, `(trajectory, component, vector)`, orthonormal after each of `n_intervals` intervals of
+/// length `duration`, to go on with. Its parts are `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_frames(
     field: i32,

@@ -1,12 +1,12 @@
 //! The calls of the core: arrays in, a table of arrays out.
 
-use crate::describe::{Field, Method};
 use crate::refusal::{Kind, Refusal};
 use liepoisson_core::analysis::orbit::{self, Kept};
 use liepoisson_core::analysis::section::{self, Surface};
-use liepoisson_core::analysis::tangent_frames::{self, Course};
-use liepoisson_core::analysis::{lyapunov, rates};
-use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
+use liepoisson_core::analysis::tangent_frames::{self, Schedule};
+use liepoisson_core::analysis::{filled, last_states, lyapunov, rates};
+use liepoisson_core::choice::{AnyField, AnyMethod};
+use liepoisson_core::ensemble::{AnyEnsemble, Control, Summary};
 use liepoisson_core::error::Error;
 use liepoisson_core::field::Functions;
 use liepoisson_core::lanes::Simd;
@@ -18,24 +18,10 @@ pub(crate) struct Table {
     dense: Option<(usize, bool)>,
 }
 
-/// Runs a macro with the field and the method of a call, as types of their own.
-macro_rules! with_field_and_method {
-    ($field:expr, $method:expr, $run:ident) => {
-        match ($field, $method) {
-            (Field::Top(field), Method::Taylor(method)) => $run!(field, method),
-            (Field::Quadratic(field), Method::Taylor(method)) => $run!(field, method),
-            (Field::Tape(field), Method::Taylor(method)) => $run!(field, method),
-            (Field::Top(field), Method::Splitting(method)) => $run!(field, method),
-            (Field::Pieces(field), Method::Splitting(method)) => $run!(field, method),
-            _ => return Err(Error::MethodForField.into()),
-        }
-    };
-}
-
 /// Most numbers that a state and its tangent vectors may have: their series must have room in the memory of a browser.
 const MOST_NUMBERS: usize = 1 << 20;
 
-fn check_size(field: &Field, n_vectors: usize) -> Result<(), Refusal> {
+fn check_size(field: &AnyField, n_vectors: usize) -> Result<(), Refusal> {
     if n_vectors.saturating_add(1).saturating_mul(field.n_components()) <= MOST_NUMBERS {
         return Ok(());
     }
@@ -48,24 +34,19 @@ fn check_size(field: &Field, n_vectors: usize) -> Result<(), Refusal> {
 }
 
 /// Outcomes, times reached, numbers of steps and last states.
-fn ends(summaries: &[Summary], n: usize) -> [Vec<f64>; 4] {
-    let code = |summary: &Summary| {
-        Outcome::ALL.iter().position(|&outcome| outcome == summary.outcome).map_or(f64::NAN, |code| code as f64)
-    };
-    let state =
-        |summary: &Summary| (0..n).map(|i| summary.state.get(i).copied().unwrap_or(f64::NAN)).collect::<Vec<_>>();
-    [
-        summaries.iter().map(code).collect(),
+fn ends(summaries: &[Summary], n: usize) -> Result<[Vec<f64>; 4], Refusal> {
+    Ok([
+        summaries.iter().map(|summary| summary.outcome.code().into()).collect(),
         summaries.iter().map(|summary| summary.time).collect(),
         summaries.iter().map(|summary| summary.n_steps as f64).collect(),
-        summaries.iter().flat_map(state).collect(),
-    ]
+        last_states(summaries, n)?,
+    ])
 }
 
 /// `[outcome, end_time, n_steps, end_state, state, tangent, step_time, series]`; the last two of one orbit with dense output.
 pub(crate) fn orbits(
-    field: &Field,
-    method: Method,
+    field: &AnyField,
+    method: AnyMethod,
     states: &[f64],
     tangents: &[f64],
     n_tangents: usize,
@@ -76,19 +57,13 @@ pub(crate) fn orbits(
     if dense && states.len() != n {
         return Err(Error::Length { name: "states of an orbit with dense output", wanted: n, got: states.len() }.into());
     }
-    macro_rules! run {
-        ($field:expr, $method:expr) => {{
-            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents, times };
-            orbit::orbits(&ensemble, 0, Simd::widest(), &Control::default(), dense, |_| ())?
-        }};
-    }
     check_size(field, n_tangents)?;
-    let has_series = matches!(method, Method::Taylor(_));
-    if dense && !has_series {
+    if dense && !matches!(method, AnyMethod::Taylor(_)) {
         return Err(Error::MethodForField.into());
     }
-    let mut orbits = with_field_and_method!(field, method, run);
-    let [outcome, time, n_steps, last] = ends(&orbits.summaries, n);
+    let ensemble = AnyEnsemble::new(field.with(method)?, states, tangents, n_tangents, times);
+    let mut orbits = orbit::orbits(ensemble, 0, Simd::widest(), &Control::default(), dense, |_| ())?;
+    let [outcome, time, n_steps, last] = ends(&orbits.summaries, n)?;
     let series = orbits.series.pop().unwrap_or_default();
     let parts = vec![outcome, time, n_steps, last, orbits.states, orbits.tangents, series.times, series.coefficients];
     let backwards = times.len() > 1 && times[1] < times[0];
@@ -104,33 +79,28 @@ pub(crate) fn states_at(orbit: &Table, times: &[f64]) -> Result<Vec<f64>, Refusa
     Ok(orbit::states_at(&[kept], n, times, backwards, Simd::widest())?)
 }
 
-/// `[outcome, end_time, n_steps, end_state, exponent]`, the last `(member, time)` at the times after the first.
+/// `[outcome, end_time, n_steps, end_state, exponent]`, the last `(trajectory, time)` at the times after the first.
 pub(crate) fn exponents(
-    field: &Field,
-    method: Method,
+    field: &AnyField,
+    method: AnyMethod,
     states: &[f64],
     tangents: &[f64],
     times: &[f64],
 ) -> Result<Table, Refusal> {
     check_size(field, 1)?;
-    macro_rules! run {
-        ($field:expr, $method:expr) => {{
-            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
-            lyapunov::growth(&ensemble, 0, Simd::widest(), &Control::default(), |_| ())?
-        }};
-    }
-    let growth = with_field_and_method!(field, method, run);
-    let mut parts = ends(&growth.summaries, field.n_components()).to_vec();
-    parts.push(growth.exponents);
+    let ensemble = AnyEnsemble::new(field.with(method)?, states, tangents, 1, times);
+    let found = lyapunov::finite_time_exponents(ensemble, 0, Simd::widest(), &Control::default(), |_| ())?;
+    let mut parts = ends(&found.summaries, field.n_components())?.to_vec();
+    parts.push(found.exponents);
     Ok(Table { parts, dense: None })
 }
 
 /// `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`: frames of tangent vectors over intervals, to be carried
-/// on from where a call ends; `growth` is `(member, interval, vector)`.
+/// on from where a call ends; `growth` is `(trajectory, interval, vector)`.
 #[allow(clippy::too_many_arguments)] // flat, as the call comes in
 pub(crate) fn frames(
-    field: &Field,
-    method: Method,
+    field: &AnyField,
+    method: AnyMethod,
     states: &[f64],
     frames: &[f64],
     n_vectors: usize,
@@ -140,17 +110,11 @@ pub(crate) fn frames(
 ) -> Result<Table, Refusal> {
     check_size(field, n_vectors)?;
     let units = vec![1.0; states.len()];
-    let course = Course { frames, units: &units, elapsed, n_intervals, per_row: 1, keep: false };
+    let schedule = Schedule { frames, units: &units, elapsed, n_intervals, per_row: 1, keep: false };
     let times = &[0.0, duration];
-    macro_rules! run {
-        ($field:expr, $method:expr) => {{
-            let ensemble =
-                Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
-            tangent_frames::carry(&ensemble, &course, 0, Simd::widest(), &Control::default(), |_| ())?
-        }};
-    }
-    let carried = with_field_and_method!(field, method, run);
-    let mut parts = ends(&carried.summaries, field.n_components()).to_vec();
+    let ensemble = AnyEnsemble::new(field.with(method)?, states, &[], n_vectors, times);
+    let carried = tangent_frames::carry(ensemble, &schedule, 0, Simd::widest(), &Control::default(), |_| ())?;
+    let mut parts = ends(&carried.summaries, field.n_components())?.to_vec();
     parts.extend([carried.growth, carried.frames, carried.n_complete.iter().map(|&n| n as f64).collect()]);
     Ok(Table { parts, dense: None })
 }
@@ -159,8 +123,8 @@ pub(crate) fn frames(
 /// unresolved_time, undefined_time, unbounded_steps, unseen_steps, in_surface]`
 #[allow(clippy::too_many_arguments)] // flat, as the call comes in
 pub(crate) fn section(
-    field: &Field,
-    method: Method,
+    field: &AnyField,
+    method: AnyMethod,
     functions: &Functions,
     direction: i32,
     n_crossings: usize,
@@ -169,7 +133,7 @@ pub(crate) fn section(
     times: &[f64],
 ) -> Result<Table, Refusal> {
     check_size(field, 0)?;
-    let Method::Taylor(method) = method else { return Err(Error::MethodForField.into()) };
+    let ensemble = field.section(method, states, times)?;
     let (function, kept) = functions.clone().split_first();
     let surface = Surface {
         function,
@@ -178,21 +142,10 @@ pub(crate) fn section(
         n_crossings: (n_crossings > 0).then_some(n_crossings),
         sides: sides.iter().map(|&side| side as i8).collect(),
     };
-    macro_rules! run {
-        ($field:expr) => {{
-            let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
-            section::sections(&ensemble, &surface, 0, Simd::widest(), &Control::default(), |_| ())?
-        }};
-    }
-    let sections = match field {
-        Field::Top(field) => run!(field),
-        Field::Quadratic(field) => run!(field),
-        Field::Tape(field) => run!(field),
-        Field::Pieces(_) => return Err(Error::MethodForField.into()),
-    };
+    let sections = section::sections(ensemble, &surface, 0, Simd::widest(), &Control::default(), |_| ())?;
     let counts = |counts: Vec<usize>| counts.into_iter().map(|count| count as f64).collect();
     let signs = |signs: Vec<i8>| signs.into_iter().map(f64::from).collect();
-    let mut parts = ends(&sections.summaries, field.n_components()).to_vec();
+    let mut parts = ends(&sections.summaries, field.n_components())?.to_vec();
     parts.extend([
         counts(sections.crossing_counts),
         sections.crossings.times,
@@ -202,25 +155,20 @@ pub(crate) fn section(
         sections.touches.times,
         sections.touches.states,
         signs(sections.sides),
-        sections.doubts.iter().map(|doubts| doubts.seen_to).collect(),
-        sections.doubts.iter().map(|doubts| doubts.unresolved_time).collect(),
-        sections.doubts.iter().map(|doubts| doubts.undefined_time).collect(),
-        sections.doubts.iter().map(|doubts| doubts.n_unbounded as f64).collect(),
-        sections.doubts.iter().map(|doubts| doubts.n_unseen as f64).collect(),
-        sections.doubts.iter().map(|doubts| f64::from(u8::from(doubts.is_in_surface))).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.seen_to).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.unresolved_time).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.undefined_time).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.n_unbounded as f64).collect(),
+        sections.uncertified.iter().map(|uncertified| uncertified.n_unseen as f64).collect(),
+        sections.uncertified.iter().map(|uncertified| f64::from(u8::from(uncertified.is_in_surface))).collect(),
     ]);
     Ok(Table { parts, dense: None })
 }
 
 /// Rates of change at states, `(state, component)`.
-pub(crate) fn rates(field: &Field, method: Method, states: &[f64]) -> Result<Vec<f64>, Refusal> {
+pub(crate) fn rates(field: &AnyField, method: AnyMethod, states: &[f64]) -> Result<Vec<f64>, Refusal> {
     check_size(field, 0)?;
-    Ok(match (field, method) {
-        (Field::Top(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
-        (Field::Quadratic(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
-        (Field::Tape(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
-        _ => return Err(Error::MethodForField.into()),
-    })
+    Ok(rates::rates(&*field.with(method)?, states, Simd::widest())?)
 }
 
 /// Values of functions, `(state, function)`.
@@ -230,10 +178,7 @@ pub(crate) fn values(functions: &Functions, states: &[f64]) -> Result<Vec<f64>, 
         let wanted = states.len().next_multiple_of(n);
         return Err(Error::Length { name: "states", wanted, got: states.len() }.into());
     }
-    let mut values = Vec::new();
-    let len = (states.len() / n).saturating_mul(n_functions);
-    values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes: 8 * len })?;
-    values.resize(len, 0.0);
+    let mut values = filled((states.len() / n).saturating_mul(n_functions), 0.0)?;
     let mut work = Vec::new();
     for (state, values) in states.chunks_exact(n).zip(values.chunks_exact_mut(n_functions)) {
         functions.series(state, &mut work, values);

@@ -1,9 +1,8 @@
 //! What JavaScript holds by number: arrays, fields, functions, methods, results. No pointer comes in, so none can be wrong.
 
-use crate::describe::{Field, Method};
 use crate::refusal::{Kind, Refusal};
 use crate::runs::Table;
-use liepoisson_core::error::Error;
+use liepoisson_core::choice::{AnyField, AnyMethod};
 use liepoisson_core::field::Functions;
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -13,9 +12,9 @@ use std::rc::Rc;
 pub(crate) enum Thing {
     Bytes(Rc<RefCell<Vec<u8>>>),
     Numbers(Rc<RefCell<Vec<f64>>>),
-    Field(Rc<Field>),
+    Field(Rc<AnyField>),
     Functions(Rc<Functions>),
-    Method(Method),
+    Method(AnyMethod),
     Table(Rc<Table>),
 }
 
@@ -66,19 +65,10 @@ macro_rules! by_handle {
 
 by_handle!(bytes, Bytes, Rc<RefCell<Vec<u8>>>, "bytes");
 by_handle!(numbers, Numbers, Rc<RefCell<Vec<f64>>>, "numbers");
-by_handle!(field, Field, Rc<Field>, "a field");
+by_handle!(field, Field, Rc<AnyField>, "a field");
 by_handle!(functions, Functions, Rc<Functions>, "functions");
-by_handle!(method, Method, Method, "a method");
+by_handle!(method, Method, AnyMethod, "a method");
 by_handle!(table, Table, Rc<Table>, "a result");
-
-/// Room for so many, or the refusal of the memory for it.
-pub(crate) fn room<T: Clone>(len: usize, value: T) -> Result<Rc<RefCell<Vec<T>>>, Refusal> {
-    let mut values = Vec::new();
-    let bytes = len.saturating_mul(size_of::<T>());
-    values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes })?;
-    values.resize(len, value);
-    Ok(Rc::new(RefCell::new(values)))
-}
 
 /// Sets what the last refusal, or the panic, has to say.
 pub(crate) fn say(message: String) {

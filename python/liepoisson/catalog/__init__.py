@@ -29,7 +29,7 @@ from liepoisson.errors import UnknownNameError, did_you_mean
 from liepoisson.inputs.calls import explains_its_arguments
 
 if TYPE_CHECKING:
-    from liepoisson.formula.values import GivenValue
+    from liepoisson.formula.parameters import GivenValue
     from liepoisson.model.system import System
     from liepoisson.model.system_file import SystemFile
 

@@ -44,7 +44,7 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
     """
     file = with_settings(read_file(argument), settings)
     from liepoisson.algebra.exact_numbers import as_float, is_zero
-    from liepoisson.formula.values import flattened
+    from liepoisson.formula.parameters import flattened
     from liepoisson.inputs.names import MAX_TITLE
 
     if file.symbols:

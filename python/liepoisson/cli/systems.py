@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
 if TYPE_CHECKING:
-    from liepoisson.formula.values import Value
+    from liepoisson.formula.parameters import Value
     from liepoisson.model.system import System
     from liepoisson.model.system_file import SystemFile
 

@@ -18,9 +18,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import as_coefficient
 from liepoisson.algebra.rounded import ONE, ZERO, Rounded, rational, rounded
-from liepoisson.compile.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped
+from liepoisson.compile.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped, without_overflow
 from liepoisson.compile.field import Instruction, QuadraticField, TapeField, TapeFunction
-from liepoisson.compile.overflow import without_overflow
 from liepoisson.compile.polynomial_dynamics import of_degree_two
 from liepoisson.compile.private_symbols import in_private_symbols, name_of_function
 from liepoisson.errors import ParameterError, UnsupportedFieldError

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from liepoisson.equilibrium.linearisation import leaf_tangent
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.deadline import has_passed
+from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, solve
-from liepoisson.leaf.lengths import unit_length
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class HamiltonianFields:
 
     @cached_property
     def unit(self) -> float:
-        """What is added to the lengths of states, see `liepoisson.leaf.lengths`."""
+        """What is added to the lengths of states, see `liepoisson.leaf.leaf_in_units`."""
         return unit_length(self._system.bracket)
 
     @cached_property

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ EULER = {"point": 1, "circle": 0, "sphere": 2, "all rotations": 0}
 _DIMENSION = {"point": 0, "circle": 1, "sphere": 2, "all rotations": 3}
 
 
-@dataclass(frozen=True)
-class Equilibria(Sequence["Equilibrium"], Tabular):
+@dataclass(frozen=True, repr=False)
+class Equilibria(Found["Equilibrium"], Tabular):
     r"""The equilibria of a leaf by increasing energy, and whether they are all.
 
     Behaves like a list of `Equilibrium`: one for each isolated equilibrium and for each connected family.
@@ -47,6 +47,9 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
         is_cut_short: Whether the time limit ended the search.
         n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
+
+    titles = ("energy", "family", "linear", "growth", "signature", "energy-Casimir")
+    most_rows = None
 
     leaf: Leaf
     found: tuple[Equilibrium, ...]
@@ -91,18 +94,6 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             f"characteristic of the leaf is {self.euler_characteristic}: take more starts"
         )
 
-    @overload
-    def __getitem__(self, index: int) -> Equilibrium: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Equilibrium]: ...
-    def __getitem__(self, index: int | slice) -> Equilibrium | list[Equilibrium]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many, each family counted once."""
-        return len(self.found)
-
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each equilibrium its energy, state, family and stability."""
         names = self.leaf.system.component_names
@@ -133,36 +124,15 @@ class Equilibria(Sequence["Equilibrium"], Tabular):
             if names
         )
 
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: how complete the list is, and its table."""
-        return as_line(self._head()) + as_table(self._rows())
-
     def _head(self) -> str:
         n = len(self.found) - self.n_undecided
         noun = "equilibrium" if n == 1 else "equilibria"
         noun += f" and {self.n_undecided} undecided" if self.n_undecided else ""
         return f"{n} {noun} of {self.leaf.system.name!r} on a leaf of dimension {self.leaf.rank}: {self.completeness}."
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        rows: list[tuple[str, ...]] = [("energy", "family", "linear", "growth", "signature", "energy-Casimir")]
-        rows += [
-            (
-                f"{e.energy:.6g}",
-                e.family,
-                e.linear_stability,
-                f"{e.growth_rate:.4g}",
-                str(e.signature),
-                e.nonlinear_stability,
-            )
-            for e in self.found
-        ]
-        return rows
+    def _row(self, one: Equilibrium, /) -> tuple[str, ...]:
+        linear = one.linear_stability, f"{one.growth_rate:.4g}", str(one.signature)
+        return f"{one.energy:.6g}", one.family, *linear, one.nonlinear_stability
 
 
 def signed_sum(found: Sequence[Equilibrium]) -> int | None:

@@ -24,9 +24,8 @@ from liepoisson.equilibrium.critical_points import (
     finished,
 )
 from liepoisson.equilibrium.equilibrium_list import signed_sum
-from liepoisson.equilibrium.second_variation import Accuracy, n_independent
+from liepoisson.equilibrium.second_variation import Accuracy, Symmetries, n_independent
 from liepoisson.equilibrium.stability import Equilibrium, judged
-from liepoisson.equilibrium.symmetry_orbit import Symmetries
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.deadline import has_passed

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.algebra.exact_numbers import as_float
-from liepoisson.equilibrium.exact_top import exact_top
+from liepoisson.equilibrium.heavy_equilibria import exact_top
 from liepoisson.equilibrium.linearisation import definite_sign
 from liepoisson.equilibrium.top_equilibria import euler_characteristic_of_leaf
 from liepoisson.inputs.arrays import Array

@@ -19,13 +19,19 @@ The branches, which together are all:
   $JN\lambda^4 - c\lambda^3 + \sum_{j\notin K}A_j^2/(I_j-J) = 0$ and $|n_K|^2 = N - \lambda^{-4}\sum_{j\notin K}
   A_j^2/(I_j-J)^2 > 0$: two points if the moment is simple, a circle if it is double. (Where the length is zero the
   state belongs to the branch before.)
+
+Tops with rational parameters, recognised by their equations: what the algebra of equilibria starts from.
+
+A heavy top in six components, $\ell$ and $\alpha$ with the bracket so(3) @ semidirect(2), is a top of which only the
+leaves with $\beta = 0$ are there, and a free rigid body on so(3) is one with $\alpha = \beta = 0$.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from flint import arb, fmpq, fmpq_poly
 
@@ -33,8 +39,13 @@ from liepoisson.algebra.ideals.certified_roots import (
     ball,
     evaluate,
     positive_roots_of,
+    rational,
     real_roots,
 )
+from liepoisson.model.top_parameters import recognised_top
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 Vector: TypeAlias = Sequence[fmpq]
 BallVector: TypeAlias = list[arb]
@@ -162,3 +173,33 @@ def _tilted(
         free = evaluate(length, speed).sqrt() / (speed * speed)
         found += [(v, speed, kind) for v, kind in placed(n, group, free, BY_COUNT[len(group) - 1])]
     return found
+
+
+@dataclass(frozen=True)
+class ExactTop:
+    """The parameters of a top as rational numbers; in a system that was typed by hand, moments may be negative.
+
+    A system of six components has b = 0 and epsilon = 0, one of three a = 0, too.
+    """
+
+    inertia: Vector
+    a: Vector
+    b: Vector
+    epsilon: fmpq
+
+    @property
+    def is_definite(self) -> bool:
+        """Whether the kinetic energy is, which means that all moments have the same sign."""
+        return len({moment > 0 for moment in self.inertia}) == 1
+
+
+def exact_top(system: System) -> ExactTop | None:
+    """The top with the bracket and the equations of this system, or None: not a top, or a parameter is irrational."""
+    found = system.top_parameters if system.bracket.dimension == 9 else recognised_top(system)
+    if found is None or not found.has_bracket(system.bracket):
+        return None
+    numbers = (*found.inertia, *found.a, *found.b, found.epsilon)
+    if not all(isinstance(value, Fraction) for value in numbers):
+        return None
+    exact = [rational(cast("Fraction", value)) for value in numbers]
+    return ExactTop(exact[:3], exact[3:6], exact[6:9], exact[9])

@@ -4,18 +4,39 @@ Let $T$ be the tangent space of the leaf at an equilibrium, $J$ the Poisson tens
 field, both restricted to $T$. The matrix $S = J^{-1}A$ is symmetric there: it is the second derivative of the
 Hamiltonian *along the leaf*, and the same as that of $H - \sum_k\lambda_k C_k$ restricted to $T$, whatever functions of
 the Casimirs are taken. No Casimir is needed to compute it, so it exists on every leaf, singular ones included.
+
+The linearised flow at a state where the vector field vanishes exactly, in exact numbers.
+
+What is zero in the linearisation of rounded numbers is known only relative to the largest of its entries, which says
+nothing where these differ by nine and more orders of magnitude.  A state of doubles is a state of rational numbers; if
+the field vanishes there exactly, and all coefficients are rational, then so is the linearisation.
+
+Let the columns $c$ of the Poisson tensor J be a basis of its column space, and A the derivative of the field.  As $J =
+J_{\cdot c} J_{cc}^{-1} J_{c\cdot}$, in this basis of the tangent space of the leaf the symplectic form is $W =
+-J_{cc}$, and the second variation $S = W A_T = -A_{c\cdot} J_{\cdot c}$.  The characteristic polynomial of $W^{-1}S$ is
+one of $\lambda^2$.  All roots $\lambda^2$ are real and not positive exactly where no $\lambda$ has a real part, which
+enclosures of the roots decide; the signature of S follows from its characteristic polynomial by Descartes' rule of
+signs, which is exact where all roots are real.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.portable import elementary, linear
+
+if TYPE_CHECKING:
+    from flint import acb, fmpq_mat, fmpq_poly
+
+    from liepoisson.model.system import System
 
 ComplexArray = NDArray[np.complex128]
 
@@ -231,3 +252,109 @@ def definite_combination(matrices: Sequence[Array]) -> Array | None:
         centre = centre + step / (n + 1)
         shape = n * n / (n * n - 1.0) * (shape - 2.0 / (n + 1) * np.outer(step, step))
     return None
+
+
+_LARGEST = 12
+"""Components beyond which exact matrices take longer than everything else."""
+_BITS = 128
+"""Of the balls around roots, which are then right to the last bit of a double."""
+
+
+@dataclass(frozen=True)
+class ExactLinearisation:
+    """What is known of a linearised flow without round-off.
+
+    Attributes:
+        spectrum: The eigenvalues, rounded; those on the axes lie on them, and zeros are zero.
+        verdict: "unstable", "undecided" (imaginary eigenvalues are equal, and the second variation is not definite),
+            "degenerate" or "stable spectrum".
+        growth_rate: The largest real part.
+        nullity: Dimension of the kernel.
+        signature: Numbers of positive, negative and vanishing eigenvalues of the second variation.
+    """
+
+    spectrum: ComplexArray
+    verdict: str
+    growth_rate: float
+    nullity: int
+    signature: tuple[int, int, int]
+
+
+def exact_linearisation(system: System, state: Array) -> ExactLinearisation | None:
+    """The linearised flow on the leaf; None where the field does not vanish exactly, or has irrational numbers."""
+    from flint import fmpq_poly
+
+    matrices = _matrices(system, state)
+    if matrices is None:
+        return None
+    form, hessian = matrices
+    signature = _signature(hessian)
+    squares = fmpq_poly(form.solve(hessian).charpoly().coeffs()[::2])  # one of the square of the eigenvalue
+    n_zero = 0
+    while squares.degree() > 0 and squares[0] == 0:
+        squares, n_zero = fmpq_poly(squares.coeffs()[1:]), n_zero + 2
+    eigenvalues, is_imaginary, is_simple = _roots(squares)
+    values = np.array([*eigenvalues, *[0j] * n_zero], dtype=np.complex128)
+    if not np.all(np.isfinite(values)):
+        return None
+    if not is_imaginary:
+        verdict = "unstable"
+    elif n_zero:
+        verdict = "degenerate"
+    else:
+        verdict = "stable spectrum" if is_simple or 0 in signature[:2] else "undecided"
+    growth = float(values.real.max(initial=0.0)) + 0.0
+    return ExactLinearisation(values, verdict, growth, signature[2], signature)
+
+
+def _matrices(system: System, state: Array) -> tuple[fmpq_mat, fmpq_mat] | None:
+    """The symplectic form and the second variation in a basis of the tangent space of the leaf."""
+    from sympy import Matrix, Rational
+
+    variables = system.variables
+    if len(variables) > _LARGEST or not system.hamiltonian.is_rational_function(*variables):
+        return None
+    exactly = [Fraction(float(value)) for value in state]
+    at: Any = {x: Rational(value) for x, value in zip(variables, exactly, strict=True)}
+    rates: Any = Matrix([system.equations[x] for x in variables])
+    if any(rate.subs(at) != 0 for rate in rates):  # seldom zero: the first one decides
+        return None
+    poisson = system.bracket.poisson_tensor().subs(at)
+    if not poisson.values() or not all(value.is_Rational for value in poisson):
+        return None
+    derivative = rates.jacobian(list(variables)).subs(at)
+    if not all(value.is_Rational for value in derivative):
+        return None
+    basis, everything = list(poisson.rref(pivots=True, simplify=False)[1]), list(range(len(variables)))
+    form = _rational(-poisson.extract(basis, basis))
+    hessian = _rational(-derivative.extract(basis, everything) * poisson.extract(everything, basis))
+    return None if hessian != hessian.transpose() else (form, hessian)
+
+
+def _rational(matrix: Any) -> fmpq_mat:
+    """A matrix of rational numbers as FLINT's."""
+    from flint import fmpq, fmpq_mat
+
+    return fmpq_mat(matrix.rows, matrix.cols, [fmpq(int(c.p), int(c.q)) for c in matrix])
+
+
+def _signature(hessian: fmpq_mat) -> tuple[int, int, int]:
+    """Numbers of positive, negative and vanishing eigenvalues of a symmetric matrix."""
+    coefficients = hessian.charpoly().coeffs()
+    size = len(coefficients) - 1
+    zero = next(k for k, c in enumerate(coefficients) if c != 0)
+    positive = sum((first > 0) != (second > 0) for first, second in pairwise(c for c in coefficients if c != 0))
+    return positive, size - zero - positive, zero
+
+
+def _roots(squares: fmpq_poly) -> tuple[list[complex], bool, bool]:
+    """The eigenvalues whose squares have this polynomial, whether all are imaginary, and whether all are simple."""
+    from flint import ctx
+
+    with ctx.workprec(_BITS):
+        # Roots in balls, those of real roots real, with multiplicities; FLINT's stub forgets the latter.
+        found = cast("list[tuple[acb, int]]", squares.complex_roots())
+        eigenvalues = [(complex(root.sqrt()), multiplicity) for root, multiplicity in found]
+        is_imaginary = all(root.imag == 0 and root.real < 0 for root, _ in found)
+    values = [sign * value for value, multiplicity in eigenvalues for sign in (1, -1) for _ in range(multiplicity)]
+    return values, is_imaginary, all(multiplicity == 1 for _, multiplicity in found)

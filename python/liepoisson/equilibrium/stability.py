@@ -15,15 +15,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.equilibrium.critical_points import VANISHES, CriticalEquations, HamiltonianFields, multipliers
-from liepoisson.equilibrium.exact_linearisation import exact_linearisation
 from liepoisson.equilibrium.linearisation import (
     ComplexArray,
     LinearFlow,
     definite_combination,
+    exact_linearisation,
     spectral_verdict,
 )
-from liepoisson.equilibrium.second_variation import Accuracy, CriticalPoint, accuracy, on_slice
-from liepoisson.equilibrium.symmetry_orbit import Symmetries
+from liepoisson.equilibrium.second_variation import Accuracy, CriticalPoint, Symmetries, accuracy, on_slice
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
@@ -245,7 +244,7 @@ def judged(
 
 def _units_of_top(leaf: Leaf) -> Array | None:
     """Natural sizes of the components of a state of a top, whose fields have units of their own; None for others."""
-    from liepoisson.equilibrium.exact_top import exact_top
+    from liepoisson.equilibrium.heavy_equilibria import exact_top
     from liepoisson.equilibrium.top_equilibria import natural_units
 
     top = exact_top(leaf.system)

@@ -2,7 +2,7 @@ r"""All equilibria of a top on a leaf, proved to be all, by algebra over the rat
 
 Parameters and values of Casimirs are rational numbers (doubles are), and so every question below, how many real roots
 a polynomial has and which numbers are zero, has an exact answer. Which systems are tops is said in
-`liepoisson.equilibrium.exact_top`. By the leaf:
+`liepoisson.equilibrium.heavy_equilibria`. By the leaf:
 
 - $\beta\ne0$, $\epsilon\ne0$ (twisted): see `liepoisson.equilibrium.twisted_equilibria`.
 - $\alpha\times\beta\ne0$, $\epsilon=0$ (charged): $\alpha$ and $\beta$ turn as one rigid body, $\alpha=R\alpha_0$,
@@ -31,19 +31,19 @@ import numpy as np
 from flint import arb, fmpq
 
 from liepoisson.algebra.ideals.certified_roots import PRECISIONS, UndecidedError, ball, precision, rational
-from liepoisson.equilibrium.exact_top import ExactTop
 from liepoisson.equilibrium.heavy_equilibria import (
     BY_COUNT,
     CIRCLE,
     POINT,
     ROTATIONS,
     Critical,
+    ExactTop,
     dot,
     groups_of,
     heavy_equilibria,
 )
 from liepoisson.equilibrium.twisted_equilibria import NotProvedError, TwistedEquilibria
-from liepoisson.equilibrium.twisted_leaf import TwistedLeaf
+from liepoisson.equilibrium.twisted_singular import TwistedLeaf
 from liepoisson.inputs.arrays import Array
 from liepoisson.portable import linear
 
@@ -117,15 +117,11 @@ def _search(leaf: Leaf, top: ExactTop) -> Search:
 def _decided(is_all: bool, found: Callable[[], list[Critical]]) -> list[FoundByAlgebra]:
     """All of them, or none if they are not decided and need not be all."""
     try:
-        return _rounded(found())
+        return [FoundByAlgebra(_doubles(critical.state), critical.kind) for critical in found()]
     except UndecidedError:
         if is_all:
             raise
         return []
-
-
-def _rounded(found: list[Critical]) -> list[FoundByAlgebra]:
-    return [FoundByAlgebra(_doubles(critical.state), critical.kind) for critical in found]
 
 
 def _doubles(state: list[arb]) -> Array:

@@ -58,8 +58,15 @@ from liepoisson.equilibrium.heavy_equilibria import (
     groups_of,
     is_zero,
 )
-from liepoisson.equilibrium.twisted_leaf import TwistedLeaf, ratio_of, state_of
-from liepoisson.equilibrium.twisted_singular import at_rest, singular_with_mass, singular_without_mass, without_mass
+from liepoisson.equilibrium.twisted_singular import (
+    TwistedLeaf,
+    at_rest,
+    ratio_of,
+    singular_with_mass,
+    singular_without_mass,
+    state_of,
+    without_mass,
+)
 
 
 class NotProvedError(Exception):

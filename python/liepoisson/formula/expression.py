@@ -36,6 +36,7 @@ from liepoisson.formula.grammar import (
     names_in,
     parse,
 )
+from liepoisson.formula.parameters import component_name
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.tensor_arithmetic import (
     Matrix,
@@ -45,7 +46,6 @@ from liepoisson.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
-from liepoisson.formula.values import component_name
 from liepoisson.inputs.names import (
     ANGLE,
     CONSTANTS,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import product
 
 from liepoisson.errors import ParameterError, did_you_mean
-from liepoisson.formula.values import GivenValue, Shape, Value, component_name, read_values
+from liepoisson.formula.parameters import GivenValue, Shape, Value, component_name, read_values
 from liepoisson.inputs.names import CONSTANTS, check_name, check_not_reserved
 
 _DECLARATION = re.compile(r"([A-Za-z_][A-Za-z_0-9]{0,99})(?:\[ *([1-9][0-9]{0,2}) *(?:, *([1-9][0-9]{0,2}) *)?\])?")

@@ -7,9 +7,12 @@ from __future__ import annotations
 import unicodedata
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 from liepoisson.inputs.names import GREEK
+
+Factors: TypeAlias = "tuple[int, Sequence[str]]"
+"""A number and factors after it."""
 
 _UNLIKE_LATIN = ("gamma", "delta", "theta", "lambda", "xi", "pi", "sigma", "phi", "psi", "omega")
 LETTERS = {name: chr(ord("α") + k) for k, name in enumerate(GREEK) if name != "omicron"} | {
@@ -32,6 +35,7 @@ class Style(ABC):
         unequal: Between two numbers that are not equal.
         arrow: Between a thing and its image.
         times: Between two factors in a statement.
+        between: Between a product and the vector expressions after it.
     """
 
     dot: str
@@ -40,6 +44,7 @@ class Style(ABC):
     unequal: str = "!="
     arrow: str = "->"
     times: str = "*"
+    between: str = " "
 
     @abstractmethod
     def component(self, name: str, base: str, index: str) -> str:
@@ -50,6 +55,9 @@ class Style(ABC):
         """A vector by its name."""
 
     @abstractmethod
+    def quotient(self, above: Factors, below: Factors, *, before_vectors: bool) -> str:
+        """A product of a number and factors over another one."""
+
     def product(
         self,
         number: int,
@@ -59,6 +67,8 @@ class Style(ABC):
         vectors: Sequence[str],
     ) -> str:
         """A product of a number and factors, over a number and factors, with the vector expressions at the end."""
+        whole = self.quotient((number, above), (denominator, below), before_vectors=bool(vectors))
+        return self.between.join(([] if vectors and whole == "1" else [whole]) + list(vectors))
 
     @abstractmethod
     def power(self, base: str, exponent: str) -> str:
@@ -126,20 +136,11 @@ class PlainText(Style):
     def vector(self, name: str) -> str:
         return name
 
-    def product(
-        self,
-        number: int,
-        above: Sequence[str],
-        denominator: int,
-        below: Sequence[str],
-        vectors: Sequence[str],
-    ) -> str:
-        sign = " " if vectors else "*"
-        numerator = sign.join(([str(number)] if number != 1 else []) + list(above)) or "1"
-        divisors = ([str(denominator)] if denominator != 1 else []) + list(below)
+    def quotient(self, above: Factors, below: Factors, *, before_vectors: bool) -> str:
+        sign, divisors = " " if before_vectors else "*", _factors(below)
         divisor = sign.join(divisors)
-        whole = numerator + (f"/({divisor})" if len(divisors) > 1 else f"/{divisor}" if divisors else "")
-        return " ".join(([] if vectors and whole == "1" else [whole]) + list(vectors))
+        numerator = sign.join(_factors(above)) or "1"
+        return numerator + (f"/({divisor})" if len(divisors) > 1 else f"/{divisor}" if divisors else "")
 
     def power(self, base: str, exponent: str) -> str:
         return f"{base}^{exponent}" if exponent.isalnum() else f"{base}^({exponent})"
@@ -176,22 +177,12 @@ class UnicodeText(Style):
     def vector(self, name: str) -> str:
         return self.component(name, *split_name(name))
 
-    def product(
-        self,
-        number: int,
-        above: Sequence[str],
-        denominator: int,
-        below: Sequence[str],
-        vectors: Sequence[str],
-    ) -> str:
-        if vectors and not below and (number, denominator) in _FRACTIONS:
-            whole = _FRACTIONS[number, denominator] + " ".join(above)
-        else:
-            divisor = _juxtaposed(denominator, below)
-            if (denominator != 1 and below) or len(below) > 1:
-                divisor = f"({divisor})"
-            whole = _juxtaposed(number, above) + ("" if divisor == "1" else f"/{divisor}")
-        return " ".join(([] if vectors and whole == "1" else [whole]) + list(vectors))
+    def quotient(self, above: Factors, below: Factors, *, before_vectors: bool) -> str:
+        fraction = _FRACTIONS.get((above[0], below[0]))
+        if before_vectors and not below[1] and fraction:
+            return fraction + " ".join(above[1])
+        divisor = f"({_juxtaposed(below)})" if len(_factors(below)) > 1 else _juxtaposed(below)
+        return _juxtaposed(above) + ("" if divisor == "1" else f"/{divisor}")
 
     def power(self, base: str, exponent: str) -> str:
         if exponent.lstrip("-").isdigit():
@@ -215,7 +206,8 @@ class UnicodeText(Style):
 class Latex(Style):
     r"""LaTeX for mathematical mode; needs `\boldsymbol` (amsmath)."""
 
-    dot, cross, unequal, arrow, times = r"\cdot ", r"\times ", r"\neq ", r"\mapsto ", r"\,"
+    dot, cross, unequal, arrow = r"\cdot ", r"\times ", r"\neq ", r"\mapsto "
+    times = between = r"\,"
 
     def component(self, name: str, base: str, index: str) -> str:
         stem, number = split_name(base)  # the field x0 has the components x_{0,1}, x_{0,2}, ...
@@ -229,19 +221,10 @@ class Latex(Style):
         base, index = split_name(name)
         return rf"\boldsymbol{{{_latex_name(base)}}}{_latex_index(index)}"
 
-    def product(
-        self,
-        number: int,
-        above: Sequence[str],
-        denominator: int,
-        below: Sequence[str],
-        vectors: Sequence[str],
-    ) -> str:
-        numerator = " ".join(([str(number)] if number != 1 else []) + list(above)) or "1"
-        divisor = " ".join(([str(denominator)] if denominator != 1 else []) + list(below))
-        small = r"\tfrac" if vectors and not above and not below else r"\frac"
-        whole = f"{small}{{{numerator}}}{{{divisor}}}" if divisor else numerator
-        return r"\,".join(([] if vectors and whole == "1" else [whole]) + list(vectors))
+    def quotient(self, above: Factors, below: Factors, *, before_vectors: bool) -> str:
+        numerator, divisor = " ".join(_factors(above)) or "1", " ".join(_factors(below))
+        small = r"\tfrac" if before_vectors and not above[1] and not below[1] else r"\frac"
+        return f"{small}{{{numerator}}}{{{divisor}}}" if divisor else numerator
 
     def power(self, base: str, exponent: str) -> str:
         return f"{base}^{{{exponent}}}"
@@ -325,7 +308,14 @@ def _ascii(text: str) -> str:
     return unicodedata.normalize("NFKD", spelled).encode("ascii", "ignore").decode()
 
 
-def _juxtaposed(number: int, factors: Sequence[str]) -> str:
+def _factors(product: Factors) -> list[str]:
+    """A number, if it is not 1, and the factors after it."""
+    number, factors = product
+    return ([str(number)] if number != 1 else []) + list(factors)
+
+
+def _juxtaposed(product: Factors) -> str:
+    number, factors = product
     return (str(number) if number != 1 else "") + " ".join(factors) or "1"
 
 

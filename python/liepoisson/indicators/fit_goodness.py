@@ -10,14 +10,12 @@ has the F distribution with p and n - p degrees of freedom if the mean curve is 
 and the numbers of the members are normally distributed; if they are not, it has it nearly, for many members, and less
 and less so in the tail.
 
-References: Hotelling, Ann. Math. Statist. 2 (1931) 360; the incomplete beta function: NIST Handbook of Mathematical
-Functions (2010), 8.17.22.
+References: Hotelling, Ann. Math. Statist. 2 (1931) 360.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import exp, lgamma, log, log1p
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -145,28 +143,8 @@ def _neighbours(residual: Array) -> float:
 
 def _f_tail(ratio: float, p: int, q: int) -> float:
     r"""Probability that F with p and q degrees of freedom exceeds `ratio`: $I_x(q/2, p/2)$ at $x = q/(q + p F)$."""
-    return _incomplete_beta(q / (q + p * ratio), p * ratio / (q + p * ratio), q / 2, p / 2)
+    from flint import arb, ctx
 
-
-def _incomplete_beta(x: float, y: float, a: float, b: float) -> float:
-    """The regularised incomplete beta function $I_x(a, b)$ for x in [0, 1], y = 1 - x, and positive a, b.
-
-    Its continued fraction converges quickly on one side of the mean, and $I_x(a, b) = 1 - I_y(b, a)$ on the other.
-    """
-    if x * (a + b + 2.0) > a + 1.0:
-        return 1.0 - _incomplete_beta(y, x, b, a)
-    if x == 0.0:
-        return 0.0
-    # 1/(1 + d1/(1 + d2/(1 + ...))), summed from the front; some sqrt(max(a, b)) terms are needed.
-    fraction = term = inverse = 1.0
-    m = 0
-    while abs(term) > 1e-16 * fraction:
-        m += 1
-        k = m // 2
-        numerator = -(a + k) * (a + b + k) if m % 2 else k * (b - k)
-        d = numerator * x / ((a + m - 1) * (a + m))
-        inverse = 1.0 / (1.0 + d * inverse)
-        term *= inverse - 1.0
-        fraction += term
-    front = lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * (log1p(-x) if x < 0.5 else log(y))
-    return exp(front) * fraction / a
+    with ctx.workprec(128):
+        x = q / (q + p * arb(ratio))
+        return float(x.beta_lower(arb(q) / 2, arb(p) / 2, regularized=True))

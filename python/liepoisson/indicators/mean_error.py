@@ -6,6 +6,8 @@ decrease for a reversible process; it ends where they are not positive, and they
 mean of the run lowers every $c_j$ by the wanted variance: with $c_0$ to $c_K$ in the sum the result is divided by
 $1 - (2K + 1)/n$.
 
+Fractions of members have Wilson's interval, one fraction as well as arrays of them.
+
 References: Geyer, Statistical Science 7 (1992) 473; Flyvbjerg and Petersen, J. Chem. Phys. 91 (1989) 461, for batches.
 """
 
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_count
 from liepoisson.indicators.estimates import Estimate, as_confidence
 from liepoisson.inputs.arrays import Array
 from liepoisson.portable import elementary, linear
@@ -52,7 +55,7 @@ def mean_error(values: ArrayLike) -> Array:
     data = as_array(values, "values")
     if data.shape[1] < 4:
         return np.full(data.shape[:1] + data.shape[2:], np.nan)
-    return np.fmax(_autocorrelation_error(data), _longest_batch_error(data))
+    return np.fmax(_autocorrelation_error(data), list(batch_errors(data).values())[-1])
 
 
 def n_longest_batches(n_values: int) -> int:
@@ -162,10 +165,6 @@ def batch_errors(values: ArrayLike) -> dict[int, Array]:
     return errors
 
 
-def _longest_batch_error(data: Array) -> Array:
-    return list(batch_errors(data).values())[-1]
-
-
 def _autocorrelation_error(data: Array) -> Array:
     n = data.shape[1]
     centred = data - data.mean(axis=1, keepdims=True)
@@ -180,3 +179,39 @@ def _autocorrelation_error(data: Array) -> Array:
     lags = 2 * positive.sum(axis=1)
     share = np.maximum(1.0 - (2.0 * lags - 1.0) / n, _LEAST_SHARE)
     return np.sqrt(np.maximum(2.0 * total - covariance[:, 0], 0.0) / n / share)
+
+
+def proportion(count: int, n: int, *, confidence: float = 0.95) -> Estimate:
+    r"""A proportion k/n of independent cases with Wilson's score interval and the binomial standard error.
+
+    The interval holds the p with $|k/n - p|\le z\sqrt{p(1-p)/n}$, so it stays in [0, 1] and is not empty for k = 0,
+    where it is $[0, z^2/(n + z^2)]$.
+
+    Raises:
+        ParameterError: n is not a whole number >= 1, or `count` is not one from 0 to n.
+
+    References: [wilson1927].
+    """
+    n = as_count(n, "n", least=1, hint="give at least one case that finished")
+    k = as_count(count, "count", most=n)
+    low, high = wilson_interval(k, n, as_confidence(confidence))
+    return Estimate(k / n, math.sqrt(k / n * (1 - k / n) / n), float(low), float(high))
+
+
+def wilson_interval(successes: ArrayLike, n: ArrayLike, confidence: float = 0.95) -> tuple[Array, Array]:
+    r"""Ends of Wilson's intervals of probabilities from k successes in n trials; NaN where n = 0.
+
+    $\frac{1}{1 + z^2/n}\Bigl(p + \frac{z^2}{2n} \pm z\sqrt{\frac{p(1-p)}{n} + \frac{z^2}{4n^2}}\Bigr)$, $p = k/n$.
+
+    References: [wilson1927].
+    """
+    z = NormalDist().inv_cdf((1 + confidence) / 2)
+    k, trials = np.asarray(successes, np.float64), np.asarray(n, np.float64)
+    with np.errstate(all="ignore"):
+        p = k / trials
+        middle = p + z**2 / (2 * trials)
+        half = z * np.sqrt(p * (1 - p) / trials + z**2 / (4 * trials**2))
+        low, high = ((middle + sign * half) / (1 + z**2 / trials) for sign in (-1, 1))
+    # at the ends the two terms cancel to round-off
+    nothing = np.where(trials > 0, 0.0, np.nan)
+    return np.where(k == 0, nothing, low), np.where(k == trials, nothing + 1.0, high)

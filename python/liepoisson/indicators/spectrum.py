@@ -14,8 +14,13 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_time_limit
 from liepoisson.indicators.covariant_vectors import CovariantRecord, CovariantVectors
 from liepoisson.indicators.mean_error import mean_error, mean_over_starts
-from liepoisson.indicators.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
-from liepoisson.indicators.structural_zeros import PoissonStructure, poisson_structure
+from liepoisson.indicators.structural_zeros import (
+    PoissonStructure,
+    SpectrumResiduals,
+    check_lines,
+    poisson_structure,
+    spectrum_residuals,
+)
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress

@@ -19,8 +19,8 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time, as_time_l
 from liepoisson.indicators.alignment import Alignment, alignment
 from liepoisson.indicators.averages import average_drift
 from liepoisson.indicators.estimates import Estimate
+from liepoisson.indicators.mean_error import proportion
 from liepoisson.indicators.megno import Megno, megno
-from liepoisson.indicators.proportions import proportion
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.inputs.given import listed

@@ -98,7 +98,7 @@ class ParameterCase:
             ParameterError: a parameter of the conditions has no value.
         """
         from liepoisson.algebra.exact_numbers import to_sympy
-        from liepoisson.formula.values import read_values
+        from liepoisson.formula.parameters import read_values
 
         at = {name: to_sympy(cast("Any", v)) for name, v in read_values(values).items()}
         missing = {str(s) for c in (*self.conditions, *self.nonzero) for s in c.free_symbols} - at.keys()

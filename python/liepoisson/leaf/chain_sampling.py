@@ -31,10 +31,9 @@ from numpy.typing import NDArray
 from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import level_of_the_caller
-from liepoisson.leaf.leaf_in_units import LeafInUnits
+from liepoisson.leaf.leaf_in_units import LeafInUnits, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import energy_scale, representative
-from liepoisson.leaf.lengths import unit_length
 from liepoisson.leaf.top_sampling import Shell
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import elementary, linear

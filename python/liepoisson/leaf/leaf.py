@@ -22,13 +22,10 @@ from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import as_line, as_table
-from liepoisson.leaf._checks import as_energy, as_system
-from liepoisson.leaf.casimir_names import by_name, formulas
-from liepoisson.leaf.field_units import field_units
-from liepoisson.leaf.leaf_in_units import LeafInUnits
+from liepoisson.leaf._checks import as_energy, as_system, by_name, formulas
+from liepoisson.leaf.leaf_in_units import LeafInUnits, field_units, unit_groups
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach, mixing_of
 from liepoisson.leaf.leaf_stratum import Place, open_place, place_of
-from liepoisson.leaf.lengths import unit_groups
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.portable import linear
 from liepoisson.structure.casimirs import shortage
@@ -210,7 +207,7 @@ class Leaf:
         """States on the leaf near the given ones, by Newton steps of minimum norm, to round-off.
 
         Lengths are those in units of the fields in which states of the leaf are of order one (see
-        `liepoisson.leaf.field_units`).
+        `liepoisson.leaf.leaf_in_units`).
 
         Args:
             states: States, shape (..., N).

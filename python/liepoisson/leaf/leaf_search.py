@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
-from liepoisson.leaf.casimir_names import formulas
-from liepoisson.leaf.field_units import field_units
-from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units
+from liepoisson.leaf._checks import formulas
+from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units, field_units, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_stratum import Place, place_of
-from liepoisson.leaf.lengths import unit_length
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Random, generator

@@ -24,13 +24,8 @@ if TYPE_CHECKING:
     from liepoisson.leaf.leaf import Leaf
     from liepoisson.model.system import System
 
-_LARGEST = 1e150
-"""States and values beyond this, squared and multiplied by moments and fields of the usual size, leave the doubles."""
-
-_TINY = 1e-140
-"""Squares of smaller lengths leave the normal doubles; `_UNDERFLOW` is then added to the energy and to C1."""
-
-_UNDERFLOW = 1e-280
+_LEAST, _LARGEST = 1e-140, 1e150
+"""Vectors of a state that do not vanish have lengths between these: then their squares are normal doubles."""
 
 _ROUND_OFF = 1e-14
 """Round-off of the sums, relative to their terms: where the inequality has one solution only, it must not be lost."""
@@ -133,12 +128,8 @@ def _bounds_of_state(top: System, state: ArrayLike, field: TopField) -> Bounds:
     """The bounds by C1, |beta| and the energy of a state, also where the leaf has other Casimirs."""
     from liepoisson.leaf.leaf import Leaf
 
-    states = as_array(state, "state", top.component_names)
-    if states.size and (size := float(np.abs(states).max())) > _LARGEST and np.isfinite(states).all():
-        raise ParameterError(
-            f"state must be at most {_LARGEST:g}, for its squares to be doubles; got {size:g}. Choose other units."
-        )
-    leaf: Leaf = Leaf.through(top, states)
+    leaf: Leaf = Leaf.through(top, as_array(state, "state", top.component_names))
+    first, w = _constants(leaf, field)
     l, alpha, beta = leaf.state.reshape(3, 3)
     inertia, a, b = (np.array(v) for v in (field.inertia, field.a, field.b))
     energy = float(np.sum(l**2 / inertia) / 2 + linear.matmul(a, alpha) + linear.matmul(b, beta))
@@ -146,25 +137,28 @@ def _bounds_of_state(top: System, state: ArrayLike, field: TopField) -> Bounds:
     energy += _ROUND_OFF * float(
         np.sum(l**2 / inertia) + linear.matmul(np.abs(a), np.abs(alpha)) + linear.matmul(np.abs(b), np.abs(beta))
     )
-    first = _first_casimir(leaf.state, field)
-    own = [_length(v) * _OUTWARD for v in (l, alpha, beta, l / inertia)]
-    lost = _UNDERFLOW if any(0 < length < _TINY for length in own) else 0.0
-    found = _bounds(field, first + lost, own[2], energy + lost)
-    return replace(
-        found, l=max(found.l, own[0]), alpha=max(found.alpha, own[1]), beta=own[2], omega=max(found.omega, own[3])
-    )
+    found = _bounds(field, first, w, energy)
+    own = [_length(v) * _OUTWARD for v in (l, alpha, l / inertia)]
+    return replace(found, l=max(found.l, own[0]), alpha=max(found.alpha, own[1]), omega=max(found.omega, own[2]))
 
 
-def _first_casimir(x: Array, field: TopField) -> float:
-    """C1 of a state, rounded outward."""
-    l, alpha, beta = x.reshape(3, 3)
+def _constants(leaf: Leaf, field: TopField) -> tuple[float, float]:
+    """C1 and |beta| of the leaf's own state, which are constant on leaves of any rank, rounded outward."""
+    l, alpha, beta = leaf.state.reshape(3, 3)
+    for length in map(_length, (l, alpha, beta)):
+        if length and not _LEAST <= length <= _LARGEST:
+            raise ParameterError(
+                f"l, alpha and beta must vanish or have lengths from {_LEAST:g} to {_LARGEST:g}, for their squares to "
+                f"be doubles; got {length:g}. Choose other units."
+            )
     size = float(linear.matmul(alpha, alpha) + linear.matmul(2 * abs(field.epsilon) * np.abs(l), np.abs(beta)))
-    return float(linear.matmul(alpha, alpha) + linear.matmul(2 * field.epsilon * l, beta)) + _ROUND_OFF * size
+    first = float(linear.matmul(alpha, alpha) + linear.matmul(2 * field.epsilon * l, beta)) + _ROUND_OFF * size
+    return first, _length(beta) * _OUTWARD
 
 
 @np.errstate(over="ignore", invalid="ignore")
 def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
-    """C1 and |beta|, which are constant on leaves of any rank, and so those of the leaf's own state."""
+    """C1 and |beta| of a leaf that a caller gives."""
     from liepoisson.leaf.leaf import Leaf
 
     if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -174,9 +168,7 @@ def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
         raise ParameterError(
             f"leaf: wanted a leaf of a top with epsilon = {field.epsilon:g}; got {leaf!r}; try Leaf.through(top, state)"
         )
-    l, alpha, beta = leaf.state.reshape(3, 3)
-    lost = _UNDERFLOW if any(0 < _length(v) < _TINY for v in (l, alpha, beta)) else 0.0
-    return _first_casimir(leaf.state, field) + lost, _length(beta) * _OUTWARD
+    return _constants(leaf, field)
 
 
 def _length(v: Array | tuple[float, float, float]) -> float:

@@ -15,11 +15,10 @@ from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import is_data_set, is_named, named
-from liepoisson.leaf._checks import as_energy, as_system
-from liepoisson.leaf.casimir_names import by_name, example_of_values
+from liepoisson.leaf._checks import as_energy, as_system, by_name, example_of_values
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf_in_units import unit_groups
 from liepoisson.leaf.leaf_projection import Equations
-from liepoisson.leaf.lengths import unit_groups
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.portable import linear
 

@@ -74,13 +74,11 @@ def top_draw(leaf: Leaf, top: TopField, shell: Shell | None) -> Draw | None:
 
 def _twisted(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
     """The leaves of dimension six for epsilon != 0; proposals are uniform in n, |alpha_perp|^2 and its angle."""
-    inertia, a, b = (np.array(v) for v in (top.inertia, top.a, top.b))
     c1, c2, c3 = leaf.casimirs.values()
     w = np.sqrt(c3)
     along = c2 / w
     low, high = _range_of_alpha(top, c1, w, along, shell.energy)
-    most = shell.energy + linear.norm(b) * w + linear.norm(a) * high
-    bound = float(shell.weight(np.array(max(most, 0.0)), 2)) / np.sqrt(inertia.min())
+    ellipses = _Ellipses(top, shell, shell.energy + linear.norm(top.b) * w + linear.norm(top.a) * high)
 
     def draw(rng: Random, n: int) -> Array:
         direction = _directions(rng, n)
@@ -88,17 +86,7 @@ def _twisted(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
         across = _across(direction, rng.uniform(0, 2 * np.pi, n)) * np.sqrt(np.maximum(squares, 0.0))[:, None]
         alpha, beta = along * direction + across, w * direction
         parallel = (c1 - np.sum(alpha**2, axis=-1)) / (2 * top.epsilon * w)
-        return _fill_ellipse(
-            rng,
-            shell,
-            bound=bound,
-            inertia=inertia,
-            direction=direction,
-            parallel=parallel,
-            alpha=alpha,
-            beta=beta,
-            potential=linear.matmul(alpha, a) + linear.matmul(beta, b),
-        )
+        return ellipses.filled(rng, direction, parallel, alpha, beta)
 
     return draw
 
@@ -148,58 +136,53 @@ def _two_fields(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
 
 def _one_direction(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
     """The leaves of dimension four: alpha and beta along one direction, the component of l along it constant."""
-    inertia, a, b = (np.array(v) for v in (top.inertia, top.a, top.b))
+    a, b = np.array(top.a), np.array(top.b)
     l0, alpha0, beta0 = leaf.state.reshape(3, 3)
     longer = alpha0 if linear.norm(alpha0) >= linear.norm(beta0) else beta0
     n0 = longer / linear.norm(longer)
     parallel, p, q = (float(linear.matmul(v, n0)) for v in (l0, alpha0, beta0))
-    most = shell.energy + float(linear.norm(p * a + q * b)) - parallel**2 / (2 * inertia.max())
-    bound = float(shell.weight(np.array(max(most, 0.0)), 2)) / np.sqrt(inertia.min())
+    most = shell.energy + float(linear.norm(p * a + q * b)) - parallel**2 / (2 * max(top.inertia))
+    ellipses = _Ellipses(top, shell, most)
 
     def draw(rng: Random, n: int) -> Array:
         direction = _directions(rng, n)
-        alpha, beta = p * direction, q * direction
-        along = np.full(n, parallel)
-        return _fill_ellipse(
-            rng,
-            shell,
-            bound=bound,
-            inertia=inertia,
-            direction=direction,
-            parallel=along,
-            alpha=alpha,
-            beta=beta,
-            potential=linear.matmul(alpha, a) + linear.matmul(beta, b),
-        )
+        return ellipses.filled(rng, direction, np.full(n, parallel), p * direction, q * direction)
 
     return draw
 
 
-def _fill_ellipse(
-    rng: Random,
-    shell: Shell,
-    *,
-    bound: float,
-    inertia: Array,
-    direction: Array,
-    parallel: Array,
-    alpha: Array,
-    beta: Array,
-    potential: Array,
-) -> Array:
-    """Accept the proposals with their weights, and add l: its centre and a point of the ellipse around it."""
-    moment = linear.matmul(direction**2, inertia)
-    k = shell.energy - potential - parallel**2 / (2 * moment)
-    kept = rng.uniform(0, bound, len(k)) < shell.weight(k, 2) / np.sqrt(moment)
-    direction, alpha, beta, k = direction[kept], alpha[kept], beta[kept], k[kept]
-    centre = (parallel / moment)[kept, None] * direction * inertia
-    # A = P^t I^-1 P in an orthonormal basis P of the plane; u = L^-t e with A = L L^t solves u.Au = 1.
-    basis = np.stack([_across(direction, np.zeros(len(k))), _across(direction, np.full(len(k), np.pi / 2))], axis=-1)
-    lower = linear.cholesky(linear.matmul(np.swapaxes(basis, -1, -2), (basis / inertia[:, None])))
-    angle = rng.uniform(0, 2 * np.pi, len(k))
-    circle = shell.radius(rng, k, 2)[:, None] * np.stack([elementary.cos(angle), elementary.sin(angle)], axis=-1)
-    whitened = linear.solve(np.swapaxes(lower, -1, -2), circle[..., None])
-    return np.concatenate([centre + linear.matmul(basis, whitened)[..., 0], alpha, beta], axis=-1)
+@dataclass(frozen=True)
+class _Ellipses:
+    """The ellipses of l across a direction on which H is constant, or discs below it.
+
+    Attributes:
+        top: The top.
+        shell: The energy.
+        most: A bound of k.
+    """
+
+    top: TopField
+    shell: Shell
+    most: float
+
+    def filled(self, rng: Random, direction: Array, parallel: Array, alpha: Array, beta: Array) -> Array:
+        """Accept the proposals with their weights, and add l: its centre and a point of the ellipse around it."""
+        inertia, a, b = (np.array(v) for v in (self.top.inertia, self.top.a, self.top.b))
+        bound = float(self.shell.weight(np.array(max(self.most, 0.0)), 2)) / np.sqrt(inertia.min())
+        potential = linear.matmul(alpha, a) + linear.matmul(beta, b)
+        moment = linear.matmul(direction**2, inertia)
+        k = self.shell.energy - potential - parallel**2 / (2 * moment)
+        kept = rng.uniform(0, bound, len(k)) < self.shell.weight(k, 2) / np.sqrt(moment)
+        direction, alpha, beta, k = direction[kept], alpha[kept], beta[kept], k[kept]
+        centre = (parallel / moment)[kept, None] * direction * inertia
+        # A = P^t I^-1 P in an orthonormal basis P of the plane; u = L^-t e with A = L L^t solves u.Au = 1.
+        basis = np.stack([_across(direction, np.full(len(k), turn)) for turn in (0.0, np.pi / 2)], axis=-1)
+        lower = linear.cholesky(linear.matmul(np.swapaxes(basis, -1, -2), (basis / inertia[:, None])))
+        angle = rng.uniform(0, 2 * np.pi, len(k))
+        unit = np.stack([elementary.cos(angle), elementary.sin(angle)], axis=-1)
+        circle = self.shell.radius(rng, k, 2)[:, None] * unit
+        whitened = linear.solve(np.swapaxes(lower, -1, -2), circle[..., None])
+        return np.concatenate([centre + linear.matmul(basis, whitened)[..., 0], alpha, beta], axis=-1)
 
 
 def _sphere(leaf: Leaf, top: TopField, shell: Shell | None) -> Draw:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.compile.field import QuadraticField, TapeField
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.formula.parameters import GivenValue
 from liepoisson.formula.scope import Scope
-from liepoisson.formula.values import GivenValue
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import by_name, listed
 from liepoisson.inputs.names import check_name

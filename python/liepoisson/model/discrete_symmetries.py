@@ -22,7 +22,7 @@ import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,7 +34,7 @@ from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import by_name
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import Found
 from liepoisson.model.signed_permutations import (
     MOST_TRIED,
     SignedPermutation,
@@ -50,9 +50,6 @@ _WIDEST = 99
 """Letters of a map in a table."""
 
 _NOUNS = {True: ("signed permutation", "signed permutations"), False: ("change of signs", "changes of signs")}
-
-_LONGEST = 40
-"""Rows of a table."""
 
 
 @explains_its_methods
@@ -194,8 +191,8 @@ class DiscreteSymmetry:
         return f"<DiscreteSymmetry of {self.system.name!r}: {self.text}>"
 
 
-@dataclass(frozen=True)
-class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
+@dataclass(frozen=True, repr=False)
+class DiscreteSymmetries(Found[DiscreteSymmetry]):
     """The discrete symmetries of a system, those that keep the direction of time first; the identity is left out.
 
     Example:
@@ -209,6 +206,9 @@ class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
         with_permutations: Whether all signed permutations were searched, or changes of signs only.
     """
 
+    titles = ("time", "bracket", "changes", "fixed set on a level", "map")
+    most_rows = 40
+
     system: System
     found: tuple[DiscreteSymmetry, ...]
     with_permutations: bool
@@ -218,28 +218,6 @@ class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
         """The involutions that reverse time."""
         return tuple(one for one in self.found if one.is_reverser)
 
-    @overload
-    def __getitem__(self, index: int) -> DiscreteSymmetry: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[DiscreteSymmetry]: ...
-    def __getitem__(self, index: int | slice) -> DiscreteSymmetry | list[DiscreteSymmetry]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
-
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
-
     def _head(self) -> str:
         n = len(self.found)
         one, many = _NOUNS[self.with_permutations]
@@ -248,24 +226,12 @@ class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
             f"{'takes' if n == 1 else 'take'} orbits to orbits, besides the identity."
         )
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        rows: list[tuple[str, ...]] = [("time", "bracket", "changes", "fixed set on a level", "map")]
-        for one in self.found[:_LONGEST]:
-            changed = [f"{n} -> {'-' + n if f else 'another'}" for n, f in one.invariants.items() if f != 1]
-            fixed = f"dimension {one.fixed_dimension}" if one.fixed_space else "the origin"
-            text = one.text if len(one.text) <= _WIDEST else one.text[: _WIDEST - 3] + "..."
-            rows.append(
-                (
-                    "reversed" if one.reverses_time else "kept",
-                    one.bracket,
-                    ", ".join(changed) or "no level",
-                    fixed,
-                    text,
-                )
-            )
-        if (more := len(self.found) - _LONGEST) > 0:
-            rows.append((f"and {more} more", "", "", "", ""))
-        return rows
+    def _row(self, one: DiscreteSymmetry, /) -> tuple[str, ...]:
+        changed = [f"{n} -> {'-' + n if f else 'another'}" for n, f in one.invariants.items() if f != 1]
+        time, levels = "reversed" if one.reverses_time else "kept", ", ".join(changed) or "no level"
+        fixed = f"dimension {one.fixed_dimension}" if one.fixed_space else "the origin"
+        text = one.text if len(one.text) <= _WIDEST else one.text[: _WIDEST - 3] + "..."
+        return time, one.bracket, levels, fixed, text
 
 
 @explains_its_arguments

@@ -2,26 +2,196 @@
 
 Where the bracket and all parameters are rational numbers and the Hamiltonian is the text of a polynomial, the equations
 of motion, the field and the invariants are rational polynomials, too.  They are the same as those that SymPy derives.
+
+Formulas that are polynomials in the coordinates with rational coefficients, as most Hamiltonians and integrals are, are
+read without SymPy.  What is anything else, or near to a limit of `liepoisson.formula.expression`, is
+left to that module: it alone says what is wrong with a formula.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.rational_polynomials import RationalPolynomial, TooLargeError
+from liepoisson.algebra.exact_numbers import Exact
+from liepoisson.algebra.rational_polynomials import (
+    MOST_TERMS,
+    RationalPolynomial,
+    TooLargeError,
+    power_of,
+    product_of,
+    sum_of,
+)
 from liepoisson.compile.polynomial_dynamics import bracket_with, is_rational, rates_of
+from liepoisson.errors import LiePoissonError
+from liepoisson.formula.arithmetic import Arithmetic, RefusedError
+from liepoisson.formula.expression import Reader
+from liepoisson.formula.grammar import Call, Node, Power, names_in, parse
+from liepoisson.formula.parameters import Value, flattened
 from liepoisson.formula.scope import Scope
-from liepoisson.formula.values import Value, flattened
+from liepoisson.formula.tensor_arithmetic import Matrix
 from liepoisson.model.known_integrals import known_polynomials
-from liepoisson.model.polynomial_formula import occurring, read_polynomial
 from liepoisson.structure.bracket_scope import scope_of
 
 if TYPE_CHECKING:
     from liepoisson.model.top_parameters import TopParameters
     from liepoisson.structure.bracket import Bracket
+
+_MOST_CHARACTERS, _MOST_NESTED, _MOST_BITS, _MOST_POWER = 10_000, 30, 256, 16
+_MOST_DEGREE, _MOST_FACTORS, _MOST_BITS_WRITTEN_OUT = 64, 50_000, 2048
+"""Far below the limits of formulas, so that none that is refused there is taken here."""
+_MATRIX_FUNCTIONS = frozenset({"inv", "dot", "cross", "diag", "transpose", "trace"})
+
+
+class _OtherKindError(Exception):
+    """The formula is no polynomial with rational coefficients, or a large one."""
+
+
+def read_polynomial(text: str, scope: Scope, coordinates: Sequence[str]) -> RationalPolynomial | None:
+    """A formula with the values of the parameters, as a polynomial; None if it is none, or not a small one.
+
+    A polynomial is returned only for a formula that `read_formula` takes and in which every parameter of the formula
+    changes the polynomial.
+
+    Args:
+        text: The formula.
+        scope: The names that it may use.
+        coordinates: The names of the coordinates in their order.
+    """
+    if len(text) > _MOST_CHARACTERS:
+        return None
+    try:
+        tree = parse(text)
+        if not _is_plain(tree):
+            return None
+        return _read(tree, text, scope, coordinates)
+    except (_OtherKindError, TooLargeError, RefusedError, LiePoissonError, ZeroDivisionError):
+        return None
+
+
+def occurring(
+    text: str, scope: Scope, coordinates: Sequence[str], polynomial: RationalPolynomial
+) -> frozenset[str] | None:
+    """The parameters with values on which a polynomial depends, as is proved by changing them one by one.
+
+    None if this leaves a parameter open whose name occurs in the formula.
+    """
+    tree, found = parse(text), set[str]()
+    owners = {scope.owner(word) for word in names_in(tree)}
+    for name in [name for name in scope.values if name in owners]:
+        other = Scope(
+            fields=scope.fields,
+            parameters={**scope.parameters, name: _other(scope.values[name])},
+            symbols=scope.symbols,
+            scalars=scope.scalars,
+        )
+        try:
+            changed = _read(tree, text, other, coordinates)
+            if changed.expanded == polynomial.expanded:
+                return None
+        except (_OtherKindError, TooLargeError, RefusedError, LiePoissonError, ZeroDivisionError):
+            return None
+        found.add(name)
+    return frozenset(found)
+
+
+def _read(tree: Node, text: str, scope: Scope, coordinates: Sequence[str]) -> RationalPolynomial:
+    value: Any = _PolynomialReader(text, scope, coordinates).read(tree)
+    polynomial = value if isinstance(value, RationalPolynomial) else RationalPolynomial.constant(value)
+    if len(polynomial.expanded) > MOST_TERMS:
+        raise TooLargeError
+    return polynomial
+
+
+def _other(value: Value) -> Any:
+    """Another value of the same shape: no component vanishes, and no two differ as they did."""
+    if isinstance(value, tuple):
+        return tuple(_other(item) for item in value)
+    if not isinstance(value, Fraction):
+        raise _OtherKindError
+    return value * Fraction(13, 11) + Fraction(3, 7)
+
+
+def _is_plain(tree: Node) -> bool:
+    """Whether no part of it is nested deeply, an elementary function, or a power with a parameter as exponent."""
+    waiting = [(tree, 0)]
+    while waiting:
+        node, depth = waiting.pop()
+        if depth > _MOST_NESTED or (isinstance(node, Call) and node.function not in _MATRIX_FUNCTIONS):
+            return False
+        if isinstance(node, Power) and names_in(node.children[1]):
+            return False
+        waiting += [(child, depth + 1) for child in node.children]
+    return True
+
+
+class _PolynomialArithmetic(Arithmetic):
+    """Sums, products and powers of Fractions and polynomials."""
+
+    def sum(self, terms: Sequence[Exact]) -> Any:
+        return _checked(sum_of(_terms(terms)))
+
+    def product(self, factors: Sequence[Exact]) -> Any:
+        return _checked(product_of(_terms(factors)))
+
+    def reciprocal(self, divisor: Exact) -> Any:
+        if not isinstance(divisor, Fraction) or divisor == 0:
+            raise _OtherKindError
+        return 1 / divisor
+
+    def power(self, base: Exact, exponent: Exact) -> Any:
+        if not isinstance(exponent, Fraction) or exponent.denominator != 1 or abs(exponent) > _MOST_POWER:
+            raise _OtherKindError
+        if isinstance(base, Fraction):
+            return _checked(RationalPolynomial.constant(base ** int(exponent)))
+        if exponent < 0:
+            raise _OtherKindError
+        return _checked(power_of(_terms([base])[0], int(exponent)))
+
+
+def _terms(values: Sequence[Any]) -> list[Any]:
+    if not all(isinstance(value, (Fraction, RationalPolynomial)) for value in values):
+        raise _OtherKindError
+    return list(values)
+
+
+def _checked(result: RationalPolynomial) -> Fraction | RationalPolynomial:
+    """The result, as a Fraction if it is a number."""
+    if any(_bits(c) > _MOST_BITS for c in result.terms.values()) or result.degree > _MOST_DEGREE:
+        raise _OtherKindError
+    n_terms, bits = result.written_out
+    if n_terms * max(result.degree, 1) > _MOST_FACTORS or bits > _MOST_BITS_WRITTEN_OUT:
+        raise _OtherKindError
+    if not result:
+        return Fraction(0)
+    return result.terms.get((), result) if len(result.terms) == 1 else result
+
+
+def _bits(number: Fraction) -> int:
+    return number.numerator.bit_length() + number.denominator.bit_length()
+
+
+class _PolynomialReader(Reader):
+    """Turns a tree into a polynomial in the coordinates, with the values of the parameters."""
+
+    def __init__(self, text: str, scope: Scope, coordinates: Sequence[str]) -> None:
+        super().__init__(text, scope, insert_values=True, scalars=_PolynomialArithmetic())
+        self._numbers: Mapping[str, int] = {name: number for number, name in enumerate(coordinates)}
+
+    def symbol(self, name: str) -> Any:
+        if name not in self._numbers:
+            raise _OtherKindError
+        return RationalPolynomial.coordinate(self._numbers[name])
+
+    def circle_number(self) -> Exact:
+        raise _OtherKindError
+
+    def call(self, node: Call, arguments: Sequence[Any]) -> Any:
+        if node.function == "inv" and isinstance(arguments[0], Matrix):  # with symbols it may be refused
+            raise _OtherKindError
+        return super().call(node, arguments)
 
 
 class PolynomialView:

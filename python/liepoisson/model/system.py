@@ -12,7 +12,7 @@ from liepoisson.algebra.rational_polynomials import values_of
 from liepoisson.compile.field import Field, PiecesField, TapeFunction
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.facades import function_of
-from liepoisson.formula.values import GivenValue, Value, flattened, read_values
+from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.read_only import ReadOnlyDict
@@ -30,7 +30,7 @@ from liepoisson.model.hamiltonian import (
     read_pairs_of_functions,
     with_exact_numbers,
 )
-from liepoisson.structure.bracket import Bracket, with_coefficients
+from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.bracket_scope import scope_of
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
@@ -143,7 +143,6 @@ class System:
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
-        self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
 
     def _check_hamiltonian(self) -> None:

@@ -43,9 +43,9 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.formula.expression import read_formula
+from liepoisson.formula.parameters import GivenValue, Shape, Value, read_values
 from liepoisson.formula.scope import Scope, read_declaration, shape_of
 from liepoisson.formula.toml_text import TomlText
-from liepoisson.formula.values import GivenValue, Shape, Value, read_values
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import MAX_TITLE
 from liepoisson.structure.bracket_scope import scope_of
@@ -230,7 +230,7 @@ class SystemFile:
             SystemFileError: a formula has no meaning (shapes that do not fit, a function that is not smooth, ...), or a
                 parameter drops out of the bracket and the Hamiltonian.  The message names the key and the line.
         """
-        from liepoisson.model.polynomial_formula import read_polynomial
+        from liepoisson.model.polynomial_view import read_polynomial
         from liepoisson.model.system import System
 
         names = self.bracket.coordinate_names_in_order

@@ -15,9 +15,9 @@ from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.formula.expression import check_names, evaluate
 from liepoisson.formula.grammar import MAX_DIGITS, parse
+from liepoisson.formula.parameters import Value
 from liepoisson.formula.scope import Scope, read_declaration
 from liepoisson.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
-from liepoisson.formula.values import Value
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.names import MAX_TITLE, check_name
 from liepoisson.model.constructors import read_algebra, read_extension
@@ -34,33 +34,14 @@ T = TypeVar("T")
 
 _MAX_LIST = 100_000
 _KEYS: dict[str, tuple[str, ...]] = {
-    "": (
-        "name",
-        "source",
-        "description",
-        "symbols",
-        "bracket",
-        "parameters",
-        "hamiltonian",
-        "integrals",
-        "quadratures",
-        "reference",
-    ),
-    "bracket": (
-        "algebra",
-        "structure_constants",
-        "matrices",
-        "basis_names",
-        "extension",
-        "W",
-        "variables",
-        "constant",
-        "canonical",
-        "momenta",
-    ),
-    "hamiltonian": ("expression",),
-    "integral": ("expression", "on", "source"),
-    "reference": ("state", "quantity", "value", "tolerance", "source"),
+    table: tuple(keys.split())
+    for table, keys in {
+        "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
+        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta",
+        "hamiltonian": "expression",
+        "integral": "expression on source",
+        "reference": "state quantity value tolerance source",
+    }.items()
 }
 
 

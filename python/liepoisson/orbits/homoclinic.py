@@ -21,12 +21,17 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import has_passed
 from liepoisson.numeric.sampling import as_seed
-from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
+from liepoisson.orbits.homoclinic_orbits import (
+    AMPLITUDE,
+    HomoclinicOrbit,
+    HomoclinicOrbits,
+    UnstableSpace,
+    unstable_space,
+)
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.multipliers import transversal_basis
+from liepoisson.orbits.periodic_orbits import transversal_basis
 from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis, n_times_of
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
-from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 

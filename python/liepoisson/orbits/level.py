@@ -15,8 +15,7 @@ from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
-from liepoisson.leaf._checks import are_equal, as_energy, as_system
-from liepoisson.leaf.casimir_names import by_name
+from liepoisson.leaf._checks import are_equal, as_energy, as_system, by_name
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import linear

@@ -1,11 +1,21 @@
-"""Symmetric periodic orbits, and lists of them."""
+r"""Symmetric periodic orbits, lists of them, and their multipliers, with a check of the structure that these must have.
+
+The derivative D of the flow along one loop, followed by the symmetry that closes it, has the trivial multipliers 1 of
+the flow and of H and the Casimirs.  They are divided out exactly, not picked out of a spectrum: with an orthonormal
+basis Q of the vectors that are orthogonal to the flow, in the level,
+
+$$ M = Q^T D Q $$
+
+has the others.  M is symplectic, so its multipliers come in pairs $\mu, 1/\mu$, and $w = \mu + 1/\mu$ is a double
+eigenvalue of $M + M^{-1}$.  $M^{-1}$ is computed by running the loop backwards; hence large and small multipliers are
+accurate alike, and the two values of w are a check.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +23,9 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.io.display import as_line, as_table
+from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.multipliers import ComplexArray, kind_of
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
@@ -24,10 +33,92 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.orbits.polish import PreciseSegment
 
+ComplexArray = NDArray[np.complex128]
+
+HYPERBOLIC = 1e-6
+"""How far a multiplier must be from the unit circle: a double one at 1 scatters by the root of the round-off."""
+
+
+@dataclass(frozen=True)
+class LoopSpectrum:
+    r"""The multipliers of a loop.
+
+    Attributes:
+        values: The multipliers, the largest first, then their reciprocals in the same order, shape (2m - 2,).
+        pair_defect: The largest difference between the two computed values of a $\mu + 1/\mu$, relative to the largest.
+        trivial_defect: How far the flow, H and the Casimirs are from being kept by D: the larger one of
+            $|Df - f|/|f|$ and $|D^T\nabla C - \nabla C|/|\nabla C|$, relative to $|D|$.
+        expanding: The matrix M, shape (2m - 2, 2m - 2).
+        basis: The columns Q, shape (N, 2m - 2).
+    """
+
+    values: ComplexArray
+    pair_defect: float
+    trivial_defect: float
+    expanding: Array
+    basis: Array
+
+
+def transversal_basis(gradients: Array, rate: Array) -> Array:
+    """An orthonormal basis of the vectors that are orthogonal to the gradients and to the flow, shape (N, k)."""
+    rows = np.vstack([gradients, rate])
+    rows = rows / linear.norm(rows, axis=1, keepdims=True)
+    left = linear.svd(rows.T, full_matrices=True)[0]
+    return left[:, len(rows) :]
+
+
+def loop_spectrum(forwards: Array, backwards: Array, gradients: Array, rate: Array) -> LoopSpectrum:
+    """The multipliers of a loop.
+
+    Args:
+        forwards: The derivative of the loop, shape (N, N).
+        backwards: That of the loop run backwards.
+        gradients: The gradients of H and the Casimirs where it begins, shape (function, N).
+        rate: The vector field there, shape (N,).
+    """
+    basis = transversal_basis(gradients, rate)
+    forth, back = (
+        linear.matmul(linear.matmul(basis.T, forwards), basis),
+        linear.matmul(linear.matmul(basis.T, backwards), basis),
+    )
+    size = float(linear.norm(forwards, 2))
+    trivial = max(
+        float(linear.norm(linear.matmul(forwards, rate) - rate) / linear.norm(rate)),
+        float(
+            (linear.norm(linear.matmul(gradients, forwards) - gradients, axis=1) / linear.norm(gradients, axis=1)).max()
+        ),
+    )
+    values, defect = _paired(linear.eigvals(forth + back).astype(np.complex128))
+    return LoopSpectrum(values, defect, trivial / size, forth, basis)
+
+
+def _paired(sums: ComplexArray) -> tuple[ComplexArray, float]:
+    r"""Multipliers from the eigenvalues $\mu + 1/\mu$, which are double, and how far they are from being so."""
+    left = sorted(sums.tolist(), key=lambda w: (-abs(w), w.imag))
+    large: list[complex] = []
+    defect, scale = 0.0, max((abs(w) for w in left), default=1.0)
+    while left:
+        one = left.pop(0)
+        k = min(range(len(left)), key=lambda k: abs(left[k] - one))
+        other = left.pop(k)
+        defect = max(defect, abs(one - other) / scale)
+        w = (one + other) / 2
+        root = complex(np.sqrt(complex(w * w - 4)))
+        large.append(max((w + root) / 2, (w - root) / 2, key=lambda m: (abs(m), m.imag)))
+    large.sort(key=lambda m: (-round(abs(m), 9), -m.imag))
+    return np.array([*large, *(1 / m for m in large)], dtype=np.complex128), defect
+
+
+def kind_of(values: ComplexArray) -> str:
+    """What multipliers say of a loop: "hyperbolic", "elliptic", "mixed" or, where there is none, "neutral"."""
+    if not values.size:
+        return "neutral"
+    off = np.abs(np.abs(values) - 1) > HYPERBOLIC
+    return "hyperbolic" if off.all() else "mixed" if off.any() else "elliptic"
+
+
 _CLOSED = 1e-9
 CUT_SHORT = "; the time limit ended the search"
-_LONGEST = 60
-"""Rows of a table."""
 
 
 @explains_its_methods
@@ -136,8 +227,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         return f"<SymmetricOrbit of {self.system.name!r}: period {self.period:.8g}, {self.stability}{big}>"
 
 
-@dataclass(frozen=True, eq=False)
-class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
+@dataclass(frozen=True, eq=False, repr=False)
+class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
     """Symmetric periodic orbits of a level, those with the largest growth rate first.
 
     Example:
@@ -157,6 +248,8 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    titles = ("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")
+
     level: Level
     found: tuple[SymmetricOrbit, ...]
     reversers: tuple[DiscreteSymmetry, ...]
@@ -164,18 +257,6 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
     n_starts: int
     n_families: int
     is_cut_short: bool = False
-
-    @overload
-    def __getitem__(self, index: int) -> SymmetricOrbit: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[SymmetricOrbit]: ...
-    def __getitem__(self, index: int | slice) -> SymmetricOrbit | list[SymmetricOrbit]:
-        """One of them, or a list of several."""
-        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
-
-    def __len__(self) -> int:
-        """How many."""
-        return len(self.found)
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its start, period, stability and the size of its multipliers."""
@@ -191,16 +272,6 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
             **{f"multiplier_size_{k}": column for k, column in enumerate(sizes.T, start=1)},
         }
 
-    def __repr__(self) -> str:
-        rows = self._rows()
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        return "\n".join([self._head(), *table] if self.found else [self._head()])
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: a line and a table."""
-        return as_line(self._head()) + as_table(self._rows())
-
     def _head(self) -> str:
         n = len(self.found)
         families = f"; {self.n_families} segments that belong to families are left out" if self.n_families else ""
@@ -211,25 +282,10 @@ class SymmetricOrbits(Sequence[SymmetricOrbit], Tabular):
             f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        rows: list[tuple[str, ...]] = [("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")]
-        for one in self.found[:_LONGEST]:
-            half = one.multipliers[: len(one.multipliers) // 2]
-            values = ", ".join(_number(m) for m in half)
-            rows.append(
-                (
-                    f"{one.period:.8f}",
-                    f"{one.return_time:.8f}",
-                    f"{one.rate:.4f}",
-                    one.stability,
-                    values,
-                    f"{one.residual:.0e}",
-                    f"{one.pair_defect:.0e}",
-                )
-            )
-        if (more := len(self.found) - _LONGEST) > 0:
-            rows.append((f"and {more} more", *[""] * (len(rows[0]) - 1)))
-        return rows
+    def _row(self, one: SymmetricOrbit, /) -> tuple[str, ...]:
+        values = ", ".join(_number(m) for m in one.multipliers[: len(one.multipliers) // 2])
+        times = f"{one.period:.8f}", f"{one.return_time:.8f}", f"{one.rate:.4f}"
+        return *times, one.stability, values, f"{one.residual:.0e}", f"{one.pair_defect:.0e}"
 
 
 def _number(m: complex) -> str:

@@ -1,13 +1,22 @@
-"""Segments of symmetric orbits to any number of digits: Newton's method in the arithmetic of Arb."""
+r"""Segments of symmetric orbits, and midpoints of homoclinic ones, to any number of digits: Newton's method in Arb.
+
+A homoclinic orbit begins at an amplitude a on the linear unstable space so small that $|a|^3$ is below the tolerance
+(see `liepoisson.orbits.homoclinic_orbits`), some loops before it did in doubles, and Newton's method in amplitude and
+time puts its end into the fixed set.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import ceil, log
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.errors import OrbitError
+import numpy as np
+
+from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.formula.scalars import as_count
+from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 from liepoisson.orbits.precise_flow import (
     Ball,
     Matrix,
@@ -16,15 +25,17 @@ from liepoisson.orbits.precise_flow import (
     as_ball,
     bits,
     column,
+    midpoints,
     solved,
 )
 from liepoisson.orbits.shooting import fixed_basis, mirror_basis
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.level import Level
-    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 
 MOST_DIGITS = 1000
 _MOST_STEPS = 12
@@ -155,3 +166,139 @@ def stacked(upper: Matrix, lower: Matrix) -> Matrix:
     from flint import arb_mat
 
     return arb_mat(upper.nrows() + lower.nrows(), upper.ncols(), [*upper.entries(), *lower.entries()])
+
+
+_MOST_CORRECTIONS = 15
+_TO_LEVEL = 12
+
+
+@dataclass(frozen=True)
+class PreciseMidpoint:
+    """The midpoint of a homoclinic orbit as decimal texts, which liepoisson reads as exact numbers.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> orbit = lp.orbits.symmetric_periodic_orbits(system, {}, energy="1/8", n_starts=20)[0]
+        >>> found = lp.orbits.symmetric_homoclinic_orbits(orbit, n_starts=10)[0]
+        >>> precise = found.polished(digits=16)
+        >>> precise.digits, bool(np.allclose([float(text) for text in precise.midpoint], found.midpoint))
+        (16, True)
+
+    Attributes:
+        midpoint: The components of the state in the fixed set of the reverser.
+        digits: How many digits of them are right.
+        amplitude: The amplitude at which the orbit began.
+        time: The time from there to the midpoint.
+        residual: How far the last step of Newton's method moved, relative to amplitude and time.
+    """
+
+    midpoint: tuple[str, ...]
+    digits: int
+    amplitude: float
+    time: str
+    residual: float
+
+
+def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
+    """The midpoint of an orbit that is homoclinic to a periodic orbit.
+
+    Raises:
+        ParameterError: it is homoclinic to an equilibrium, or the equations are no polynomials.
+        OrbitError: Newton's method does not converge.
+    """
+    from flint import ctx
+
+    digits = as_count(digits, "digits", least=10, most=MOST_DIGITS)
+    if not isinstance(orbit.origin, SymmetricOrbit):
+        raise ParameterError(
+            "polished: wanted an orbit that is homoclinic to a periodic orbit; got one to an equilibrium"
+        )
+    size = float(linear.norm(orbit.amplitude))
+    slowest = float(np.abs(linear.eigvals(orbit.space.matrix)).min())
+    n_loops = max(0, ceil((digits / 3 + 1) * log(10) / log(slowest) + log(size) / log(slowest)))
+    # what is lost on the way from an amplitude of 10^(-digits/3) to 1
+    working = digits + ceil(digits / 3) + 4
+    with ctx.workprec(bits(working)):
+        start = _Start(orbit, orbit.origin, PreciseFlow(orbit.system, working), working)
+        closing = linear.matmul(orbit.origin.last.matrix, orbit.origin.first.matrix)
+        middle, a, time, moved = start.solved(n_loops, digits)
+        for _ in range(n_loops):  # an odd number of loops leads to the image
+            middle = (exact_columns(closing.T) * column(middle)).entries()
+        return PreciseMidpoint(
+            tuple(text_of(value, digits) for value in middle),
+            digits,
+            float(sum((float(v) ** 2 for v in a), 0.0) ** 0.5),
+            text_of(time, digits),
+            moved,
+        )
+
+
+def exact_columns(values: Array) -> Matrix:
+    """A matrix of doubles, exactly."""
+    from flint import arb_mat
+
+    return arb_mat(values.shape[0], values.shape[1], [as_ball(float(v)) for v in values.ravel()])
+
+
+class _Start:
+    """The linear unstable space of a periodic orbit in many digits, and the states near."""
+
+    def __init__(self, orbit: HomoclinicOrbit, origin: SymmetricOrbit, flow: PreciseFlow, digits: int) -> None:
+        self.orbit, self.flow = orbit, flow
+        level = origin.level
+        self.functions: Polynomials = level_functions(level)
+        self.wanted = [as_ball(value) for value in level.values.values()]
+        self.state, _, T, _ = solved_segment(origin, digits)
+        n = flow.n
+        closing = exact_columns(linear.matmul(origin.last.matrix, origin.first.matrix).T)
+        loop = midpoints(closing * flow.end(self.state, 2 * T, exact_columns(np.eye(n)))[1])
+        # coordinates as in doubles: those with respect to the basis there
+        dual = exact_columns(linear.pinv(orbit.space.basis).astype(np.float64))
+        basis = exact_columns(orbit.space.basis)
+        change = 1.0
+        slowest = float(np.abs(linear.eigvals(orbit.space.matrix)).min())
+        for _ in range(ceil(digits * log(10) / log(slowest)) + 10):
+            new = loop * basis
+            new = midpoints(new * midpoints((dual * new).inv()))
+            change = max(float(abs(v)) for v in (new - basis).entries())
+            basis = new
+        if not change < 10.0 ** -(digits - 8):
+            raise OrbitError(f"the unstable space must converge; its last change is {change:.1e}")
+        self.basis, self.loop, self.loop_time = basis, midpoints(dual * loop * basis), (2 * T).mid()
+        self.constant = midpoints(self.functions.derivatives(self.state).transpose())
+
+    def at(self, amplitude: Matrix) -> tuple[list[Ball], Matrix]:
+        """The state x(a), on the level, and its derivative."""
+        x = [(p + v).mid() for p, v in zip(self.state, (self.basis * amplitude).entries(), strict=True)]
+        for _ in range(_TO_LEVEL):
+            rest = [v - c for v, c in zip(self.functions.values(x), self.wanted, strict=True)]
+            move = solved(self.functions.derivatives(x) * self.constant, column(rest))
+            x = [(v - m).mid() for v, m in zip(x, (self.constant * move).entries(), strict=True)]
+            if max(float(abs(v)) for v in rest) < 10.0 ** -(self.flow.digits + 4):
+                break
+        slopes = self.functions.derivatives(x)
+        return x, midpoints(self.basis - self.constant * solved(slopes * self.constant, slopes * self.basis))
+
+    def solved(self, n_loops: int, digits: int) -> tuple[list[Ball], list[Ball], Ball, float]:
+        """Midpoint, amplitude, time and the size of the last step."""
+        mirror = exact_matrix(mirror_basis(self.orbit.reverser)).transpose()
+        a = column([as_ball(float(v)) for v in self.orbit.amplitude])
+        for _ in range(n_loops):
+            a = solved(self.loop, a)
+        time = (as_ball(float(self.orbit.time)) + n_loops * self.loop_time).mid()
+        moved = 1.0
+        for _ in range(_MOST_CORRECTIONS):
+            x, slopes = self.at(a)
+            size = max((abs(v) for v in a.entries()), key=float)
+            end, tangents = self.flow.end(x, time, midpoints(slopes * size))
+            rate = column(self.flow.rate(end))
+            step = solved(beside(mirror * tangents, mirror * rate), -(mirror * column(end))).entries()
+            a = column([(v + size * s).mid() for v, s in zip(a.entries(), step[:-1], strict=True)])
+            time = (time + step[-1]).mid()
+            moved = max(float(abs(v)) for v in step)
+            if moved < 10.0 ** (-0.5 * digits - 2):
+                end, _ = self.flow.end(self.at(a)[0], time)
+                return in_fixed_set(self.orbit.reverser, end), a.entries(), time, moved
+        raise OrbitError(
+            f"a homoclinic orbit must meet the fixed set; Newton's method in {digits} digits still moves by {moved:.1e}"
+        )

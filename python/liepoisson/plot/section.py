@@ -21,9 +21,7 @@ from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
-from liepoisson.poincare.section_axes import default_axes
-from liepoisson.poincare.section_coordinates import component_axes, figure_axes
-from liepoisson.poincare.section_levels import levels_of
+from liepoisson.poincare.section_coordinates import component_axes, default_axes, figure_axes, levels_of
 from liepoisson.poincare.section_sheets import DIRECTION
 
 if TYPE_CHECKING:

@@ -68,7 +68,7 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
             _draw_last(right, result, trajectory)
             left.set_ylim(-size, size)
         panels[0, 0].set_title(plain(result.system.name))
-        panels[0, 1].set_title(f"at $t = {result.time[-1]:g}$, ± standard error")
+        panels[0, 1].set_title(f"at $t = {result.time[-1]:g}$\n± standard error")
         for ax, words in zip(panels[-1], (r"$t$", r"$k$"), strict=True):
             ax.set_xlabel(words)
         if len(rows) > 1:

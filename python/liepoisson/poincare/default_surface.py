@@ -10,7 +10,7 @@ import numpy as np
 from liepoisson.algebra.rational_polynomials import in_words
 from liepoisson.errors import LeafError, ParameterError, SurfaceWarning
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.leaf.lengths import unit_length
+from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.portable import linear
 from liepoisson.streams import generator
 

@@ -232,7 +232,7 @@ class Section(IntegratedRun):
 
     def __str__(self) -> str:
         """What was found and what not, and whether the figure of it folds the section, in a few lines."""
-        from liepoisson.poincare.section_levels import levels_of
+        from liepoisson.poincare.section_coordinates import levels_of
 
         lines = [f"{self.system.name}: {len(self.time)} crossings of {self.surface} = 0, {self._of_each()}"]
         if (levels := levels_of(self)) is not None and levels.warning:

@@ -1,23 +1,30 @@
-"""Whether two functions are coordinates on a section of dimension 2, or fold it."""
+"""Whether two functions are coordinates on a section of dimension 2, or fold it, and which two a figure shows.
+
+The orbits of a section may lie on several levels of energy and Casimirs: curves of different levels cross.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf_stratum import numeric_rank
 from liepoisson.model.phase_functions import as_phase_points
-from liepoisson.poincare.section_axes import default_axes
 from liepoisson.poincare.section_sheets import SectionAxes, SectionPlane, idle_components, section_axes
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.model.phase_functions import PhaseFunction
     from liepoisson.model.system import System
     from liepoisson.poincare.section import Section
 
@@ -104,3 +111,132 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
     across, up = (plane.system.functions.of(function) for function in (x, y))
     signs = plane.signs(across, up)
     return bool((signs > 0).any() and (signs < 0).any()) or plane.meets_itself(across, up)
+
+
+SAME = 1e-9
+"""Difference of two values, relative to the terms of the function, up to which they are one: starts of one level that
+were found by Newton's method or written with ten digits agree to it."""
+
+
+@dataclass(frozen=True)
+class Levels:
+    """Distinct values of the Hamiltonian and the Casimirs.
+
+    Attributes:
+        names: H, C1, C2, ...
+        values: Those of each level, shape (level, function).
+    """
+
+    names: tuple[str, ...]
+    values: Array
+
+    def __len__(self) -> int:
+        """How many levels there are."""
+        return len(self.values)
+
+    @property
+    def warning(self) -> str:
+        """What a section says of its orbits; "" where they share a level."""
+        if len(self) < 2:
+            return ""
+        return f"the orbits lie on {len(self)} levels of {', '.join(self.names)}: curves of different levels cross"
+
+
+@np.errstate(all="ignore")
+def levels_of(run: Section, trajectories: NDArray[np.int64] | None = None) -> Levels | None:
+    """The levels of the orbits that have crossings; None where the system is not known by formulas.
+
+    Args:
+        run: The section.
+        trajectories: Only those of these orbits.
+    """
+    from liepoisson.model.system import System
+
+    if not isinstance(run.system, System):
+        return None
+    shown = np.unique(run.trajectory)
+    states = run.start[shown if trajectories is None else np.intersect1d(shown, trajectories)]
+    functions = {"H": run.system.functions.energy, **run.system.functions.casimirs}
+    if not len(states):
+        return Levels(tuple(functions), np.empty((0, len(functions))))
+    values = np.stack([f(states) for f in functions.values()], axis=-1)
+    groups = np.stack([_groups(f, states) for f in functions.values()], axis=-1)
+    _, first = np.unique(groups, axis=0, return_index=True)
+    return Levels(tuple(functions), values[np.sort(first)])
+
+
+def _groups(function: PhaseFunction, states: Array) -> NDArray[np.int64]:
+    r"""Which values are one: neighbours that differ by at most `SAME` of $|f| + \sum|x_i\,\partial_i f|$.
+
+    The sum is the size of the terms of f: a Casimir l.alpha = 0 has values of round-off.
+    """
+    values = function(states)
+    size = np.abs(values) + np.abs(states * function.gradient(states)).sum(axis=-1)
+    order = np.argsort(values, kind="stable")
+    apart = ~(np.diff(values[order]) <= SAME * np.maximum(size[order][1:], size[order][:-1]))
+    groups = np.empty(len(values), np.int64)
+    groups[order] = np.concatenate([[0], np.cumsum(apart)])
+    return groups
+
+
+_ROUND_OFF, _NOTHING = 1e-9, 1e-14
+"""Width of the values of a coordinate, relative to its size along the orbits, and of a figure across its longest
+extent, that is round-off; width relative to the largest of all coordinates that is, too."""
+
+
+def default_axes(
+    components: Sequence[str], states: Array, beside: Array | None = None, idle: Collection[str] = ()
+) -> tuple[str, str]:
+    """The last component across and the second up; of coordinates and momenta a coordinate across and its momentum up.
+
+    Where one of both is constant on the section, or all points are on one line, the two before are taken, and so on: on
+    the section y = 0 of a system in (x, y, p_x, p_y) not y and p_y, but x and p_x.
+
+    Args:
+        components: Names of the components.
+        states: States of the crossings, shape (crossing, component).
+        beside: States of the same orbits elsewhere, shape (state, component): they tell how large a coordinate is that
+            vanishes on the section.
+        idle: Names of components that are taken only where no two others will do.
+    """
+    n = len(components)
+    last, second = (n // 2 - 1, n - 1) if _is_canonical(components) else (n - 1, min(1, n - 1))
+    finite = states[np.isfinite(states).all(axis=-1)]
+    if len(finite) > 1:
+        others = finite if beside is None else np.concatenate([finite, beside[np.isfinite(beside).all(axis=-1)]])
+        sizes = np.abs(others).max(axis=0)
+        unit = np.where(sizes > 0, sizes, 1.0)
+        centred = (finite - finite.mean(axis=0)) / unit
+        width = np.ptp(finite, axis=0)
+        varies = (width > _ROUND_OFF * sizes) & (width > _NOTHING * sizes.max())
+        acting = [k for k in range(n) if components[k] not in idle]
+        if _is_canonical(components):
+            pairs = sorted(_pairs(range(n), last, second), key=lambda pair: not {*pair} <= {*acting})
+        else:
+            pairs = _pairs(acting, len(acting) - 1, 1) + _pairs(range(n), last, second)
+        for across, up in pairs:
+            if across != up and varies[across] and varies[up] and _fills_a_plane(centred[:, (across, up)]):
+                return components[across], components[up]
+    return components[last], components[second]
+
+
+def _pairs(places: Sequence[int], last: int, second: int) -> list[tuple[int, int]]:
+    """The last and the second of some places, then in turn those before both, then all others."""
+    n = len(places)
+    pairs = [(places[(last - back) % n], places[(second - back) % n]) for back in range(n)]
+    return pairs + [(across, up) for across in reversed(places) for up in places if up < across]
+
+
+def _fills_a_plane(points: Array) -> bool:
+    """Whether points are on no line, each coordinate in units of its width."""
+    longest, shortest = linear.svd(points / np.ptp(points, axis=0), compute_uv=False)
+    return len(points) < 3 or bool(shortest > _ROUND_OFF * longest)
+
+
+def _is_canonical(components: Sequence[str]) -> bool:
+    """Whether the second half of the names are those that momenta of the first half have: p_x of x, and p1 of q1."""
+    half = len(components) // 2
+    pairs = zip(components[:half], components[half:], strict=False)
+    return len(components) == 2 * half and all(
+        p == f"p_{q}" or (q.startswith("q") and p == f"p{q[1:]}") for q, p in pairs
+    )

@@ -21,9 +21,9 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, named
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.leaf._checks import as_energy, as_system
+from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, solve
 from liepoisson.leaf.leaf_search import check_energy_in_reach
-from liepoisson.leaf.lengths import unit_length
 from liepoisson.leaf.starts import read_state
 from liepoisson.model.phase_functions import as_phase_points
 from liepoisson.portable import linear

@@ -10,6 +10,9 @@ JSON: doubles as C99 hexadecimal strings, rational constants as strings.
 - `sets`: for each a `name`, its `center` and its `frame`, whose columns are k unstable directions, the flow, k stable
   directions, and the gradients of H and the Casimirs;
 - `edges`: for each the sets `from` and `to`, the `time`, and whether R follows (`symmetry`).
+
+The graph of a certificate are two loops through one set, a short one along gamma and a long one, the excursion.  A
+checker reports how far each condition of the theorem holds (`Margins`).
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
-from liepoisson.errors import DamagedFileError, MissingFileError
+from liepoisson.errors import DamagedFileError, EnclosureError, MissingFileError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import read_text
@@ -94,7 +97,7 @@ def load_covering_certificate(path: str | Path) -> CoveringCertificate:
     """
     path = Path(path)
     try:
-        data = json.loads(read_text(path, most=_MOST_BYTES), object_pairs_hook=_without_repetition)
+        data = json.loads(read_text(path, most=_MOST_BYTES))
         return read_certificate(data)
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
@@ -188,7 +191,7 @@ def _numbers(data: object, n: int, where: str) -> tuple[float, ...]:
 
 
 def _double(value: object, where: str) -> float:
-    """A double from its hexadecimal form, without rounding."""
+    """A double from its hexadecimal form: what is proved is about this double."""
     text = _text(value, where)
     _check_length(text, where)
     try:
@@ -197,18 +200,7 @@ def _double(value: object, where: str) -> float:
         raise _FormatError(f"{where}: wanted a double in hexadecimal; got {shown(text)}") from error
     if not math.isfinite(found) or "0x" not in text.lower():
         raise _FormatError(f"{where}: wanted a finite double in hexadecimal, such as 0x1.8p+0; got {shown(text)}")
-    if _exactly(text) != Fraction(found):
-        raise _FormatError(f"{where}: {shown(text)} has more digits than a double")
     return found
-
-
-def _exactly(text: str) -> Fraction:
-    """The value of a hexadecimal number, of which `float.fromhex` has accepted the form."""
-    mantissa, _, exponent = text.strip().lower().replace("0x", "").partition("p")
-    negative = mantissa.startswith("-")
-    whole, _, part = mantissa.lstrip("+-").partition(".")
-    value = Fraction(int(whole + part or "0", 16), 16 ** len(part)) * Fraction(2) ** int(exponent or 0)
-    return -value if negative else value
 
 
 def _rational(value: object, where: str) -> Fraction:
@@ -267,8 +259,134 @@ def _entry(record: Mapping[Any, Any], key: str, where: str) -> Any:
     return record[key]
 
 
-def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) != len(pairs):
-        raise _FormatError("a name occurs twice in one object")
-    return found
+@dataclass(frozen=True)
+class ChainGraph:
+    """Two loops through one set, as numbers of edges in their order.
+
+    Attributes:
+        start: Number of the set in which the loops meet, p_a.
+        other: Number of the other set of the short loop, p_b.
+        short: Edges of the short loop, p_a -> p_b -> p_a.
+        long: Edges of the excursion, p_a -> q_1 -> ... -> p_a.
+        middle: Number of the set half-way along the excursion.
+        middle_edge: Place in `long` of the edge that ends in the middle set.
+    """
+
+    start: int
+    other: int
+    short: tuple[int, ...]
+    long: tuple[int, ...]
+    middle: int
+    middle_edge: int
+
+
+def chain_graph(n_sets: int, edges: Sequence[tuple[int, int, bool]]) -> ChainGraph:
+    """The loops of a list of edges, each (from, to, symmetry).
+
+    Raises:
+        EnclosureError: the edges are not two loops through one set, of which one has two edges and each carries the
+            symmetry an odd number of times.
+    """
+    leaving: dict[int, list[int]] = {k: [] for k in range(n_sets)}
+    arriving = dict.fromkeys(range(n_sets), 0)
+    for number, (source, target, _) in enumerate(edges):
+        leaving[source].append(number)
+        arriving[target] += 1
+    branching = [k for k in range(n_sets) if len(leaving[k]) == 2 and arriving[k] == 2]
+    if len(branching) != 1 or any(
+        len(leaving[k]) != 1 or arriving[k] != 1 for k in range(n_sets) if k not in branching
+    ):
+        raise EnclosureError(
+            "the graph: wanted two loops that meet in one set and pass once through each other set; got another graph"
+        )
+    start = branching[0]
+    loops: list[tuple[int, ...]] = []
+    for first in leaving[start]:
+        loop, place = [first], edges[first][1]
+        while place != start:
+            loop.append(leaving[place][0])
+            place = edges[loop[-1]][1]
+        loops.append(tuple(loop))
+    loops.sort(key=len)
+    short, long = loops
+    if sum(map(len, loops)) != len(edges) or len(short) != 2 or len(long) < 4:
+        raise EnclosureError("the graph: wanted a loop of two edges and one of four or more through one set")
+    for loop, what in ((short, "short"), (long, "long")):
+        if sum(edges[e][2] for e in loop) % 2 != 1:
+            raise EnclosureError(f"the graph: the {what} loop must carry the symmetry an odd number of times")
+    middle_edge = (len(long) - 1) // 2
+    return ChainGraph(start, edges[short[0]][1], short, long, edges[long[middle_edge]][1], middle_edge)
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """The rotation number theta/pi of the multipliers of the periodic orbit on one level, between two bounds.
+
+    Attributes:
+        energy: The energy, as text.
+        lower: Bound from below.
+        upper: Bound from above.
+    """
+
+    energy: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Margins:
+    """The conditions of a certificate that one arithmetic has verified, rounded to the safe side for printing.
+
+    All numbers hold for every level in the ball |H - H_0|, |C_k - C_k0| <= `level_radius`.
+
+    Attributes:
+        arithmetic: Which arithmetic it was.
+        n_unstable: Number of unstable multipliers of the periodic orbit, k; as many are stable.
+        n_edges: Number of covering relations.
+        n_steps: Number of rigorous steps of integration.
+        level_radius: Radius of the ball of levels.
+        expansion: The least |q_u| of images of |q_u| = 1, over all edges; above 1.
+        contraction: The largest |q_s| of images; below 1.
+        cone: The least margin of the cone conditions; positive.
+        reversers: The changes of signs that map the periodic orbit to itself, run backward.
+        symmetric_q: The largest |q_u| and |q_s| of images of the small sets under the reversers; below 1.
+        apart_from_orbit: Least distance, in the largest component, of the middle set to the orbits near gamma.
+        apart_from_excursion: Least distance to the excursion at other times.
+        apart_from_image: Least distance to the image of the excursion under the symmetry.
+        loop_times: Upper bounds of the flight times of the two loops.
+        entropy: Lower bound of the topological entropy of the flow on the invariant set, in E/R and in E.
+        discriminant: Upper bound of T^2/4 - S + 2 of the characteristic polynomial of gamma; negative. None where it is
+            not proved to be, and for one unstable multiplier.
+        rotations: Rotation numbers on two levels, which differ; None where that is not proved.
+        undecided: What was not proved of the multipliers; empty where nothing is missing.
+        seconds: Time of the check.
+    """
+
+    arithmetic: str
+    n_unstable: int
+    n_edges: int
+    n_steps: int
+    level_radius: str
+    expansion: float
+    contraction: float
+    cone: float
+    reversers: tuple[tuple[int, ...], ...]
+    symmetric_q: float
+    apart_from_orbit: float
+    apart_from_excursion: float
+    apart_from_image: float
+    loop_times: tuple[float, float]
+    entropy: float
+    discriminant: float | None
+    rotations: tuple[Rotation, Rotation] | None
+    undecided: str
+    seconds: float
+
+    @property
+    def excludes_integrals(self) -> bool:
+        """Whether the theorem on further analytic constants of motion applies.
+
+        One unstable multiplier asks for nothing beyond the transversal homoclinic orbit, two for a rotation number that
+        is irrational on almost all levels.
+        """
+        return self.n_unstable == 1 or self.rotations is not None

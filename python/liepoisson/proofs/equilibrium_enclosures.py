@@ -403,7 +403,7 @@ class _Problem:
         from flint import arb_mat
 
         from liepoisson.proofs.balls.field import working
-        from liepoisson.proofs.eigenvalue_boxes import eigenvalue_boxes
+        from liepoisson.proofs.rigorous import eigenvalue_boxes
 
         d = self.dimension
         with working(self.means.precision):

@@ -13,8 +13,7 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.errors import EnclosureError
-from liepoisson.proofs.certificate import CoveringCertificate, CoveringSet
-from liepoisson.proofs.margins import Margins, Rotation
+from liepoisson.proofs.certificate import CoveringCertificate, CoveringSet, Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms
 
 ORDER = 20

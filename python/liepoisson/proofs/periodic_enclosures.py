@@ -214,7 +214,7 @@ def _repeated(
     found = _in_intervals(name, field, values, chain, means)
     for _ in range(_REPEATS):
         # sections at the times that the orbit takes
-        better = _Chain([one.midpoint for one in _each(found.states)], found.times.midpoint.tolist(), chain.reach)
+        better = _Chain([*found.states.midpoint], found.times.midpoint.tolist(), chain.reach)
         try:
             again = _in_intervals(name, field, values, better, means)
         except EnclosureError:
@@ -226,10 +226,6 @@ def _repeated(
         if not is_worth_it:
             break
     return found, chain
-
-
-def _each(boxes: Box) -> list[Box]:
-    return [boxes[k] for k in range(len(boxes.lower))]
 
 
 def _widths(orbit: PeriodicOrbitEnclosure) -> float:
@@ -321,7 +317,7 @@ def _in_balls(
 
     from liepoisson.proofs.balls.field import BallField, ball, working
     from liepoisson.proofs.balls.periodic import Chain
-    from liepoisson.proofs.eigenvalue_boxes import eigenvalue_boxes
+    from liepoisson.proofs.rigorous import eigenvalue_boxes
 
     n, d = len(field.names), len(field.names) - 1 - len(values)
     with working(means.precision):

@@ -25,8 +25,7 @@ from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import reversers_of, symmetric_periodic_orbits
 from liepoisson.portable import linear
 from liepoisson.proofs.certificate import read_certificate
-from liepoisson.proofs.chain import Chain, ChainMaker, with_polished_ends
-from liepoisson.proofs.float_check import FloatCheck, float_check
+from liepoisson.proofs.chain import Chain, ChainMaker, FloatCheck, float_check, with_polished_ends
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
 

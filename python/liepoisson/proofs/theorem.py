@@ -1,30 +1,40 @@
-"""The theorem that a top is chaotic: a certificate, checked by two arithmetics, and what follows from it."""
+r"""The theorem that a top is chaotic: a certificate, checked by two arithmetics, and what follows from it.
+
+A level $F = c$ is regular where the differentials of H and the Casimirs are independent. They are dependent at a point
+of it if $\sum_k m_k\nabla F_k = 0$ with some $m \ne 0$, of which one component may be taken to be 1. So a level is
+regular if, for each k, the equations $\sum_k m_k\nabla F_k = 0$, $F = c$, $m_k = 1$ have no solution: their ideal
+contains 1, which is decided exactly.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.ideals.limits import NotDecidedError
-from liepoisson.errors import CertificateError, EnclosureError, ParameterError
+from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
+from liepoisson.algebra.sparse_polynomials import derivative, expression, rational_to_sympy
+from liepoisson.errors import CertificateError, EnclosureError, ExpressionError, ParameterError
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import not_a, shown
-from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate, read_certificate
-from liepoisson.proofs.claimed_system import compare_equations
-from liepoisson.proofs.margins import Margins
-from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
-from liepoisson.proofs.regularity import is_regular
+from liepoisson.proofs.certificate import CoveringCertificate, Margins, load_covering_certificate, read_certificate
+from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field, rational_terms
+from liepoisson.proofs.rigorous import ARITHMETICS
 from liepoisson.proofs.search import CertificateCandidate
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
 
-ARITHMETICS = ("intervals", "balls")
 SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
 """Certificates that come with the package, by the names of systems in the catalogue."""
 _MEASURE = (
@@ -67,7 +77,6 @@ class ChaosProof:
         return ", ".join(f"{name} = {value}" for name, value in self.certificate.level.items())
 
     def __str__(self) -> str:
-        from liepoisson.proofs.statement import statement
 
         return statement(self)
 
@@ -221,3 +230,164 @@ def _checkers() -> dict[str, Callable[[CoveringCertificate, PolynomialField, Cal
     from liepoisson.proofs.interval_checker import check_in_intervals
 
     return {"balls": check_in_balls, "intervals": check_in_intervals}
+
+
+def is_regular(field: PolynomialField, level: Mapping[str, Fraction]) -> bool:
+    """Whether the differentials of H and the Casimirs are independent at all points of a level, also complex ones.
+
+    Raises:
+        NotDecidedError: the Gröbner bases cost too much.
+    """
+    from sympy import Add, Symbol
+
+    x = [Symbol(name) for name in field.names]
+    m = [Symbol(f"m_{k}") for k in range(len(field.constants))]
+    on_level: list[Any] = [
+        Add(expression(f.items(), x), -rational_to_sympy(level[name])) for name, f in field.constants.items()
+    ]
+    functions = list(field.constants.values())
+    for k in range(len(m)):
+        # the multipliers before the k-th vanish in what is left
+        factors = [0] * k + [1] + m[k + 1 :]
+        dependent = [
+            Add(
+                *(
+                    factor * expression(derivative(f, j).items(), x)
+                    for factor, f in zip(factors, functions, strict=True)
+                )
+            )
+            for j in range(len(x))
+        ]
+        unknowns = [*x, *m[k + 1 :]]
+        if not PolynomialSystem.of([*dependent, *on_level], unknowns).is_inconsistent:
+            return False
+    return True
+
+
+_NOT_COMPARED = "The equations in the file are not written in this package's grammar and were not compared."
+
+
+def compare_equations(equations: object, field: PolynomialField) -> str:
+    """Compare the equations in a certificate with those of a system; a sentence that says what was found.
+
+    The proof is about the system's own equations.  Those of the certificate are compared with them where they are
+    formulas in the grammar of system files, by the names of the coordinates.
+
+    Raises:
+        CertificateError: they are formulas, and another system's, or one is missing.
+    """
+    from sympy import Symbol
+
+    given = cast("Mapping[Any, Any]", equations) if isinstance(equations, Mapping) else {}
+    if not given or not set(given) <= set(field.names) or not all(isinstance(text, str) for text in given.values()):
+        return _NOT_COMPARED
+    if missing := [name for name in field.names if name not in given]:
+        raise CertificateError(f"the certificate is refused: its equations lack the rate of {missing[0]}")
+    variables, scope = [Symbol(name) for name in field.names], Scope(symbols=field.names)
+    for k, (name, rate) in enumerate(zip(field.names, field.rates, strict=True)):
+        text = given[name]
+        try:
+            claimed = rational_terms(read_expression(text.replace("**", "^"), scope), variables, f"the rate of {name}")
+        except ExpressionError:
+            return _NOT_COMPARED
+        if claimed != rate:
+            raise CertificateError(
+                f"the certificate is about another system: its rate of {name} is {shown(text)}, that of this system "
+                f"{shown(field.equations[k].partition('=')[2].strip())}"
+            )
+    return "The equations in the file are those of the system."
+
+
+_WIDTH = 110
+_ROWS: tuple[tuple[str, Callable[[Margins], str]], ...] = (
+    ("covering: images reach out to (> 1)", lambda m: f"{m.expansion:.4f}"),
+    ("covering: stable size of images (< 1)", lambda m: f"{m.contraction:.4f}"),
+    ("cone condition, least margin (> 0)", lambda m: f"{m.cone:.4f}"),
+    ("symmetry of gamma (< 1)", lambda m: f"{m.symmetric_q:.4f}"),
+    ("distance of the middle set to gamma (> 0)", lambda m: f"{m.apart_from_orbit:.4f}"),
+    ("... to the excursion at other times (> 0)", lambda m: f"{m.apart_from_excursion:.4f}"),
+    ("... to its image under R (> 0)", lambda m: f"{m.apart_from_image:.4f}"),
+    ("flight time of the loop of gamma (<=)", lambda m: f"{m.loop_times[0]:.5f}"),
+    ("flight time of the excursion (<=)", lambda m: f"{m.loop_times[1]:.5f}"),
+    ("multipliers: T^2/4 - S + 2 (< 0)", lambda m: "" if m.discriminant is None else f"{m.discriminant:.3f}"),
+    ("rotation number theta/pi, lower level", lambda m: f"{m.rotations[0].lower:.13f}" if m.rotations else ""),
+    ("", lambda m: f"to {m.rotations[0].upper:.13f}" if m.rotations else ""),
+    ("rotation number theta/pi, upper level", lambda m: f"{m.rotations[1].lower:.13f}" if m.rotations else ""),
+    ("", lambda m: f"to {m.rotations[1].upper:.13f}" if m.rotations else ""),
+    ("rigorous steps", lambda m: str(m.n_steps)),
+    ("seconds", lambda m: f"{m.seconds:.1f}"),
+)
+
+
+def statement(proof: ChaosProof) -> str:
+    """The theorem, what was verified, and what is not proved."""
+    return "\n".join(_lines(proof))
+
+
+def _lines(proof: ChaosProof) -> Iterator[str]:
+    yield f"Theorem. {proof.system.name}:"
+    yield from (f"    {line}" for line in proof.field.equations)
+    yield from wrap(_theorem(proof), _WIDTH)
+    yield ""
+    yield f"Verified for {len(proof.certificate.sets)} sets and {len(proof.certificate.edges)} covering relations:"
+    width = max(len(label) for label, _ in _ROWS) + 2
+    yield " " * width + "".join(f"{m.arithmetic:>20}" for m in proof.margins)
+    for label, show in _ROWS:
+        shown = [show(m) for m in proof.margins]
+        if any(shown):  # what no arithmetic has verified is not mentioned
+            yield f"{label:{width}}" + "".join(f"{text:>20}" for text in shown)
+    yield ""
+    for note in proof.notes:
+        yield from wrap(note, _WIDTH)
+    yield "The lemmas are in docs/proof.md."
+
+
+def _theorem(proof: ChaosProof) -> str:
+    entropy = math.floor(proof.entropy * 1e6) / 1e6
+    moved = _signs(proof, proof.certificate.symmetry)
+    sentences = [
+        f"Let E be the level {proof.level}, and R the change of the {moved}.",
+        f"There is a hyperbolic periodic orbit gamma on E, with {_multipliers(proof)}.",
+        f"R maps it to itself{_reversers(proof)}.",
+        "There is an orbit homoclinic to gamma, along which its stable and unstable manifolds intersect transversally "
+        "in E.",
+        "In E/R a map along orbits on a compact set is conjugate to the full shift on two symbols.",
+        f"On a compact invariant set in E the topological entropy of the flow is greater than {entropy:.6f}.",
+        f"The same holds on all levels whose values differ from these by at most {_radius(proof)}.",
+    ]
+    return " ".join([*sentences, *([_no_integral(proof)] if proof.excludes_integrals else [])])
+
+
+def _no_integral(proof: ChaosProof) -> str:
+    wedge = " ^ ".join(f"d{name}" for name in ("F", *proof.certificate.level))
+    return (
+        "A function F that is analytic on a connected neighbourhood of gamma and the homoclinic orbit and constant "
+        f"along orbits satisfies {wedge} = 0: there is no further analytic constant of motion."
+    )
+
+
+def _multipliers(proof: ChaosProof) -> str:
+    if proof.margins[0].n_unstable == 1:
+        return "one unstable and one stable multiplier"
+    not_real = all(m.discriminant is not None for m in proof.margins)
+    return "two unstable and two stable multipliers" + (
+        "; none of those of its return in E/R is real" if not_real else ""
+    )
+
+
+def _signs(proof: ChaosProof, signs: Sequence[int]) -> str:
+    changed = [name for name, sign in zip(proof.field.names, signs, strict=True) if sign < 0]
+    return f"signs of {', '.join(changed)}"
+
+
+def _reversers(proof: ChaosProof) -> str:
+    """The reversers of gamma that all arithmetics have verified."""
+    first, *others = proof.margins
+    common = [_signs(proof, one) for one in first.reversers if all(one in m.reversers for m in others)]
+    if not common:
+        return ""
+    return f", and so do the changes of the {' and of the '.join(common)}, which map orbits to orbits run backward"
+
+
+def _radius(proof: ChaosProof) -> str:
+    return str(min(Fraction(m.level_radius) for m in proof.margins))

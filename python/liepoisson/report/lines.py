@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.structure.bracket import Bracket
-    from liepoisson.structure.locus import Locus
+    from liepoisson.structure.strata import Locus
 
 MOST_TERMS = 12
 """Longer sums are cut off in text and LaTeX; JSON has them whole."""

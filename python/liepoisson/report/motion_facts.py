@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.formula.values import Value, flattened
+from liepoisson.formula.parameters import Value, flattened
 from liepoisson.report.bracket_facts import Topic
 from liepoisson.report.decimals import LONG_NUMBER, Decimal
 from liepoisson.report.limits import too_large_formula

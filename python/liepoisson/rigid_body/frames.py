@@ -26,7 +26,7 @@ from liepoisson.inputs.arrays import Array, read_only
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import not_a_system, shown
 from liepoisson.io.result import Result, labelled, part
-from liepoisson.model.charts.quaternions import components, rotation, shortest_turn
+from liepoisson.model.charts.quaternion_chart import components, rotation, shortest_turn
 from liepoisson.model.system import System
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants

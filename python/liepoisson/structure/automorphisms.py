@@ -120,7 +120,7 @@ class Automorphism:
             bracket: Says which coordinates make up the fields.
 
         Raises:
-            ParameterError: it is no expression, or has a part that is like a coordinate and none.
+            ParameterError: it is no expression, or has a part with the name of a coordinate that is none.
         """
         from liepoisson.structure.bracket import read_function
 

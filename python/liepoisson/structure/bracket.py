@@ -5,9 +5,7 @@ The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from copy import copy
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, NoReturn, cast
@@ -25,7 +23,7 @@ from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.constant_part import read_constant, with_linear_part_at
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.poisson.poisson_matrix import PoissonMatrix, linear_terms
+from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix, linear_terms
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -83,9 +81,6 @@ class Bracket:
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
-
-    coefficients: frozenset[str] = frozenset()
-    """Names that are like coordinates and stand for coefficients in the functions of a system."""
 
     def __init__(
         self,
@@ -265,7 +260,7 @@ class Bracket:
         r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded.
 
         Raises:
-            ParameterError: f or g is no expression, or has a part that is like a coordinate and none, such as L1.
+            ParameterError: f or g is no expression, or has a part with the name of a coordinate that is none.
         """
         from sympy import S, expand
 
@@ -281,7 +276,7 @@ class Bracket:
         Where J is constant, as in canonical coordinates, only polynomials are expanded.
 
         Raises:
-            ParameterError: h is no expression, or has a part that is like a coordinate and none, such as L1.
+            ParameterError: h is no expression, or has a part with the name of a coordinate that is none.
         """
         return self._matrix.times(self._gradient(hamiltonian))
 
@@ -446,8 +441,7 @@ class Bracket:
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
-        own = {"coefficients": self.coefficients} if self.coefficients else {}
-        return {**definition, "constant": self.constant, "_name": self._name, **own}
+        return {**definition, "constant": self.constant, "_name": self._name}
 
     def _repr_latex_(self) -> str | None:
         """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
@@ -523,61 +517,25 @@ class Bracket:
 
 
 def read_function(bracket: Bracket, given: object, what: str) -> Expr:
-    """A function of the coordinates that a caller gives, in `variables`.
-
-    Other symbols are coefficients, except what has the name of a coordinate and is none: it would be a constant.  Of a
-    function without any coordinate that holds for names in other letters, too, such as L1 for l1.
+    """A function of the coordinates that a caller gives, in `variables`; other symbols are coefficients.
 
     Raises:
-        ParameterError: it is no expression, or has a part that is like a coordinate and none.
+        ParameterError: it is no expression, or has a part with the name of a coordinate or a field that is none.
     """
     from sympy import Indexed, Symbol
     from sympy.core.function import AppliedUndef
 
     expression = bracket.in_own_variables(as_expression(given, what))
-    others = expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables)
-    is_constant = not expression.free_symbols & {*bracket.variables}
-    for part in sorted(others, key=lambda part: (-len(str(part)), str(part))):  # l[1] before its parts
-        name = _name_of(part)
-        alike = [known for known in bracket.coordinate_names_in_order if _plain(known) == _plain(name)]
-        own = next((known for known in alike if is_constant or _letters(known) == _letters(name)), None)
-        if own is None and name in bracket.field_names:
-            own = f"the field {name}"
-        if own is None or (str(part) in bracket.symbols | bracket.coefficients):
-            continue
-        raise ParameterError(
-            f"{what}: wanted the coordinates {', '.join(bracket.field_names)} as in bracket.variables, and "
-            f"coefficients; got {part} ({type(part).__name__}), which is like {own} and none of them. Correct it, "
-            "or rename it if it is a coefficient."
-        )
+    for part in expression.atoms(Symbol, Indexed, AppliedUndef).difference(bracket.variables):
+        named = part.base if isinstance(part, Indexed) else part.func if isinstance(part, AppliedUndef) else part
+        name = str(getattr(named, "name", named))
+        if name in bracket.coordinate_names or (name in bracket.field_names and name not in bracket.symbols):
+            raise ParameterError(
+                f"{what}: wanted the coordinates {', '.join(bracket.field_names)} as in bracket.variables, and "
+                f"coefficients; got {part} ({type(part).__name__}), which has the name of one and is none. Correct it, "
+                "or rename it if it is a coefficient."
+            )
     return expression
-
-
-def with_coefficients(bracket: Bracket, names: Iterable[str]) -> Bracket:
-    """The same bracket, of whose functions these names are coefficients, however like coordinates they are."""
-    like = frozenset(names) - bracket.coefficients
-    if not {*map(_plain, like)} & {*map(_plain, bracket.coordinate_names_in_order), *map(_plain, bracket.field_names)}:
-        return bracket
-    made = copy(bracket)
-    made.coefficients = bracket.coefficients | like
-    return made
-
-
-def _name_of(part: Any) -> str:
-    """The name of a symbol, of an entry l[1] or of a function l1(t)."""
-    from sympy.core.function import AppliedUndef
-
-    return part.func.__name__ if isinstance(part, AppliedUndef) else str(getattr(part, "name", part))
-
-
-def _letters(name: str) -> str:
-    """A name without underscores and brackets, so that l[1] and l_1 are like l1."""
-    return re.sub(r"[\W_]", "", name)
-
-
-def _plain(name: str) -> str:
-    """The same in small letters, so that L1 is like l1, too."""
-    return _letters(name).casefold()
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from liepoisson.formula.scope import Scope
 
 if TYPE_CHECKING:
-    from liepoisson.formula.values import GivenValue
+    from liepoisson.formula.parameters import GivenValue
     from liepoisson.structure.bracket import Bracket
 
 

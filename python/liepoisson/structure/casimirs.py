@@ -4,11 +4,19 @@ Each generator is verified by $J \nabla C = 0$.  The number of functionally inde
 of J at any one point, which is computed exactly; when as many have been found, there are no more.
 
 C1, C2, ... have one normalisation and one order: the coefficient 1 at the leading monomial, by degrees and by leading
-monomials (`liepoisson.structure.poisson.leading_monomials`).  Only the entries of J decide, so that the generators of a
+monomials (`liepoisson.structure.poisson.polynomials`).  Only the entries of J decide, so that the generators of a
 bracket with symbols become those of the bracket with numbers when these are inserted.  Where they do not,
 `casimir_report` says so.
 
 References: Olver, Applications of Lie Groups to Differential Equations (1993), section 6.2.
+
+Where a generic null space may change: the roots of what the elimination divided by.
+
+Over the field of rational functions of the parameters, an elimination divides by pivots.  At values where no numerator
+and no denominator of a pivot vanishes it goes through unchanged, so the null space has its generic dimension.  What
+remains are finitely many irreducible conditions.  With one parameter these are its real roots, all of which are listed.
+With several parameters, conditions that are linear in one of them are solved for it, the others staying generic
+(intersections of conditions are not examined); the rest is reported as undecided.
 """
 
 from __future__ import annotations
@@ -18,31 +26,33 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import count, zip_longest
 from numbers import Integral
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.algebra.rational_polynomials import RationalPolynomial
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.certificates import RankCertificate
 from liepoisson.structure.poisson.casimir_search import (
     MAX_WORK,
     CasimirSearch,
     homogeneous,
+    leibniz_strength,
+    lifted,
     n_independent,
     products_of_degree,
     without_constant_factors,
 )
-from liepoisson.structure.poisson.leading_monomials import leading, place
 from liepoisson.structure.poisson.poisson_tensor import CONSTANT
-from liepoisson.structure.poisson.polynomials import expression_of
-from liepoisson.structure.poisson.takiff import leibniz_strength, lifted
+from liepoisson.structure.poisson.polynomials import expression_of, leading, place
 from liepoisson.structure.trace_casimirs import TraceCasimirs, replaces_search
 
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.algebra.coefficients import Coefficients
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
 
@@ -293,7 +303,6 @@ def _exceptional_for_traces(
         return (), (), ()
     if strength is None or not bracket.extension.symbols:
         return (), (), (f"values of {', '.join(map(str, field.parameters))} with more Casimirs were not looked for",)
-    from liepoisson.structure.poisson.exceptional_parameters import special_values
 
     values, undecided = special_values({field.read(strength)}, field)
     cases: list[ExceptionalCase] = []
@@ -389,7 +398,6 @@ def _exceptional(
 ) -> tuple[tuple[ExceptionalCase, ...], tuple[str, ...], tuple[str, ...]]:
     if not bracket.tensor.field.parameters:
         return (), (), ()
-    from liepoisson.structure.poisson.exceptional_parameters import special_values
 
     values, undecided = special_values(search.pivots, bracket.tensor.field)
     generic = _expressions(bracket, found)
@@ -451,3 +459,57 @@ def _checked_degree(degree: int | None) -> int | None:
     if given is not None and (isinstance(given, bool) or not isinstance(given, Integral) or given < 1):
         raise ParameterError(f"degree must be an integer of at least 1; got {given!r}. Quadratic ones have degree 2.")
     return degree
+
+
+SpecialValue: TypeAlias = "tuple[str, dict[str, Exact]]"
+"""A condition as text, and the values to insert for it."""
+
+
+def special_values(pivots: Iterable[Any], field: Coefficients) -> tuple[list[SpecialValue], tuple[str, ...]]:
+    """The parameter values at which a null space may be larger, and conditions that were not solved.
+
+    Args:
+        pivots: Rational functions, elements of the field.
+        field: A field with parameters.
+    """
+    found: dict[str, dict[str, Exact]] = {}
+    undecided: list[str] = []
+    for factor in _irreducible_factors(pivots, field):
+        if not factor.free_symbols:  # a number such as e, of which nothing is known here
+            continue
+        solutions = _solve(factor, [s for s in field.parameters if factor.has(s)])
+        if solutions is None:
+            undecided.append(f"{factor} = 0")
+        else:
+            found |= {f"{name} = {value}": {name: value} for name, value in solutions}
+    return sorted(found.items(), key=_by_size), tuple(undecided)
+
+
+def _by_size(condition: SpecialValue) -> tuple[Any, ...]:
+    """Names in the order of the alphabet, the values of one name by size; values that are no numbers at the end."""
+    ((name, value),) = condition[1].items()
+    number = to_sympy(value)
+    return (name, 0, float(number), "") if number.is_number else (name, 1, 0.0, str(number))
+
+
+def _irreducible_factors(pivots: Iterable[Any], field: Coefficients) -> list[Any]:
+    polynomials = {part for pivot in pivots for part in (pivot.numer, pivot.denom) if not part.is_ground}
+    factors = {factor for polynomial in polynomials for factor, _ in polynomial.factor_list()[1]}
+    return sorted((factor.as_expr(*field.parameters) for factor in factors), key=str)
+
+
+def _solve(factor: Any, symbols: list[Any]) -> list[tuple[str, Exact]] | None:
+    """Solutions name = value of factor = 0, or None if none can be written down."""
+    from sympy import Poly
+
+    if not all(symbol.is_Symbol for symbol in symbols):
+        return None
+    if len(symbols) == 1:
+        roots = Poly(factor, symbols[0]).real_roots(multiple=False)
+        return [(str(symbols[0]), read_parameter(root, str(symbols[0]))) for root, _ in roots]
+    for symbol in symbols:
+        polynomial = Poly(factor, symbol)
+        if polynomial.degree() == 1:
+            slope, constant = polynomial.all_coeffs()
+            return [(str(symbol), read_parameter((-constant / slope).cancel(), str(symbol)))]
+    return None

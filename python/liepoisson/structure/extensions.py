@@ -49,11 +49,7 @@ def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
     Raises:
         ParameterError: n is not in the range, or epsilon is not exact.
     """
-    return _with_strength(partial(_leibniz, n), epsilon, "epsilon", f"Leibniz({n}, ")
-
-
-def _leibniz(n: int, strength: Exact) -> Extension:
-    return _graded(n, strength, f"leibniz({n})")
+    return _with_strength(partial(_graded, n, name=f"leibniz({n})"), epsilon, "epsilon", f"Leibniz({n}, ")
 
 
 @explains_its_arguments

@@ -4,6 +4,8 @@ If the elements $e_\mu$, $\mu \in I$, span an ideal of A, the fields $x_\mu$, $\
 submanifold, on which the bracket is that of g (x) A/I.  That the rank does not drop anywhere else is proved by
 Pfaffians: if powers of the equations of a set are combinations of Pfaffians of J of size r, then the rank is at least r
 outside of this set.
+
+A `Locus` is a set of states given by its fields: which vanish, which do not, which are parallel.
 """
 
 from __future__ import annotations
@@ -17,10 +19,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.casimirs import quotient_casimirs
-from liepoisson.structure.locus import Locus
 from liepoisson.structure.poisson.casimir_search import n_independent
-from liepoisson.structure.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
-from liepoisson.structure.poisson.pfaffians import PfaffianIdeal
+from liepoisson.structure.poisson.pfaffians import PfaffianIdeal, casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.structure.poisson.poisson_tensor import CONSTANT
 from liepoisson.structure.poisson.polynomials import expression_of
 
@@ -30,6 +30,52 @@ if TYPE_CHECKING:
     from liepoisson.algebra.sparse_polynomials import Polynomial
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
+
+Fields: TypeAlias = "tuple[str, ...]"
+
+
+@explains_its_methods
+@dataclass(frozen=True)
+class Locus:
+    """States whose fields meet some conditions, all of them; all states if there are none.
+
+    Example:
+        >>> for stratum in (lp.so(3) @ lp.leibniz(3)).strata():
+        ...     print(f"rank {stratum.rank} where {stratum.locus}")
+        rank 6 where beta != 0
+        rank 4 where beta = 0, alpha != 0
+        rank 2 where beta = 0, alpha = 0, l != 0
+        rank 0 where beta = 0, alpha = 0, l = 0
+
+    Attributes:
+        zero: Fields that vanish.
+        parallel: Pairs of fields that are parallel; a field that vanishes is parallel to any.
+        nonzero: Sets of fields, in each of which one at least does not vanish.
+        not_parallel: Pairs of fields that are not parallel.
+        is_generic: Whether the states are generic among these: no more is known about where they lie.
+    """
+
+    zero: Fields = ()
+    parallel: tuple[Fields, ...] = ()
+    nonzero: tuple[Fields, ...] = ()
+    not_parallel: tuple[Fields, ...] = ()
+    is_generic: bool = False
+
+    @property
+    def is_everywhere(self) -> bool:
+        """Whether there is no condition."""
+        return self == Locus()
+
+    def __str__(self) -> str:
+        """The conditions, for example "beta = 0, alpha != 0"; "generic" and "everywhere" if there is none to name."""
+        conditions = [
+            *(f"{field} = 0" for field in self.zero),
+            *(f"{' x '.join(pair)} = 0" for pair in self.parallel),
+            *(f"{some[0] if len(some) == 1 else '(' + ', '.join(some) + ')'} != 0" for some in self.nonzero),
+            *(f"{' x '.join(pair)} != 0" for pair in self.not_parallel),
+            *(["generic"] if self.is_generic else []),
+        ]
+        return ", ".join(conditions) or "everywhere"
 
 
 _Functions: TypeAlias = "Callable[[], Sequence[Expr]]"

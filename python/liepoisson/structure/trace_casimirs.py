@@ -12,22 +12,27 @@ is, without the common factor of the multiplicities of its words; one that depen
 What is proved: equation (1) of `defining_matrices` for all basis elements, exactly, hence $J\nabla C = 0$; this is
 computed at a random exact point besides.  Independence, from below, by the rank of the gradients modulo a prime.
 
+Products of matrices modulo a prime, over the rationals and over cyclotomic fields stand behind one set of functions.
+
 References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; Procesi, Adv. Math. 19 (1976) 306, on words.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 from math import comb, prod
+from operator import mul
 from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.algebra.linear_algebra import rank_mod
+from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.structure.lie.defining_matrices import (
     DefiningMatrices,
@@ -35,16 +40,10 @@ from liepoisson.structure.lie.defining_matrices import (
     defining_matrices,
     holds_roots,
     in_field,
+    sparse_product,
 )
-from liepoisson.structure.poisson.casimir_search import MAX_WORK, CasimirSearch
+from liepoisson.structure.poisson.casimir_search import MAX_WORK, CasimirSearch, leibniz_strength, lifted
 from liepoisson.structure.poisson.polynomials import gradient_at
-from liepoisson.structure.poisson.takiff import leibniz_strength, lifted
-from liepoisson.structure.trace_arithmetic import (
-    Arithmetic,
-    cyclotomic_arithmetic,
-    modular_arithmetic,
-    rational_arithmetic,
-)
 from liepoisson.structure.trace_words import Combination, Word, balanced_combinations, leibniz_combinations, rotations
 
 if TYPE_CHECKING:
@@ -379,3 +378,65 @@ def _matchings(left: tuple[int, ...]) -> Iterator[tuple[int, tuple[tuple[int, in
     for k, partner in enumerate(rest):
         for sign, matching in _matchings(rest[:k] + rest[k + 1 :]):
             yield (-sign if k % 2 else sign), ((first, partner), *matching)
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """How matrices are multiplied, and in what the results are.
+
+    Attributes:
+        number: An entry of the F^k, or a coordinate, as a number of the matrices.
+        matrix: A matrix from its number of rows and its nonzero entries.
+        entry: An entry of a matrix.
+        times: The product of two matrices.
+        result: A number of the matrices as a result.
+        coefficient: An element of the field of the bracket as a result.
+    """
+
+    number: Callable[[Any], Any]
+    matrix: Callable[[int, dict[tuple[int, int], Any]], Any]
+    entry: Callable[[Any, int, int], Any]
+    times: Callable[[Any, Any], Any]
+    result: Callable[[Any], Any]
+    coefficient: Callable[[Any], Any]
+
+
+def modular_arithmetic(residues: Residues) -> Arithmetic:
+    """Modulo the prime of the residues, by python-flint."""
+    from flint import nmod, nmod_mat
+
+    def matrix(m: int, entries: dict[tuple[int, int], Any]) -> Any:
+        return nmod_mat([[int(entries.get((i, j), 0)) for j in range(m)] for i in range(m)], residues.p)
+
+    def number(value: Any) -> Any:
+        return nmod(residues(value), residues.p)
+
+    return Arithmetic(number, matrix, lambda M, i, j: M[i, j], mul, int, lambda c: nmod(residues(c), residues.p))
+
+
+def rational_arithmetic(field: Coefficients) -> Arithmetic:
+    """In rational matrices, by python-flint; results are elements of the field."""
+    from flint import fmpq_mat
+
+    def matrix(m: int, entries: dict[tuple[int, int], Any]) -> Any:
+        return fmpq_mat([[entries.get((i, j), 0) for j in range(m)] for i in range(m)])
+
+    def number(value: Any) -> Any:
+        return as_fmpq(Fraction(value))
+
+    def result(value: Any) -> Any:
+        return field.number(Fraction(int(value.p), int(value.q)))
+
+    return Arithmetic(number, matrix, lambda M, i, j: M[i, j], mul, result, lambda c: c)
+
+
+def cyclotomic_arithmetic(field: Coefficients) -> Arithmetic:
+    """In sparse matrices of elements of a cyclotomic field."""
+    zero = field.zero
+
+    def number(value: Any) -> Any:
+        return field.number(value) if isinstance(value, (int, Fraction)) else value
+
+    return Arithmetic(
+        number, lambda _m, entries: entries, lambda M, i, j: M.get((i, j), zero), sparse_product, lambda c: c, number
+    )

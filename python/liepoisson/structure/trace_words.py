@@ -10,7 +10,7 @@ $$\sum_\lambda W_\kappa{}^{\lambda\nu}\, T^{\lambda\mu\cdots}
   \qquad\text{for all } \kappa, \mu, \dots, \nu. \tag{1}$$
 
 For a Leibniz extension these are the coefficients of the powers of z in $\operatorname{tr} X^k$,
-$X = \epsilon x_0 z^{n-1} + x_1 z^{n-2} + \dots + x_{n-1}$, see `liepoisson.structure.poisson.takiff`.
+$X = \epsilon x_0 z^{n-1} + x_1 z^{n-2} + \dots + x_{n-1}$, see `liepoisson.structure.poisson.casimir_search`.
 """
 
 from __future__ import annotations

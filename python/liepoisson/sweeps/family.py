@@ -157,7 +157,7 @@ class FileFamily(Family):
 
         from liepoisson.algebra.exact_numbers import to_sympy
         from liepoisson.compile.private_symbols import numpy_function
-        from liepoisson.formula.values import component_name
+        from liepoisson.formula.parameters import component_name
 
         with _SYMPY:
             declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())

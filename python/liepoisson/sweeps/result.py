@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from liepoisson import __version__
 from liepoisson.errors import ParameterError
 from liepoisson.indicators.estimates import as_confidence
-from liepoisson.indicators.mean_error import student_quantile
-from liepoisson.indicators.proportions import wilson_interval
+from liepoisson.indicators.mean_error import student_quantile, wilson_interval
 from liepoisson.indicators.verdict import as_rule
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown

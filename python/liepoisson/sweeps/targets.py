@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.errors import ExpressionError, ParameterError
-from liepoisson.formula.values import Shape, component_name
+from liepoisson.formula.parameters import Shape, component_name
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.sweeps.spec import CASIMIR, COMPONENT

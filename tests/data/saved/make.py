@@ -2,7 +2,7 @@
 
 python tests/data/saved/make.py
 
-Its files are kept as they are, since tests/test_saved_formats.py asks whether later versions read them. So it refuses
+Its files are kept as they are, since tests/io/test_formats.py asks whether later versions read them. So it refuses
 to write over one. `result-1.nc`, `sweep-1` and `integral-scan-1` were written by the states of 0.1.0 that wrote these
 formats.
 """

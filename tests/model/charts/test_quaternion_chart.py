@@ -6,7 +6,7 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import ChartError
-from liepoisson.model.charts.quaternions import body_rotation, shortest_turn
+from liepoisson.model.charts.quaternion_chart import body_rotation, shortest_turn
 
 STATES = np.array(
     [

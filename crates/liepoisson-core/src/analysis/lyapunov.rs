@@ -1,20 +1,18 @@
 //! The largest Lyapunov exponent of each trajectory as a function of time.
 
-use super::{CALLED_ONCE, Rows, UNREACHED, filled, name_unreached};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Summary, Watch};
+use super::{POISONED, Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Observer, Step, Summary, Watch};
 use crate::error::Error;
-use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::Method;
 use std::sync::Mutex;
 use std::time::Duration;
 
 /// Growth of one tangent vector per trajectory.
-pub struct Growth {
-    /// Finite-time exponents `(member, time)` at the times after the first; NaN at times that a trajectory did not
+pub struct FiniteTimeExponents {
+    /// Finite-time exponents `(trajectory, time)` at the times after the first; NaN at times that a trajectory did not
     /// reach.
     pub exponents: Vec<f64>,
-    /// The end of each member.
+    /// The end of each trajectory.
     pub summaries: Vec<Summary>,
 }
 
@@ -23,39 +21,38 @@ pub struct Growth {
 /// Tangent vectors are only ever scaled by powers of two, so no interval of renormalisation enters the result.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; an ensemble without tangent vectors, or with one that is zero or not finite.
+/// See [`AnyEnsemble::check`]; an ensemble without tangent vectors, or with one that is zero or not finite.
 ///
 /// # References
 /// Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
-pub fn growth<F: Space, M: Method<F>>(
-    ensemble: &Ensemble<'_, F, M>,
+pub fn finite_time_exponents<'a>(
+    ensemble: impl Into<AnyEnsemble<'a>>,
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
-) -> Result<Growth, Error> {
-    let mut watch = Some(watch);
-    growth_of(&ensemble.any(), threads, simd, control, &mut |wait| watch.take().expect(CALLED_ONCE)(wait))
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
+) -> Result<FiniteTimeExponents, Error> {
+    finite_time_exponents_of(&ensemble.into(), threads, simd, control, &mut watch)
 }
 
-fn growth_of(
+fn finite_time_exponents_of(
     ensemble: &AnyEnsemble<'_>,
     threads: usize,
     simd: Simd,
     control: &Control,
     watch: Watch<'_>,
-) -> Result<Growth, Error> {
+) -> Result<FiniteTimeExponents, Error> {
     ensemble.check()?;
     if ensemble.n_tangents == 0 {
         return Err(Error::Length { name: "tangents", wanted: ensemble.states.len(), got: 0 });
     }
-    let (n, members, n_times) = (ensemble.n_components, ensemble.n_members(), ensemble.times.len() - 1);
+    let (n, trajectories, n_times) = (ensemble.n_components, ensemble.n_trajectories(), ensemble.times.len() - 1);
     // Only the direction of a tangent vector counts, so one whose square would leave the range of numbers is brought
     // near length one by a power of two, exactly.
     let mut tangents = filled(ensemble.tangents.len(), 0.0)?;
     tangents.copy_from_slice(ensemble.tangents);
-    let mut initial = Vec::with_capacity(members);
-    for (member, vectors) in tangents.chunks_exact_mut(n * ensemble.n_tangents).enumerate() {
+    let mut initial = Vec::with_capacity(trajectories);
+    for (trajectory, vectors) in tangents.chunks_exact_mut(n * ensemble.n_tangents).enumerate() {
         let largest = vectors[..n].iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
         if largest.is_finite() && !(1e-100..1e100).contains(&largest) {
             let (_, exponent) = libm::frexp(largest);
@@ -63,19 +60,19 @@ fn growth_of(
         }
         let norm = euclidean_norm(&vectors[..n]);
         if !(norm.is_finite() && norm > 0.0) {
-            return Err(Error::TangentVector { member });
+            return Err(Error::TangentVector { trajectory });
         }
         initial.push(libm::log(norm));
     }
-    let mut exponents = filled(members.saturating_mul(n_times), f64::NAN)?;
-    let summaries = Mutex::new(filled(members, UNREACHED)?);
-    let rows = Rows::new(&mut exponents, members);
+    let mut exponents = filled(trajectories.saturating_mul(n_times), f64::NAN)?;
+    let summaries = Mutex::new(filled(trajectories, UNREACHED)?);
+    let rows = Rows::new(&mut exponents, trajectories);
     let recorder = |lanes| Recorder {
         summaries: &summaries,
         rows: &rows,
         times: ensemble.times,
         initial: &initial,
-        members: vec![0; lanes],
+        trajectories: vec![0; lanes],
         exponents: (0..lanes).map(|_| Default::default()).collect(),
         tangent: vec![0.0; n],
     };
@@ -83,7 +80,7 @@ fn growth_of(
     ensemble.run(threads, simd, control, recorder, watch)?;
     let mut summaries = summaries.into_inner().expect(POISONED);
     name_unreached(&mut summaries, control);
-    Ok(Growth { exponents, summaries })
+    Ok(FiniteTimeExponents { exponents, summaries })
 }
 
 #[inline(always)]
@@ -103,23 +100,21 @@ fn logarithm(norm: f64, scale: i64) -> f64 {
     libm::log(libm::scalbn(norm, -exponent)) + whole as f64 * std::f64::consts::LN_2
 }
 
-const POISONED: &str = "no worker panics while it writes";
-
 struct Recorder<'g> {
     summaries: &'g Mutex<Vec<Summary>>,
     rows: &'g Rows<'g>,
     times: &'g [f64],
-    /// Logarithm of the initial length of each member's tangent vector.
+    /// Logarithm of the initial length of each trajectory's tangent vector.
     initial: &'g [f64],
-    members: Vec<usize>,
+    trajectories: Vec<usize>,
     exponents: Vec<&'g mut [f64]>,
     tangent: Vec<f64>,
 }
 
 impl Observer for Recorder<'_> {
-    fn begin(&mut self, lane: usize, member: usize) {
-        self.members[lane] = member;
-        self.exponents[lane] = self.rows.take(member);
+    fn begin(&mut self, lane: usize, trajectory: usize) {
+        self.trajectories[lane] = trajectory;
+        self.exponents[lane] = self.rows.take(trajectory);
     }
 
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
@@ -127,11 +122,11 @@ impl Observer for Recorder<'_> {
             let scale = step.tangent(0, tau, &mut self.tangent);
             let length = logarithm(euclidean_norm(&self.tangent), scale);
             let elapsed = self.times[index] - self.times[0];
-            self.exponents[lane][index - 1] = (length - self.initial[self.members[lane]]) / elapsed;
+            self.exponents[lane][index - 1] = (length - self.initial[self.trajectories[lane]]) / elapsed;
         }
     }
 
-    fn end(&mut self, _lane: usize, member: usize, summary: Summary) {
-        self.summaries.lock().expect(POISONED)[member] = summary;
+    fn end(&mut self, _lane: usize, trajectory: usize, summary: Summary) {
+        self.summaries.lock().expect(POISONED)[trajectory] = summary;
     }
 }

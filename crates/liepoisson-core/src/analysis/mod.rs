@@ -11,13 +11,13 @@ use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;
 use std::sync::Mutex;
 
-/// Of what the calling thread does meanwhile.
-const CALLED_ONCE: &str = "a run calls it once";
+/// Of a lock.
+const POISONED: &str = "no worker panics while it writes";
 
-/// A member that no worker has started, because the run was ended before.
+/// A trajectory that no worker has started, because the run was ended before.
 const UNREACHED: Summary = Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
 
-/// Says of members that no worker has started why the run was ended.
+/// Says of trajectories that no worker has started why the run was ended.
 fn name_unreached(summaries: &mut [Summary], control: &Control) {
     if let Some(reason) = control.reason_to_stop() {
         for summary in summaries.iter_mut().filter(|summary| summary.time.is_nan()) {
@@ -26,8 +26,11 @@ fn name_unreached(summaries: &mut [Summary], control: &Control) {
     }
 }
 
-/// An array of `len` times the same, or the refusal of the memory for it.
-fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>, Error> {
+/// An array of `len` times the same.
+///
+/// # Errors
+/// There is no memory for it.
+pub fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>, Error> {
     let mut values = Vec::new();
     let bytes = len.saturating_mul(size_of::<T>());
     values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes })?;
@@ -35,22 +38,34 @@ fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>, Error> {
     Ok(values)
 }
 
-/// An array as one row for each member, to be taken by the worker that computes it: results are written where they stay, and
+/// The last states of trajectories with `n` components, `(trajectory, component)`; NaN of one that never started.
+///
+/// # Errors
+/// There is no memory for them.
+pub fn last_states(summaries: &[Summary], n: usize) -> Result<Vec<f64>, Error> {
+    let mut states = filled(summaries.len().saturating_mul(n), f64::NAN)?;
+    for (summary, state) in summaries.iter().zip(states.chunks_mut(n.max(1))) {
+        state[..summary.state.len()].copy_from_slice(&summary.state);
+    }
+    Ok(states)
+}
+
+/// An array as one row for each trajectory, to be taken by the worker that computes it: results are written where they stay, and
 /// are in memory once.
 struct Rows<'r>(Mutex<Vec<&'r mut [f64]>>);
 
 impl<'r> Rows<'r> {
-    fn new(values: &'r mut [f64], members: usize) -> Rows<'r> {
-        let row = values.len().checked_div(members).unwrap_or(0);
+    fn new(values: &'r mut [f64], trajectories: usize) -> Rows<'r> {
+        let row = values.len().checked_div(trajectories).unwrap_or(0);
         Rows(Mutex::new(match row {
-            0 => (0..members).map(|_| <&mut [f64]>::default()).collect(),
+            0 => (0..trajectories).map(|_| <&mut [f64]>::default()).collect(),
             _ => values.chunks_exact_mut(row).collect(),
         }))
     }
 
-    /// The row of a member; empty if it was taken before.
-    fn take(&self, member: usize) -> &'r mut [f64] {
-        std::mem::take(&mut self.0.lock().expect("no worker panics while it takes a row")[member])
+    /// The row of a trajectory; empty if it was taken before.
+    fn take(&self, trajectory: usize) -> &'r mut [f64] {
+        std::mem::take(&mut self.0.lock().expect(POISONED)[trajectory])
     }
 }
 

@@ -1,11 +1,10 @@
 //! Orbits: states and tangent vectors at given times, and the power series of every step on request.
 
-use super::{CALLED_ONCE, Rows, UNREACHED, filled, name_unreached};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
+use super::{POISONED, Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::{Method, sum_series};
+use crate::method::sum_series;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,13 +12,13 @@ use std::time::Duration;
 
 /// States at the times of an ensemble. What a trajectory did not reach is NaN; its outcome says why.
 pub struct Orbits {
-    /// `(member, time, component)`.
+    /// `(trajectory, time, component)`.
     pub states: Vec<f64>,
-    /// `(member, time, tangent, component)`, of the size that they have at that time.
+    /// `(trajectory, time, tangent, component)`, of the size that they have at that time.
     pub tangents: Vec<f64>,
-    /// The end of each member.
+    /// The end of each trajectory.
     pub summaries: Vec<Summary>,
-    /// Dense output of each member, if it was asked for.
+    /// Dense output of each trajectory, if it was asked for.
     pub series: Vec<Series>,
 }
 
@@ -100,17 +99,16 @@ fn step_at(starts: &[f64], near: usize, has_begun: impl Fn(f64) -> bool) -> usiz
 /// Integrates the ensemble and keeps its states at each of its times.
 ///
 /// # Errors
-/// See [`Ensemble::check`].
-pub fn orbits<F: Space, M: Method<F>>(
-    ensemble: &Ensemble<'_, F, M>,
+/// See [`AnyEnsemble::check`].
+pub fn orbits<'a>(
+    ensemble: impl Into<AnyEnsemble<'a>>,
     threads: usize,
     simd: Simd,
     control: &Control,
     dense: bool,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<Orbits, Error> {
-    let mut watch = Some(watch);
-    orbits_of(&ensemble.any(), threads, simd, control, dense, &mut |wait| watch.take().expect(CALLED_ONCE)(wait))
+    orbits_of(&ensemble.into(), threads, simd, control, dense, &mut watch)
 }
 
 fn orbits_of(
@@ -123,16 +121,16 @@ fn orbits_of(
 ) -> Result<Orbits, Error> {
     ensemble.check()?;
     let (n, n_times, n_tangents) = (ensemble.n_components, ensemble.times.len(), ensemble.n_tangents);
-    let members = ensemble.n_members();
-    let numbers = members.saturating_mul(n_times).saturating_mul(n);
+    let trajectories = ensemble.n_trajectories();
+    let numbers = trajectories.saturating_mul(n_times).saturating_mul(n);
     let mut states = filled(numbers, f64::NAN)?;
     let mut tangents = filled(numbers.saturating_mul(n_tangents), f64::NAN)?;
     let ended = Mutex::new(Ended {
-        summaries: filled(members, UNREACHED)?,
-        series: filled(if dense { members } else { 0 }, Series::default())?,
+        summaries: filled(trajectories, UNREACHED)?,
+        series: filled(if dense { trajectories } else { 0 }, Series::default())?,
     });
     let refused = AtomicUsize::new(0);
-    let (state_rows, tangent_rows) = (Rows::new(&mut states, members), Rows::new(&mut tangents, members));
+    let (state_rows, tangent_rows) = (Rows::new(&mut states, trajectories), Rows::new(&mut tangents, trajectories));
     ensemble.run(
         threads,
         simd,
@@ -160,7 +158,7 @@ fn orbits_of(
     Ok(Orbits { states, tangents, summaries, series })
 }
 
-/// What is known of members that have ended, beside their rows.
+/// What is known of trajectories that have ended, beside their rows.
 struct Ended {
     summaries: Vec<Summary>,
     series: Vec<Series>,
@@ -170,11 +168,9 @@ fn empty_rows<'r>(lanes: usize) -> Vec<&'r mut [f64]> {
     (0..lanes).map(|_| Default::default()).collect()
 }
 
-const POISONED: &str = "no worker panics while it writes";
-
 struct Recorder<'o> {
     shared: &'o Mutex<Ended>,
-    /// Where states and tangent vectors of all members belong.
+    /// Where states and tangent vectors of all trajectories belong.
     rows: [&'o Rows<'o>; 2],
     n: usize,
     n_tangents: usize,
@@ -188,8 +184,8 @@ struct Recorder<'o> {
 }
 
 impl Observer for Recorder<'_> {
-    fn begin(&mut self, lane: usize, member: usize) {
-        (self.states[lane], self.tangents[lane]) = (self.rows[0].take(member), self.rows[1].take(member));
+    fn begin(&mut self, lane: usize, trajectory: usize) {
+        (self.states[lane], self.tangents[lane]) = (self.rows[0].take(trajectory), self.rows[1].take(trajectory));
         self.series[lane] = Series::default();
     }
 
@@ -226,11 +222,11 @@ impl Observer for Recorder<'_> {
         }
     }
 
-    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
+    fn end(&mut self, lane: usize, trajectory: usize, summary: Summary) {
         let mut shared = self.shared.lock().expect(POISONED);
-        shared.summaries[member] = summary;
+        shared.summaries[trajectory] = summary;
         if self.dense {
-            shared.series[member] = std::mem::take(&mut self.series[lane]);
+            shared.series[trajectory] = std::mem::take(&mut self.series[lane]);
         }
     }
 }

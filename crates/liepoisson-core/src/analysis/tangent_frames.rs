@@ -7,12 +7,10 @@
 //! Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
 
 use super::frame::Frame;
-use super::{CALLED_ONCE, Rows, filled};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Onward, Outcome, Step, Summary, Watch};
+use super::{POISONED, Rows, filled};
+use crate::ensemble::{AnyEnsemble, Control, Observer, Onward, Outcome, Step, Summary, Watch};
 use crate::error::Error;
-use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::Method;
 use std::collections::VecDeque;
 use std::sync::Mutex;
 use std::time::Duration;
@@ -26,12 +24,12 @@ const LONGEST_TURN: usize = 16;
 
 /// What frames are carried along: the ensemble has the states, and as its times the begin and the end of an interval.
 #[derive(Clone, Copy)]
-pub struct Course<'c> {
-    /// Orthonormal columns in units of `units`, `(member, component, vector)`.
+pub struct Schedule<'c> {
+    /// Orthonormal columns in units of `units`, `(trajectory, component, vector)`.
     pub frames: &'c [f64],
-    /// Unit of each component, `(member, component)`.
+    /// Unit of each component, `(trajectory, component)`.
     pub units: &'c [f64],
-    /// Time that each member has already run for.
+    /// Time that each trajectory has already run for.
     pub elapsed: &'c [f64],
     /// Number of intervals.
     pub n_intervals: usize,
@@ -43,85 +41,83 @@ pub struct Course<'c> {
 
 /// Frames that have been carried along trajectories.
 pub struct Carried {
-    /// Sums of `ln R_kk` over the intervals of a row, `(member, row, vector)`; NaN in rows that are not complete.
+    /// Sums of `ln R_kk` over the intervals of a row, `(trajectory, row, vector)`; NaN in rows that are not complete.
     pub growth: Vec<f64>,
-    /// R of each interval, `(member, interval, vector, vector)`, if they were to be kept; NaN for those that are not complete.
+    /// R of each interval, `(trajectory, interval, vector, vector)`, if they were to be kept; NaN for those that are not complete.
     pub triangles: Vec<f64>,
-    /// Frames at the ends of the intervals, `(member, interval, component, vector)`, likewise.
+    /// Frames at the ends of the intervals, `(trajectory, interval, component, vector)`, likewise.
     pub kept_frames: Vec<f64>,
-    /// States at the ends of the intervals, `(member, interval, component)`, likewise.
+    /// States at the ends of the intervals, `(trajectory, interval, component)`, likewise.
     pub kept_states: Vec<f64>,
-    /// Frames at the end of the last complete interval, `(member, component, vector)`.
+    /// Frames at the end of the last complete interval, `(trajectory, component, vector)`.
     pub frames: Vec<f64>,
-    /// Complete intervals of each member.
+    /// Complete intervals of each trajectory.
     pub n_complete: Vec<usize>,
-    /// The largest ratio of two diagonal entries of one R, of each member.
+    /// The largest ratio of two diagonal entries of one R, of each trajectory.
     pub largest_ratios: Vec<f64>,
-    /// Time that each member has run for, states and numbers of steps. A member that could not complete an interval ends where
+    /// Time that each trajectory has run for, states and numbers of steps. One that could not complete an interval ends where
     /// this interval begins, unless the run was stopped.
     pub summaries: Vec<Summary>,
 }
 
-/// Carries orthonormal frames along every member of an ensemble, interval after interval.
+/// Carries orthonormal frames along every trajectory of an ensemble, interval after interval.
 ///
 /// The steps are those of a new run for each interval: the same bits. So are those of its start vectors, which the ensemble need
 /// not have; it has their number.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; arrays of the wrong length; no memory.
-pub fn carry<F: Space, M: Method<F>>(
-    ensemble: &Ensemble<'_, F, M>,
-    course: &Course<'_>,
+/// See [`AnyEnsemble::check`]; arrays of the wrong length; no memory.
+pub fn carry<'a>(
+    ensemble: impl Into<AnyEnsemble<'a>>,
+    schedule: &Schedule<'_>,
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<Carried, Error> {
-    let mut watch = Some(watch);
-    let watch = &mut |wait: &dyn Fn(Duration) -> bool| watch.take().expect(CALLED_ONCE)(wait);
-    carry_along(&ensemble.any(), course, threads, simd, control, watch)
+    carry_along(&ensemble.into(), schedule, threads, simd, control, &mut watch)
 }
 
 fn carry_along(
     ensemble: &AnyEnsemble<'_>,
-    course: &Course<'_>,
+    schedule: &Schedule<'_>,
     threads: usize,
     simd: Simd,
     control: &Control,
     watch: Watch<'_>,
 ) -> Result<Carried, Error> {
-    let (n, k, members) = (ensemble.n_components, ensemble.n_tangents, ensemble.n_members());
-    check(ensemble, course)?;
-    let mut tangents = filled(course.frames.len(), 0.0)?;
-    for (member, tangents) in tangents.chunks_exact_mut(n * k).enumerate() {
-        let (frame, unit) = (&course.frames[member * n * k..][..n * k], &course.units[member * n..][..n]);
+    let (n, k, trajectories) = (ensemble.n_components, ensemble.n_tangents, ensemble.n_trajectories());
+    check(ensemble, schedule)?;
+    let mut tangents = filled(schedule.frames.len(), 0.0)?;
+    for (trajectory, tangents) in tangents.chunks_exact_mut(n * k).enumerate() {
+        let (frame, unit) = (&schedule.frames[trajectory * n * k..][..n * k], &schedule.units[trajectory * n..][..n]);
         vectors_of(|i| &frame[i * k..][..k], unit, tangents);
     }
     let ensemble = ensemble.with_tangents(&tangents);
-    let intervals = if course.keep { members.saturating_mul(course.n_intervals) } else { 0 };
-    let n_rows = course.n_intervals / course.per_row;
-    let mut growth = filled(members.saturating_mul(n_rows).saturating_mul(k), f64::NAN)?;
+    let intervals = if schedule.keep { trajectories.saturating_mul(schedule.n_intervals) } else { 0 };
+    let n_rows = schedule.n_intervals / schedule.per_row;
+    let mut growth = filled(trajectories.saturating_mul(n_rows).saturating_mul(k), f64::NAN)?;
     let mut triangles = filled(intervals.saturating_mul(k * k), f64::NAN)?;
     let mut kept_frames = filled(intervals.saturating_mul(n * k), f64::NAN)?;
     let mut kept_states = filled(intervals.saturating_mul(n), f64::NAN)?;
-    let mut frames = filled(course.frames.len(), 0.0)?;
-    frames.copy_from_slice(course.frames);
+    let mut frames = filled(schedule.frames.len(), 0.0)?;
+    frames.copy_from_slice(schedule.frames);
     let shared = Shared {
         waiting: Mutex::new(VecDeque::new()),
-        ended: Mutex::new((0..members).map(|member| Ended::before(&ensemble, course, member)).collect()),
-        growth: Rows::new(&mut growth, members),
-        triangles: Rows::new(&mut triangles, members),
-        kept_frames: Rows::new(&mut kept_frames, members),
-        kept_states: Rows::new(&mut kept_states, members),
-        frames: Rows::new(&mut frames, members),
+        ended: Mutex::new((0..trajectories).map(|trajectory| Ended::before(&ensemble, schedule, trajectory)).collect()),
+        growth: Rows::new(&mut growth, trajectories),
+        triangles: Rows::new(&mut triangles, trajectories),
+        kept_frames: Rows::new(&mut kept_frames, trajectories),
+        kept_states: Rows::new(&mut kept_states, trajectories),
+        frames: Rows::new(&mut frames, trajectories),
     };
     let observer = |lanes: usize| Carrier {
         shared: &shared,
-        course,
-        ensemble,
+        schedule,
+        ensemble: &ensemble,
         simd,
-        turn: match members > lanes.saturating_mul(threads) {
-            true => (course.n_intervals / TURNS).clamp(1, LONGEST_TURN),
+        turn: match trajectories > lanes.saturating_mul(threads) {
+            true => (schedule.n_intervals / TURNS).clamp(1, LONGEST_TURN),
             false => usize::MAX,
         },
         lanes: (0..lanes).map(|_| None).collect(),
@@ -133,8 +129,8 @@ fn carry_along(
     let reason = control.reason_to_stop().unwrap_or(Outcome::Cancelled);
     let mut ended = shared.ended.into_inner().expect(POISONED);
     for waiting in shared.waiting.into_inner().expect(POISONED) {
-        let member = waiting.member;
-        ended[member] = waiting.ended(reason);
+        let number = waiting.number;
+        ended[number] = waiting.ended(reason);
     }
     for ended in ended.iter_mut().filter(|ended| ended.is_unreached) {
         ended.summary.outcome = reason;
@@ -145,26 +141,26 @@ fn carry_along(
     Ok(Carried { growth, triangles, kept_frames, kept_states, frames, n_complete, largest_ratios, summaries })
 }
 
-fn check(ensemble: &AnyEnsemble<'_>, course: &Course<'_>) -> Result<(), Error> {
-    let (n, k, members) = (ensemble.n_components, ensemble.n_tangents, ensemble.n_members());
+fn check(ensemble: &AnyEnsemble<'_>, schedule: &Schedule<'_>) -> Result<(), Error> {
+    let (n, k, trajectories) = (ensemble.n_components, ensemble.n_tangents, ensemble.n_trajectories());
     if k == 0 || k > n {
         return Err(Error::Length { name: "n_tangents", wanted: n, got: k });
     }
     let lengths = [
-        ("frames", members.saturating_mul(n * k), course.frames.len()),
-        ("units", members * n, course.units.len()),
-        ("elapsed", members, course.elapsed.len()),
+        ("frames", trajectories.saturating_mul(n * k), schedule.frames.len()),
+        ("units", trajectories * n, schedule.units.len()),
+        ("elapsed", trajectories, schedule.elapsed.len()),
     ];
     for (name, wanted, got) in lengths {
         if got != wanted {
             return Err(Error::Length { name, wanted, got });
         }
     }
-    if course.per_row == 0 || course.n_intervals == 0 || !course.n_intervals.is_multiple_of(course.per_row) {
-        return Err(Error::Length { name: "n_intervals", wanted: course.per_row, got: course.n_intervals });
+    if schedule.per_row == 0 || schedule.n_intervals == 0 || !schedule.n_intervals.is_multiple_of(schedule.per_row) {
+        return Err(Error::Length { name: "n_intervals", wanted: schedule.per_row, got: schedule.n_intervals });
     }
     // the tangent vectors are made from the frames
-    ensemble.with_tangents(course.frames).check()
+    ensemble.with_tangents(schedule.frames).check()
 }
 
 /// Tangent vectors, one after the other, from the rows of a frame in units.
@@ -177,11 +173,9 @@ fn vectors_of<'f>(row: impl Fn(usize) -> &'f [f64], unit: &[f64], vectors: &mut 
     }
 }
 
-const POISONED: &str = "no worker panics while it writes";
-
 /// What all workers write to.
 struct Shared<'s> {
-    waiting: Mutex<VecDeque<Box<Member<'s>>>>,
+    waiting: Mutex<VecDeque<Box<Trajectory<'s>>>>,
     ended: Mutex<Vec<Ended>>,
     growth: Rows<'s>,
     triangles: Rows<'s>,
@@ -190,7 +184,7 @@ struct Shared<'s> {
     frames: Rows<'s>,
 }
 
-/// The end of a member.
+/// The end of a trajectory.
 struct Ended {
     n_complete: usize,
     largest_ratio: f64,
@@ -199,17 +193,17 @@ struct Ended {
 }
 
 impl Ended {
-    /// A member that no worker has started.
-    fn before(ensemble: &AnyEnsemble<'_>, course: &Course<'_>, member: usize) -> Ended {
-        let state = ensemble.states[member * ensemble.n_components..][..ensemble.n_components].to_vec();
-        let summary = Summary { outcome: Outcome::Cancelled, time: course.elapsed[member], n_steps: 0, state };
+    /// A trajectory that no worker has started.
+    fn before(ensemble: &AnyEnsemble<'_>, schedule: &Schedule<'_>, trajectory: usize) -> Ended {
+        let state = ensemble.states[trajectory * ensemble.n_components..][..ensemble.n_components].to_vec();
+        let summary = Summary { outcome: Outcome::Cancelled, time: schedule.elapsed[trajectory], n_steps: 0, state };
         Ended { n_complete: 0, largest_ratio: 1.0, summary, is_unreached: true }
     }
 }
 
 /// A trajectory under way, as it was at the end of its last complete interval.
-struct Member<'s> {
-    member: usize,
+struct Trajectory<'s> {
+    number: usize,
     state: Vec<f64>,
     tangents: Vec<f64>,
     elapsed: f64,
@@ -227,20 +221,20 @@ struct Member<'s> {
     frame: &'s mut [f64],
 }
 
-impl Member<'_> {
+impl Trajectory<'_> {
     fn ended(self, outcome: Outcome) -> Ended {
         let summary = Summary { outcome, time: self.elapsed, n_steps: self.n_steps, state: self.state };
         Ended { n_complete: self.n_complete, largest_ratio: self.largest_ratio, summary, is_unreached: false }
     }
 
     /// An interval is complete: its end.
-    fn complete(&mut self, state: &[f64], frame: &Frame, course: &Course<'_>) {
+    fn complete(&mut self, state: &[f64], frame: &Frame, schedule: &Schedule<'_>) {
         let (n, k, at) = (state.len(), self.grown.len(), self.n_complete);
         self.state.copy_from_slice(state);
         for (i, row) in self.frame.chunks_exact_mut(k).enumerate() {
             row.copy_from_slice(frame.row(i));
         }
-        let unit = &course.units[self.member * n..][..n];
+        let unit = &schedule.units[self.number * n..][..n];
         vectors_of(|i| frame.row(i), unit, &mut self.tangents);
         let (mut least, mut largest) = (f64::INFINITY, 0.0_f64);
         for (j, grown) in self.grown.iter_mut().enumerate() {
@@ -251,11 +245,11 @@ impl Member<'_> {
         let ratio = if least > 0.0 { largest / least } else { f64::INFINITY };
         self.largest_ratio = self.largest_ratio.max(ratio);
         self.n_complete += 1;
-        if self.n_complete.is_multiple_of(course.per_row) {
-            self.growth[(self.n_complete / course.per_row - 1) * k..][..k].copy_from_slice(&self.grown);
+        if self.n_complete.is_multiple_of(schedule.per_row) {
+            self.growth[(self.n_complete / schedule.per_row - 1) * k..][..k].copy_from_slice(&self.grown);
             self.grown.fill(0.0);
         }
-        if course.keep {
+        if schedule.keep {
             self.triangles[at * k * k..][..k * k].copy_from_slice(frame.triangle());
             self.kept_frames[at * n * k..][..n * k].copy_from_slice(self.frame);
             self.kept_states[at * n..][..n].copy_from_slice(state);
@@ -265,12 +259,12 @@ impl Member<'_> {
 
 struct Carrier<'c, 's> {
     shared: &'c Shared<'s>,
-    course: &'c Course<'c>,
-    ensemble: AnyEnsemble<'c>,
+    schedule: &'c Schedule<'c>,
+    ensemble: &'c AnyEnsemble<'c>,
     simd: Simd,
     /// Intervals after which a trajectory gives way to another.
     turn: usize,
-    lanes: Vec<Option<Box<Member<'s>>>>,
+    lanes: Vec<Option<Box<Trajectory<'s>>>>,
     /// Tangent vectors at the end of an interval, of each lane.
     pushed: Vec<Vec<f64>>,
     /// Room for one lane.
@@ -308,23 +302,23 @@ fn scale_by(vector: &mut [f64], exponent: i64) {
 }
 
 impl Observer for Carrier<'_, '_> {
-    fn begin(&mut self, lane: usize, member: usize) {
+    fn begin(&mut self, lane: usize, trajectory: usize) {
         let (n, k, shared) = (self.ensemble.n_components, self.ensemble.n_tangents, self.shared);
-        self.lanes[lane] = Some(Box::new(Member {
-            member,
-            state: self.ensemble.states[member * n..][..n].to_vec(),
-            tangents: self.ensemble.tangents[member * n * k..][..n * k].to_vec(),
-            elapsed: self.course.elapsed[member],
+        self.lanes[lane] = Some(Box::new(Trajectory {
+            number: trajectory,
+            state: self.ensemble.states[trajectory * n..][..n].to_vec(),
+            tangents: self.ensemble.tangents[trajectory * n * k..][..n * k].to_vec(),
+            elapsed: self.schedule.elapsed[trajectory],
             n_steps: 0,
             n_complete: 0,
             largest_ratio: 1.0,
             grown: vec![0.0; k],
             left: self.turn,
-            growth: shared.growth.take(member),
-            triangles: shared.triangles.take(member),
-            kept_frames: shared.kept_frames.take(member),
-            kept_states: shared.kept_states.take(member),
-            frame: shared.frames.take(member),
+            growth: shared.growth.take(trajectory),
+            triangles: shared.triangles.take(trajectory),
+            kept_frames: shared.kept_frames.take(trajectory),
+            kept_states: shared.kept_states.take(trajectory),
+            frame: shared.frames.take(trajectory),
         }));
     }
 
@@ -338,46 +332,46 @@ impl Observer for Carrier<'_, '_> {
     }
 
     fn passes(&self) -> u64 {
-        self.course.n_intervals as u64
+        self.schedule.n_intervals as u64
     }
 
     fn onward(&mut self, lane: usize, n_steps: u64, last: &Step<'_>) -> Onward<'_> {
-        let Some(mut member) = self.lanes[lane].take() else { return Onward::Ends };
-        let (course, n) = (self.course, self.state.len());
-        let is_good = self.take_end(lane, &course.units[member.member * n..][..n], last);
+        let Some(mut trajectory) = self.lanes[lane].take() else { return Onward::Ends };
+        let (schedule, n) = (self.schedule, self.state.len());
+        let is_good = self.take_end(lane, &schedule.units[trajectory.number * n..][..n], last);
         if is_good {
             self.frame.orthonormalise(self.simd);
-            member.complete(&self.state, &self.frame, course);
-            member.elapsed += last.time - self.ensemble.times[0];
-            member.n_steps += n_steps;
-            member.left -= 1;
+            trajectory.complete(&self.state, &self.frame, schedule);
+            trajectory.elapsed += last.time - self.ensemble.times[0];
+            trajectory.n_steps += n_steps;
+            trajectory.left -= 1;
         }
-        let ends = !is_good || member.n_complete == course.n_intervals;
-        if !ends && member.left == 0 {
-            member.left = self.turn;
-            self.shared.waiting.lock().expect(POISONED).push_back(member);
+        let ends = !is_good || trajectory.n_complete == schedule.n_intervals;
+        if !ends && trajectory.left == 0 {
+            trajectory.left = self.turn;
+            self.shared.waiting.lock().expect(POISONED).push_back(trajectory);
             return Onward::Waits;
         }
-        let member = self.lanes[lane].insert(member);
+        let trajectory = self.lanes[lane].insert(trajectory);
         if ends {
             return Onward::Ends;
         }
-        Onward::Begins { state: &member.state, tangents: &member.tangents }
+        Onward::Begins { state: &trajectory.state, tangents: &trajectory.tangents }
     }
 
     fn resume(&mut self, lane: usize) -> Option<(usize, &[f64], &[f64])> {
-        let member = self.shared.waiting.lock().expect(POISONED).pop_front()?;
-        let member = self.lanes[lane].insert(member);
-        Some((member.member, &member.state, &member.tangents))
+        let trajectory = self.shared.waiting.lock().expect(POISONED).pop_front()?;
+        let trajectory = self.lanes[lane].insert(trajectory);
+        Some((trajectory.number, &trajectory.state, &trajectory.tangents))
     }
 
-    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
+    fn end(&mut self, lane: usize, trajectory: usize, summary: Summary) {
         let Some(mut present) = self.lanes[lane].take() else { return };
         if matches!(summary.outcome, Outcome::Cancelled | Outcome::TimeLimit) {
             present.elapsed += summary.time - self.ensemble.times[0];
             present.n_steps += summary.n_steps;
             present.state = summary.state;
         }
-        self.shared.ended.lock().expect(POISONED)[member] = present.ended(summary.outcome);
+        self.shared.ended.lock().expect(POISONED)[trajectory] = present.ended(summary.outcome);
     }
 }

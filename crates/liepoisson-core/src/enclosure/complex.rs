@@ -1,6 +1,7 @@
 //! Complex numbers in doubles, and matrices of complex intervals, as far as eigenvalues need them.
 
 use super::interval::Interval;
+use super::linear::Scalar;
 use super::matrix::Matrix;
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -14,12 +15,14 @@ pub(super) struct Number {
 impl Number {
     pub(super) const ZERO: Number = Number { re: 0.0, im: 0.0 };
     pub(super) const ONE: Number = Number { re: 1.0, im: 0.0 };
+}
 
-    pub(super) fn real(re: f64) -> Number {
+impl Scalar for Number {
+    fn real(re: f64) -> Number {
         Number { re, im: 0.0 }
     }
 
-    pub(super) fn size(self) -> f64 {
+    fn size(self) -> f64 {
         libm::hypot(self.re, self.im)
     }
 }

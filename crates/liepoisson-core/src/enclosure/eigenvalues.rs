@@ -11,6 +11,7 @@
 
 use super::complex::{ComplexMatrix, Number};
 use super::interval::Interval;
+use super::linear::{Scalar, approximate_inverse};
 use super::matrix::Matrix;
 
 /// A disc that contains eigenvalues: a box around it.
@@ -158,37 +159,6 @@ fn roots(coefficients: &[f64]) -> Vec<Number> {
         }
     }
     found
-}
-
-/// Gauss–Jordan elimination with partial pivoting, in complex doubles.
-fn approximate_inverse(matrix: &Matrix<Number>) -> Option<Matrix<Number>> {
-    let n = matrix.n_rows();
-    let mut left = matrix.clone();
-    let mut right = Matrix::from_fn(n, n, |i, j| Number::real(if i == j { 1.0 } else { 0.0 }));
-    for k in 0..n {
-        let size = |row: usize| left[(row, k)].size();
-        let pivot_row = (k..n).fold(k, |best, row| if size(row) > size(best) { row } else { best });
-        let pivot = left[(pivot_row, k)];
-        if pivot.size() == 0.0 || !pivot.size().is_finite() {
-            return None;
-        }
-        for column in 0..n {
-            for side in [&mut left, &mut right] {
-                let (upper, lower) = (side[(k, column)], side[(pivot_row, column)]);
-                side[(pivot_row, column)] = upper;
-                side[(k, column)] = lower / pivot;
-            }
-        }
-        for row in (0..n).filter(|&row| row != k) {
-            let factor = left[(row, k)];
-            for column in 0..n {
-                for side in [&mut left, &mut right] {
-                    side[(row, column)] = side[(row, column)] - factor * side[(k, column)];
-                }
-            }
-        }
-    }
-    right.entries().iter().all(|entry| entry.size().is_finite()).then_some(right)
 }
 
 #[cfg(test)]

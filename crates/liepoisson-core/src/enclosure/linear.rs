@@ -10,17 +10,34 @@
 
 use super::interval::Interval;
 use super::matrix::{IntervalVector, Matrix, combine, mid, points};
+use std::ops::{Div, Mul, Sub};
+
+/// Real or complex numbers in doubles.
+pub(super) trait Scalar: Copy + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
+    fn real(x: f64) -> Self;
+    fn size(self) -> f64;
+}
+
+impl Scalar for f64 {
+    fn real(x: f64) -> f64 {
+        x
+    }
+
+    fn size(self) -> f64 {
+        self.abs()
+    }
+}
 
 /// An approximate inverse by Gauss–Jordan elimination with partial pivoting; `None` if a pivot vanishes or is not finite.
-pub fn approximate_inverse(matrix: &Matrix<f64>) -> Option<Matrix<f64>> {
+pub(super) fn approximate_inverse<T: Scalar>(matrix: &Matrix<T>) -> Option<Matrix<T>> {
     let n = matrix.n_rows();
     let mut left = matrix.clone();
-    let mut right = Matrix::identity(n);
+    let mut right = Matrix::from_fn(n, n, |i, j| T::real(if i == j { 1.0 } else { 0.0 }));
     for k in 0..n {
-        let size = |row: usize| left[(row, k)].abs();
+        let size = |row: usize| left[(row, k)].size();
         let pivot_row = (k..n).fold(k, |best, row| if size(row) > size(best) { row } else { best });
         let pivot = left[(pivot_row, k)];
-        if pivot == 0.0 || !pivot.is_finite() {
+        if pivot.size() == 0.0 || !pivot.size().is_finite() {
             return None;
         }
         for column in 0..n {
@@ -34,12 +51,12 @@ pub fn approximate_inverse(matrix: &Matrix<f64>) -> Option<Matrix<f64>> {
             let factor = left[(row, k)];
             for column in 0..n {
                 for side in [&mut left, &mut right] {
-                    side[(row, column)] -= factor * side[(k, column)];
+                    side[(row, column)] = side[(row, column)] - factor * side[(k, column)];
                 }
             }
         }
     }
-    right.entries().iter().all(|entry| entry.is_finite()).then_some(right)
+    right.entries().iter().all(|entry| entry.size().is_finite()).then_some(right)
 }
 
 /// `max_i sum_j |a_ij|`, from above, of all matrices.

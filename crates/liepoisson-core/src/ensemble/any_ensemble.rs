@@ -5,34 +5,68 @@ use super::observer::Observer;
 use super::running::{CancelOnPanic, Running};
 use super::worker::Worker;
 use crate::error::Error;
-use crate::field::{Majorant, Terms};
+use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::Block;
+use crate::method::{Block, Method};
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 /// A field with a method for it.
-pub(super) trait Integrator: Sync {
+pub trait Integrator: Send + Sync {
+    /// Number of components of the state.
+    fn n_components(&self) -> usize;
+
+    /// For how many trajectories the field is made, where each has parameters of its own.
+    fn n_trajectories(&self) -> Option<usize>;
+
+    /// Most steps that a trajectory may take.
+    fn max_steps(&self) -> u64;
+
     /// Trajectories side by side, in the registers of `simd`.
     fn block(&self, simd: Simd, n_tangents: usize) -> Box<dyn Block + '_>;
 
     /// Registers that such a block takes, about.
     fn registers(&self, n_tangents: usize) -> usize;
+}
 
-    /// See [`Space::terms`](crate::field::Space::terms).
-    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms);
+/// A field and a method, with their types.
+#[derive(Clone, Copy, Debug)]
+pub struct Integration<'f, F, M> {
+    /// The vector field.
+    pub field: &'f F,
+    /// How it is integrated.
+    pub method: M,
+}
+
+impl<F: Space, M: Method<F>> Integrator for Integration<'_, F, M> {
+    fn n_components(&self) -> usize {
+        self.field.n_components()
+    }
+
+    fn n_trajectories(&self) -> Option<usize> {
+        self.field.n_trajectories()
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.method.max_steps()
+    }
+
+    fn block(&self, simd: Simd, n_tangents: usize) -> Box<dyn Block + '_> {
+        self.method.block_for(simd, self.field, n_tangents)
+    }
+
+    fn registers(&self, n_tangents: usize) -> usize {
+        self.method.registers(self.field, n_tangents)
+    }
 }
 
 /// An [`Ensemble`](super::Ensemble) of any field and any method.
-#[derive(Clone, Copy)]
-pub(crate) struct AnyEnsemble<'a> {
-    pub(super) integrator: &'a dyn Integrator,
-    /// Most steps that a trajectory may take.
+#[derive(Clone)]
+pub struct AnyEnsemble<'a> {
+    pub(super) integrator: Arc<dyn Integrator + 'a>,
     pub(super) max_steps: u64,
-    pub(crate) majorant: Option<Majorant>,
     pub(crate) n_components: usize,
-    /// For how many members the field is made, if not for any.
-    pub(super) fields: Option<usize>,
     pub(crate) n_tangents: usize,
     pub(crate) states: &'a [f64],
     pub(crate) tangents: &'a [f64],
@@ -42,32 +76,46 @@ pub(crate) struct AnyEnsemble<'a> {
 /// Whether threads can be started at all.
 const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
-/// What the calling thread does meanwhile; see [`Ensemble::run`](super::Ensemble::run).
+/// What the calling thread does meanwhile; see [`AnyEnsemble::run`].
 pub(crate) type Watch<'w> = &'w mut dyn FnMut(&dyn Fn(Duration) -> bool);
 
 impl<'a> AnyEnsemble<'a> {
+    /// States and tangent vectors at the first time, and the times: those of [`Ensemble`](super::Ensemble).
+    pub fn new(
+        integrator: Arc<dyn Integrator + 'a>,
+        states: &'a [f64],
+        tangents: &'a [f64],
+        n_tangents: usize,
+        times: &'a [f64],
+    ) -> AnyEnsemble<'a> {
+        let (max_steps, n_components) = (integrator.max_steps(), integrator.n_components());
+        AnyEnsemble { integrator, max_steps, n_components, n_tangents, states, tangents, times }
+    }
+
     /// The same with other tangent vectors, as many.
-    pub(crate) fn with_tangents(self, tangents: &'a [f64]) -> AnyEnsemble<'a> {
-        AnyEnsemble { tangents, ..self }
+    pub(crate) fn with_tangents<'b>(&self, tangents: &'b [f64]) -> AnyEnsemble<'b>
+    where
+        'a: 'b,
+    {
+        AnyEnsemble { tangents, ..self.clone() }
     }
 
-    /// See [`Space::terms`](crate::field::Space::terms).
-    pub(crate) fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
-        self.integrator.terms(state, rest, to);
-    }
-
-    pub(crate) fn n_members(&self) -> usize {
+    /// Number of trajectories.
+    pub fn n_trajectories(&self) -> usize {
         self.states.len() / self.n_components
     }
 
-    /// See [`Ensemble::check`](super::Ensemble::check).
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    /// Checks that the parts fit together.
+    ///
+    /// # Errors
+    /// Times that are not strictly monotone and finite; arrays of the wrong length.
+    pub fn check(&self) -> Result<(), Error> {
         let n = self.n_components;
         if !self.states.len().is_multiple_of(n) {
-            let wanted = n.saturating_mul(self.n_members() + 1);
+            let wanted = n.saturating_mul(self.n_trajectories() + 1);
             return Err(Error::Length { name: "states", wanted, got: self.states.len() });
         }
-        if let Some(wanted) = self.fields.filter(|&fields| fields != self.n_members()) {
+        if let Some(wanted) = self.integrator.n_trajectories().filter(|&wanted| wanted != self.n_trajectories()) {
             return Err(Error::Length { name: "states", wanted: wanted.saturating_mul(n), got: self.states.len() });
         }
         let wanted = self.states.len().saturating_mul(self.n_tangents);
@@ -87,8 +135,18 @@ impl<'a> AnyEnsemble<'a> {
         Ok(())
     }
 
-    /// See [`Ensemble::run`](super::Ensemble::run).
-    pub(crate) fn run<O: Observer>(
+    /// Integrates every trajectory on `threads` threads; with 0, and in WebAssembly, on the calling thread, and nobody watches.
+    ///
+    /// The result for a trajectory has the same bits for any number of threads and any instruction set. `observer` makes
+    /// the observer of one worker, given the number of its lanes. `watch` runs on the calling thread meanwhile: the
+    /// function that it is given waits for the workers, at most so long, and says whether they have all ended.
+    ///
+    /// # Errors
+    /// See [`AnyEnsemble::check`]; no memory for the trajectories under way, no thread.
+    ///
+    /// # Panics
+    /// As a worker does, with its message; the other workers are stopped before.
+    pub fn run<O: Observer>(
         &self,
         threads: usize,
         simd: Simd,
@@ -97,11 +155,11 @@ impl<'a> AnyEnsemble<'a> {
         watch: Watch<'_>,
     ) -> Result<(), Error> {
         self.check()?;
-        if self.n_members() == 0 {
+        if self.n_trajectories() == 0 {
             return Ok(());
         }
         let on_this_thread = threads == 0 || !HAS_THREADS;
-        let threads = threads.clamp(1, self.n_members());
+        let threads = threads.clamp(1, self.n_trajectories());
         self.reserve(threads, simd)?;
         let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
         if on_this_thread {
@@ -147,7 +205,7 @@ impl<'a> AnyEnsemble<'a> {
     fn reserve(&self, threads: usize, simd: Simd) -> Result<(), Error> {
         let registers = self.integrator.registers(self.n_tangents);
         let bytes = registers.saturating_mul(simd.width() * size_of::<f64>()).saturating_mul(threads);
-        let mut room = Vec::<u8>::new();
-        room.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })
+        let mut memory = Vec::<u8>::new();
+        memory.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })
     }
 }

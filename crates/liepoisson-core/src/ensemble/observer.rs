@@ -1,7 +1,7 @@
 //! What an analysis is shown of the trajectories of a worker.
 
 use super::outcome::Summary;
-use crate::method::Block;
+use crate::method::{Block, Series};
 use std::collections::TryReserveError;
 use std::ops::ControlFlow;
 
@@ -22,25 +22,39 @@ pub struct Step<'s> {
 impl Step<'_> {
     /// The state a time `tau` after the start of the step.
     pub fn state(&self, tau: f64, values: &mut [f64]) {
-        self.block.evaluate(self.lane, 0, tau, values);
+        let n = values.len();
+        self.evaluate(0, &[tau], n, values, n);
+    }
+
+    /// One group at several times after the start of the step; of a method without series the present values.
+    fn evaluate(&self, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
+        match self.block.series() {
+            Some(series) => series.evaluate(self.lane, group, taus, n, values, stride),
+            None => {
+                for values in values.chunks_mut(stride).take(taus.len()) {
+                    self.block.read(self.lane, group, &mut values[..n]);
+                }
+            }
+        }
     }
 
     /// The states at several times after the start of the step, one after the other.
     pub fn states(&self, taus: &[f64], values: &mut [f64]) {
         let n = values.len() / taus.len().max(1);
-        self.block.evaluate_at(self.lane, 0, taus, n, values, n.max(1));
+        self.evaluate(0, taus, n, values, n.max(1));
     }
 
     /// Tangent vector `k` (from 0) of `n` components as `values * 2^scale` at several times, whose values begin a `stride`
     /// apart; returns `scale`.
     pub fn tangents(&self, k: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) -> i64 {
-        self.block.evaluate_at(self.lane, 1 + k, taus, n, values, stride);
+        self.evaluate(1 + k, taus, n, values, stride);
         self.scales[k]
     }
 
     /// Tangent vector `k` (from 0) as `values * 2^scale`; returns `scale`.
     pub fn tangent(&self, k: usize, tau: f64, values: &mut [f64]) -> i64 {
-        self.block.evaluate(self.lane, 1 + k, tau, values);
+        let n = values.len();
+        self.evaluate(1 + k, &[tau], n, values, n);
         self.scales[k]
     }
 
@@ -55,17 +69,18 @@ impl Step<'_> {
         self.scales[k]
     }
 
-    /// See [`Block::keeps_tangents_whole`].
+    /// See [`Series::keeps_tangents_whole`](crate::method::Series::keeps_tangents_whole); not without series.
     pub fn keeps_tangents_whole(&self) -> bool {
-        self.block.keeps_tangents_whole()
+        self.block.series().is_some_and(|series| series.keeps_tangents_whole())
     }
 
-    /// Appends the power series of the state about the start of the step, so many orders or all that there are.
+    /// Appends the power series of the state about the start of the step, so many orders or all that there are; nothing without
+    /// series.
     ///
     /// # Errors
     /// There is no memory for it.
     pub fn copy_series(&self, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        self.block.copy_series(self.lane, n_orders, to)
+        self.block.series().map_or(Ok(()), |series| series.copy(self.lane, n_orders, to))
     }
 }
 
@@ -103,12 +118,12 @@ pub enum Onward<'o> {
 
 /// What a worker does with the trajectories that it advances; each worker has its own.
 pub trait Observer: Send {
-    /// `member` starts in `lane`.
-    fn begin(&mut self, lane: usize, member: usize);
+    /// `trajectory` starts in `lane`.
+    fn begin(&mut self, lane: usize, trajectory: usize);
     /// The power series of all lanes are made: what is looked at in all of them at once is looked at here. The steps are those that
     /// follow, lane by lane, of trajectories that can go on.
-    fn look_over(&mut self, block: &dyn Block, steps: &[f64]) {
-        let _ = (block, steps);
+    fn look_over(&mut self, series: &dyn Series, steps: &[f64]) {
+        let _ = (series, steps);
     }
     /// Whether it does.
     fn looks_over(&self) -> bool {
@@ -129,7 +144,7 @@ pub trait Observer: Send {
             self.sample(lane, first + k, tau, step);
         }
     }
-    /// How often a trajectory goes from the first time to the last: it counts in the progress of a run as that part of a member.
+    /// How often a trajectory goes from the first time to the last: each time counts in the progress of a run as that part of it.
     fn passes(&self) -> u64 {
         1
     }
@@ -138,11 +153,11 @@ pub trait Observer: Send {
         let _ = (lane, n_steps, last);
         Onward::Ends
     }
-    /// The next member that waits, to go on in an empty lane: its number, its state and its tangent vectors.
+    /// The next trajectory that waits, to go on in an empty lane: its number, its state and its tangent vectors.
     fn resume(&mut self, lane: usize) -> Option<(usize, &[f64], &[f64])> {
         let _ = lane;
         None
     }
-    /// `member` has ended.
-    fn end(&mut self, lane: usize, member: usize, summary: Summary);
+    /// `trajectory` has ended.
+    fn end(&mut self, lane: usize, trajectory: usize, summary: Summary);
 }

@@ -20,7 +20,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// All of them; the position of an outcome is its code in results.
+    /// All of them, by their codes.
     pub const ALL: [Outcome; 7] = [
         Outcome::Finished,
         Outcome::StepTooSmall,
@@ -30,6 +30,11 @@ impl Outcome {
         Outcome::NoConvergence,
         Outcome::TimeLimit,
     ];
+
+    /// Its code in results: its position in [`Outcome::ALL`].
+    pub fn code(self) -> u8 {
+        self as u8
+    }
 
     /// Its name in results.
     pub fn name(self) -> &'static str {
@@ -56,4 +61,14 @@ pub struct Summary {
     pub n_steps: u64,
     /// State at that time.
     pub state: Vec<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_positions() {
+        assert!(Outcome::ALL.iter().enumerate().all(|(position, outcome)| usize::from(outcome.code()) == position));
+    }
 }

@@ -2,21 +2,21 @@
 
 mod convolution;
 mod cover;
-pub(crate) mod pieces;
 mod quadratic;
 mod quadratics;
+pub(crate) mod split_terms;
 mod tape;
 mod terms;
 pub(crate) mod top;
 mod tops;
 
-pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
-pub use quadratics::{Quadratics, SeatedQuadratics};
+pub use quadratics::{LaneQuadratics, Quadratics};
+pub use split_terms::{Ridge, SplitTerms};
 pub use tape::{Enclosure, Functions, Instruction, Rounding, Tape};
 pub use terms::Terms;
 pub use top::Top;
-pub use tops::{SeatedTops, Tops};
+pub use tops::{LaneTops, Tops};
 
 use crate::error::Error;
 use crate::lanes::{Body, IS_FUSED, Lane};
@@ -35,29 +35,8 @@ pub trait Space: Sync {
     fn n_components(&self) -> usize;
 
     /// For how many trajectories it is made, where each has parameters of its own.
-    fn n_members(&self) -> Option<usize> {
+    fn n_trajectories(&self) -> Option<usize> {
         None
-    }
-
-    /// What its rates of change are bounded by, if they are polynomials of degree two.
-    fn majorant(&self) -> Option<Majorant> {
-        None
-    }
-
-    /// The sizes of what adds up in each rate of change where components are within `rest` of those of `state`; infinite where
-    /// they are not known.
-    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
-        let _ = rest;
-        to.clear(state.len());
-        to.linear.fill(f64::INFINITY);
-    }
-
-    /// The largest errors of the rates of change at `state` through round-off and the errors of its components; infinite where
-    /// they are not known.
-    fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
-        let _ = errors;
-        to.clear(state.len());
-        to.linear.fill(f64::INFINITY);
     }
 }
 
@@ -66,21 +45,18 @@ impl<S: Space> Space for &S {
         (**self).n_components()
     }
 
-    fn n_members(&self) -> Option<usize> {
-        (**self).n_members()
+    fn n_trajectories(&self) -> Option<usize> {
+        (**self).n_trajectories()
     }
+}
 
-    fn majorant(&self) -> Option<Majorant> {
-        (**self).majorant()
-    }
+/// A space with a field of whose rates of change it is known how large they are.
+pub trait Bounds: Space {
+    /// What they are bounded by, if they are polynomials of degree two.
+    fn majorant(&self) -> Option<Majorant>;
 
-    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
-        (**self).terms(state, rest, to);
-    }
-
-    fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
-        (**self).round_off(state, errors, to);
-    }
+    /// The sizes of what adds up in each of them where components are within `rest` of those of `state`.
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms);
 }
 
 /// Bounds of a field of degree two: with `|x|` the largest absolute value of a component, every component of the part of
@@ -113,11 +89,6 @@ pub trait Field: Space {
         self.row(n_tangents) * (order + 1)
     }
 
-    /// A member of the ensemble takes a lane: where each has parameters of its own, they are those of this lane from now on.
-    fn seat(&mut self, lane: usize, member: usize) {
-        let _ = (lane, member);
-    }
-
     /// Completes row `k`: work quantities from the components.
     fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize);
 
@@ -131,38 +102,6 @@ pub trait Field: Space {
             self.derive_work(rows, n_tangents, k);
             self.extend(rows, n_tangents, k);
         }
-    }
-
-    /// Whether each term of the field shows in the series of a solution, however small it is where the series begins: not that
-    /// of a high power, nor of an exponential.
-    fn shows_its_terms(&self) -> bool {
-        true
-    }
-
-    /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
-    /// that is thin beside it.
-    fn has_walls(&self, order: usize) -> bool {
-        let _ = order;
-        false
-    }
-
-    /// Whether the field has branches, such as the two values of a root, that a series can pass from one to another.
-    fn has_branches(&self) -> bool {
-        false
-    }
-
-    /// Shortens steps, one for each lane, along which the solution would leave its branch, to zero where it is about to; given its
-    /// series up to `order` and the largest steps so far, with their signs, zero for a lane that has made none.
-    #[inline(always)]
-    fn keep_to_branches<V: Lane>(
-        &self,
-        rows: &[V],
-        n_tangents: usize,
-        order: usize,
-        largest: &[f64],
-        steps: &mut [f64],
-    ) {
-        let _ = (rows, n_tangents, order, largest, steps);
     }
 
     /// The vector field itself: from `x`, the state and every tangent vector, their rates of change; in both the components
@@ -200,23 +139,29 @@ pub trait Point<V> {
 }
 
 /// A field as each block of trajectories holds it: shared, or with the parameters of its own trajectories.
-pub trait Hold: Space {
+pub trait Instantiate: Space {
     /// What a block holds.
-    type Held<'f>: Field
+    type Instance<'f>: Instance
     where
         Self: 'f;
 
     /// Makes it.
-    fn hold(&self) -> Self::Held<'_>;
+    fn instantiate(&self) -> Self::Instance<'_>;
+}
+
+/// What a block holds of a field.
+pub trait Instance: Field {
+    /// A trajectory takes a lane: where each has parameters of its own, they are those of this lane from now on.
+    fn assign(&mut self, lane: usize, trajectory: usize);
+}
+
+impl<F: Field> Instance for &F {
+    fn assign(&mut self, _lane: usize, _trajectory: usize) {}
 }
 
 impl<F: Field> Field for &F {
     fn group(&self) -> usize {
         (**self).group()
-    }
-
-    fn row(&self, n_tangents: usize) -> usize {
-        (**self).row(n_tangents)
     }
 
     fn registers(&self, n_tangents: usize, order: usize) -> usize {
@@ -236,30 +181,6 @@ impl<F: Field> Field for &F {
     #[inline(always)]
     fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
         (**self).expand(rows, n_tangents, order);
-    }
-
-    fn shows_its_terms(&self) -> bool {
-        (**self).shows_its_terms()
-    }
-
-    fn has_walls(&self, order: usize) -> bool {
-        (**self).has_walls(order)
-    }
-
-    fn has_branches(&self) -> bool {
-        (**self).has_branches()
-    }
-
-    #[inline(always)]
-    fn keep_to_branches<V: Lane>(
-        &self,
-        rows: &[V],
-        n_tangents: usize,
-        order: usize,
-        largest: &[f64],
-        steps: &mut [f64],
-    ) {
-        (**self).keep_to_branches(rows, n_tangents, order, largest, steps);
     }
 
     #[inline(always)]

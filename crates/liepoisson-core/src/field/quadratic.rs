@@ -2,7 +2,9 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, Hold, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over};
+use super::{
+    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over,
+};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -156,7 +158,9 @@ impl Space for Quadratic {
     fn n_components(&self) -> usize {
         self.n_components
     }
+}
 
+impl Bounds for Quadratic {
     fn majorant(&self) -> Option<Majorant> {
         Some(self.majorant)
     }
@@ -180,10 +184,10 @@ impl Space for Quadratic {
 
 impl SinglePrecision for Quadratic {}
 
-impl Hold for Quadratic {
-    type Held<'f> = &'f Quadratic;
+impl Instantiate for Quadratic {
+    type Instance<'f> = &'f Quadratic;
 
-    fn hold(&self) -> &Quadratic {
+    fn instantiate(&self) -> &Quadratic {
         self
     }
 }

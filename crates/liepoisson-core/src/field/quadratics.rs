@@ -2,36 +2,36 @@
 
 use super::quadratic::Coefficients;
 use super::tops::MOST_LANES;
-use super::{Field, Hold, Quadratic, Space};
+use super::{Field, Instance, Instantiate, Quadratic, Space};
 use crate::error::Error;
 use crate::lanes::{Lane, Number};
 
-/// The field of each member of an ensemble, in their order.
+/// The field of each trajectory of an ensemble, in their order.
 #[derive(Clone, Debug)]
 pub struct Quadratics {
-    /// The field of the first member, whose terms are those of all.
+    /// The field of the first trajectory, whose terms are those of all.
     shape: Quadratic,
-    n_members: usize,
-    /// `(member, number)`
+    n_trajectories: usize,
+    /// `(trajectory, number)`
     coefficients: Vec<f64>,
 }
 
 impl Quadratics {
-    /// One field for each member.
+    /// One field for each trajectory.
     ///
     /// # Errors
     /// No field, or one that has other terms than the first.
     pub fn new(fields: impl IntoIterator<Item = Result<Quadratic, Error>>) -> Result<Quadratics, Error> {
         let mut fields = fields.into_iter();
         let shape = fields.next().ok_or(Error::Length { name: "fields", wanted: 1, got: 0 })??;
-        let mut all = Quadratics { n_members: 1, coefficients: shape.coefficients().collect(), shape };
+        let mut all = Quadratics { n_trajectories: 1, coefficients: shape.coefficients().collect(), shape };
         for field in fields {
             let field = field?;
             if !field.has_the_terms_of(&all.shape) {
-                return Err(Error::OtherTerms { member: all.n_members });
+                return Err(Error::OtherTerms { trajectory: all.n_trajectories });
             }
             all.coefficients.extend(field.coefficients());
-            all.n_members += 1;
+            all.n_trajectories += 1;
         }
         Ok(all)
     }
@@ -42,23 +42,23 @@ impl Space for Quadratics {
         self.shape.n_components()
     }
 
-    fn n_members(&self) -> Option<usize> {
-        Some(self.n_members)
+    fn n_trajectories(&self) -> Option<usize> {
+        Some(self.n_trajectories)
     }
 }
 
-impl Hold for Quadratics {
-    type Held<'f> = SeatedQuadratics<'f>;
+impl Instantiate for Quadratics {
+    type Instance<'f> = LaneQuadratics<'f>;
 
-    fn hold(&self) -> SeatedQuadratics<'_> {
-        let n_coefficients = self.coefficients.len() / self.n_members;
-        SeatedQuadratics { fields: self, lanes: vec![[0.0; MOST_LANES]; n_coefficients] }
+    fn instantiate(&self) -> LaneQuadratics<'_> {
+        let n_coefficients = self.coefficients.len() / self.n_trajectories;
+        LaneQuadratics { fields: self, lanes: vec![[0.0; MOST_LANES]; n_coefficients] }
     }
 }
 
 /// The fields of the trajectories that a block advances.
 #[derive(Clone, Debug)]
-pub struct SeatedQuadratics<'f> {
+pub struct LaneQuadratics<'f> {
     fields: &'f Quadratics,
     /// Their coefficients, `(number, lane)`; zero for a lane that was always empty.
     lanes: Vec<[f64; MOST_LANES]>,
@@ -78,22 +78,24 @@ impl Coefficients for ByLane<'_> {
     }
 }
 
-impl Space for SeatedQuadratics<'_> {
+impl Space for LaneQuadratics<'_> {
     fn n_components(&self) -> usize {
         self.fields.n_components()
     }
 }
 
-impl Field for SeatedQuadratics<'_> {
-    fn group(&self) -> usize {
-        self.fields.shape.group()
-    }
-
-    fn seat(&mut self, lane: usize, member: usize) {
-        let own = &self.fields.coefficients[member * self.lanes.len()..];
+impl Instance for LaneQuadratics<'_> {
+    fn assign(&mut self, lane: usize, trajectory: usize) {
+        let own = &self.fields.coefficients[trajectory * self.lanes.len()..];
         for (numbers, &number) in self.lanes.iter_mut().zip(own) {
             numbers[lane] = number;
         }
+    }
+}
+
+impl Field for LaneQuadratics<'_> {
+    fn group(&self) -> usize {
+        self.fields.shape.group()
     }
 
     #[inline(always)]

@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, Hold, Majorant, Point, SinglePrecision, Space, Terms, over};
+use super::{Bounds, Field, Instance, Instantiate, Majorant, Point, SinglePrecision, Space, Terms, over};
 use crate::error::Error;
 use crate::lanes::{Body, Lane};
 
@@ -139,12 +139,16 @@ impl Constants for Top {
     }
 }
 
-impl Hold for Top {
-    type Held<'f> = Top;
+impl Instantiate for Top {
+    type Instance<'f> = Top;
 
-    fn hold(&self) -> Top {
+    fn instantiate(&self) -> Top {
         *self
     }
+}
+
+impl Instance for Top {
+    fn assign(&mut self, _lane: usize, _trajectory: usize) {}
 }
 
 /// Terms linear in the coefficients, and the factor of `l x omega`: the sum of products becomes the derivative.
@@ -253,7 +257,9 @@ impl Space for Top {
     fn n_components(&self) -> usize {
         N
     }
+}
 
+impl Bounds for Top {
     fn majorant(&self) -> Option<Majorant> {
         // a row of the matrix of u -> u x v: the two components of v that stand in it
         let row = |v: &[f64; 3], i: usize| v[(i + 1) % 3].abs() + v[(i + 2) % 3].abs();

@@ -1,14 +1,14 @@
 //! Tops of one kind with parameters of their own, one for each trajectory: a register holds trajectories of different tops.
 
 use super::top::{self, Constant, Constants, GROUP, N};
-use super::{Field, Hold, Space, Top};
+use super::{Field, Instance, Instantiate, Space, Top};
 use crate::error::Error;
 use crate::lanes::{Lane, Number};
 
 /// Most trajectories that a block advances: a register of single precision holds them.
 pub(super) const MOST_LANES: usize = 16;
 
-/// The top of each member of an ensemble, in their order.
+/// The top of each trajectory of an ensemble, in their order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tops {
     tops: Vec<Top>,
@@ -17,7 +17,7 @@ pub struct Tops {
 }
 
 impl Tops {
-    /// One top for each member.
+    /// One top for each trajectory.
     ///
     /// # Errors
     /// No top.
@@ -36,30 +36,30 @@ impl Space for Tops {
         N
     }
 
-    fn n_members(&self) -> Option<usize> {
+    fn n_trajectories(&self) -> Option<usize> {
         Some(self.tops.len())
     }
 }
 
-impl Hold for Tops {
-    type Held<'f> = SeatedTops<'f>;
+impl Instantiate for Tops {
+    type Instance<'f> = LaneTops<'f>;
 
-    fn hold(&self) -> SeatedTops<'_> {
-        SeatedTops { tops: self, members: [0; MOST_LANES], lanes: [[[0.0; MOST_LANES]; 3]; Constant::COUNT] }
+    fn instantiate(&self) -> LaneTops<'_> {
+        LaneTops { tops: self, trajectories: [0; MOST_LANES], lanes: [[[0.0; MOST_LANES]; 3]; Constant::COUNT] }
     }
 }
 
 /// The tops of the trajectories that a block advances.
 #[derive(Clone, Debug)]
-pub struct SeatedTops<'f> {
+pub struct LaneTops<'f> {
     tops: &'f Tops,
     /// Which top each lane has.
-    members: [usize; MOST_LANES],
+    trajectories: [usize; MOST_LANES],
     /// Their constants, lane by lane; zero for a lane that was always empty.
     lanes: [[[f64; MOST_LANES]; 3]; Constant::COUNT],
 }
 
-impl Constants for SeatedTops<'_> {
+impl Constants for LaneTops<'_> {
     #[inline(always)]
     fn of<V: Lane>(&self, constant: Constant, axis: usize, first_lane: usize) -> V {
         let mut register = V::splat(0.0);
@@ -76,29 +76,31 @@ impl Constants for SeatedTops<'_> {
     }
 
     fn in_lane(&self, lane: usize) -> &Top {
-        &self.tops.tops[self.members[lane]]
+        &self.tops.tops[self.trajectories[lane]]
     }
 }
 
-impl Space for SeatedTops<'_> {
+impl Space for LaneTops<'_> {
     fn n_components(&self) -> usize {
         N
     }
 }
 
-impl Field for SeatedTops<'_> {
-    fn group(&self) -> usize {
-        GROUP
-    }
-
-    fn seat(&mut self, lane: usize, member: usize) {
-        self.members[lane] = member;
-        let top = &self.tops.tops[member];
+impl Instance for LaneTops<'_> {
+    fn assign(&mut self, lane: usize, trajectory: usize) {
+        self.trajectories[lane] = trajectory;
+        let top = &self.tops.tops[trajectory];
         for constant in Constant::ALL {
             for (numbers, &number) in self.lanes[constant as usize].iter_mut().zip(top.vector(constant)) {
                 numbers[lane] = number;
             }
         }
+    }
+}
+
+impl Field for LaneTops<'_> {
+    fn group(&self) -> usize {
+        GROUP
     }
 
     #[inline(always)]

@@ -247,6 +247,16 @@ pub fn as_scalars<V: Lane>(registers: &[V]) -> &[V::Number] {
     unsafe { std::slice::from_raw_parts(registers.as_ptr().cast(), registers.len() * V::WIDTH) }
 }
 
+/// `c0 + z (c1 + z (...))`
+#[inline(always)]
+pub(crate) fn polynomial<V: Lane, const N: usize>(coefficients: &[f64; N], z: V) -> V {
+    let mut sum = V::splat(coefficients[N - 1]);
+    for i in (0..N - 1).rev() {
+        sum = sum.mul_add(z, V::splat(coefficients[i]));
+    }
+    sum
+}
+
 /// Numbers as registers that hold one each.
 ///
 /// # Panics

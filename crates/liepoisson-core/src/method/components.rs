@@ -5,7 +5,7 @@ use crate::lanes::{Body, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::taylor::{MAX_ORDER, Terms, Trend};
-use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
+use crate::method::{Block, Method, Overview, Precision, Series, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
 
 /// [`Taylor`] for one trajectory of a [`Top`] without tangent vectors.
@@ -108,7 +108,11 @@ impl<V: Wide> Block for SingleBlock<V> {
         Stepping::Series
     }
 
-    fn load(&mut self, _lane: usize, _group: usize, values: &[f64]) {
+    fn precision(&self) -> Precision {
+        Precision::Double
+    }
+
+    fn load(&mut self, _lane: usize, _trajectory: usize, _group: usize, values: &[f64]) {
         let row = &mut self.rows[0];
         row.l[..3].copy_from_slice(&values[..3]);
         row.fields[..3].copy_from_slice(&values[3..6]);
@@ -119,7 +123,7 @@ impl<V: Wide> Block for SingleBlock<V> {
         self.rows[0].copy_to(values);
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         V::outline(Expansion { block: self, longest });
     }
 
@@ -128,21 +132,31 @@ impl<V: Wide> Block for SingleBlock<V> {
         V::outline(Advance { block: self, step: sizes[0] });
     }
 
-    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
-        self.evaluate_at(lane, group, &[tau], values.len(), values, values.len());
-    }
-
-    fn evaluate_at(&self, _lane: usize, _group: usize, taus: &[f64], _n: usize, values: &mut [f64], stride: usize) {
-        V::outline(Evaluation { block: self, taus, values, stride });
-    }
-
     fn norms(&self, _group: usize, norms: &mut [f64]) {
         norms[0] = self.rows[0].norm();
     }
 
     fn scale_tangent(&mut self, _lane: usize, _group: usize, _exponent: i32) {}
 
-    fn copy_series(&self, _lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+    fn series(&self) -> Option<&dyn Series> {
+        Some(self)
+    }
+}
+
+impl<V: Wide> Series for SingleBlock<V> {
+    fn evaluate(&self, _lane: usize, _group: usize, taus: &[f64], _n: usize, values: &mut [f64], stride: usize) {
+        V::outline(Evaluation { block: self, taus, values, stride });
+    }
+
+    fn keeps_tangents_whole(&self) -> bool {
+        true
+    }
+
+    fn look_over(&self, _steps: &[f64], _of: &mut Overview<'_>) -> bool {
+        false
+    }
+
+    fn copy(&self, _lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
         let rows = &self.rows[..n_orders.min(self.method.order() + 1)];
         to.try_reserve(9 * rows.len())?;
         let mut values = [0.0; 9];

@@ -10,8 +10,8 @@ use crate::field::Field;
 use crate::lanes::{Body, Lane, Wide};
 use crate::method::gauss_legendre::{COLLOCATIONS, Collocation};
 use crate::method::taylor::sum_of_sizes;
-use crate::method::variational::{CompensatedUpdate, Sum, Update, Variational, copy_lane, in_chunks, spread};
-use crate::method::{Block, Method, StepOutcome, Stepping};
+use crate::method::variational::{Sum, Update, Variational, copy_lane, in_chunks, spread};
+use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping};
 
 const MAX_STAGES: usize = COLLOCATIONS.len();
 
@@ -49,42 +49,24 @@ impl Gauss {
         Ok(Gauss { n_stages, step, max_steps })
     }
 
-    /// Number of stages.
-    pub fn n_stages(&self) -> usize {
-        self.n_stages
-    }
-
     /// Order of the method.
     pub fn order(&self) -> usize {
         2 * self.n_stages
-    }
-
-    /// Length of the longest step.
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// Most steps that a trajectory may take.
-    pub fn max_steps(&self) -> u64 {
-        self.max_steps
     }
 }
 
 impl<F: Field> Method<F> for Gauss {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        let system = Variational::<F, V>::new(field, n_tangents);
+        let system = Variational::<F, V>::new(field, n_tangents, true);
         let zeros = |count: usize| vec![V::splat(0.0); count];
-        let (n, row) = (system.n_components(), system.row());
+        let row = system.row();
         Box::new(GaussBlock {
             step: self.step,
             collocation: &COLLOCATIONS[self.n_stages - 1],
             system,
-            low: zeros(n),
             rates: zeros(self.n_stages * row),
             other: zeros(self.n_stages * row),
             one: zeros(row),
-            start: zeros(row),
-            start_low: zeros(n),
             fresh: vec![true; V::WIDTH],
             defects: vec![0.0; V::WIDTH],
             lanes: vec![Progress::Settled; V::WIDTH],
@@ -131,17 +113,12 @@ struct GaussBlock<'f, F, V> {
     step: f64,
     collocation: &'static Collocation,
     system: Variational<'f, F, V>,
-    /// What rounding took from the state.
-    low: Vec<V>,
     /// `k_i` of the last step, then of this one.
     rates: Vec<V>,
     /// Guesses of the rates while they are made, then the rates of lanes that have settled before others.
     other: Vec<V>,
     /// `k_i` of one stage.
     one: Vec<V>,
-    /// State and `low` at the start of the step.
-    start: Vec<V>,
-    start_low: Vec<V>,
     fresh: Vec<bool>,
     /// NaN for a lane that started with numbers that are not finite, or whose rates were not.
     defects: Vec<f64>,
@@ -226,15 +203,6 @@ impl<F: Field, V: Lane> GaussBlock<'_, F, V> {
             }
         }
     }
-
-    #[inline(always)]
-    fn update(&mut self, step: V) {
-        let (row, n) = (self.system.row(), self.system.n_components());
-        let (state, tangents) = self.system.state.split_at_mut(n);
-        let sum = |first: usize| Sum { terms: self.collocation.weights, known: &self.rates[first..], row };
-        in_chunks::<V>(n, &mut CompensatedUpdate { state, low: &mut self.low, step, sum: sum(0) });
-        in_chunks::<V>(row - n, &mut Update { state: tangents, step, sum: sum(n) });
-    }
 }
 
 impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
@@ -243,14 +211,17 @@ impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
     }
 
     fn stepping(&self) -> Stepping {
-        Stepping::Fixed(self.step)
+        Stepping::Fixed { longest: self.step, most_repeats: 1 }
     }
 
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+    fn precision(&self) -> Precision {
+        Precision::Double
+    }
+
+    fn load(&mut self, lane: usize, _trajectory: usize, group: usize, values: &[f64]) {
         self.system.load(lane, group, values);
         if group == 0 {
             self.fresh[lane] = true;
-            self.low.iter_mut().for_each(|register| register.set(lane, 0.0));
         }
     }
 
@@ -258,7 +229,7 @@ impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
         self.system.read(lane, group, values);
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         if self.fresh.iter().any(|&fresh| fresh) {
             V::outline(Begin(self));
         }
@@ -279,6 +250,10 @@ impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
         let (n, row) = (self.system.n_components(), self.system.row());
         Variational::<F, V>::scale(n, &mut self.system.state, row, (lane, group), exponent);
         Variational::<F, V>::scale(n, &mut self.rates, row, (lane, group), exponent);
+    }
+
+    fn series(&self) -> Option<&dyn Series> {
+        None
     }
 }
 
@@ -303,14 +278,13 @@ impl<F: Field, V: Lane> Body for Advance<'_, '_, F, V> {
     fn run(self) {
         let Advance { block, sizes, outcomes } = self;
         let step: V = spread(&sizes[..V::WIDTH]);
-        block.start.copy_from_slice(&block.system.state);
-        block.start_low.copy_from_slice(&block.low);
+        block.system.remember();
         for (progress, &size) in block.lanes.iter_mut().zip(sizes) {
             *progress = if size == 0.0 { Progress::Settled } else { Progress::Iterates(f64::INFINITY) };
         }
         block.guess();
         block.solve(step);
-        block.update(step);
+        block.system.update(step, block.collocation.weights, &block.rates);
         let size = sum_of_sizes(&block.system.state);
         for lane in 0..V::WIDTH {
             outcomes[lane] = match block.lanes[lane] {
@@ -320,8 +294,7 @@ impl<F: Field, V: Lane> Body for Advance<'_, '_, F, V> {
                 _ => StepOutcome::NotFinite,
             };
             if sizes[lane] == 0.0 || outcomes[lane] != StepOutcome::Taken {
-                copy_lane(&block.start, &mut block.system.state, lane);
-                copy_lane(&block.start_low, &mut block.low, lane);
+                block.system.restore(lane);
             }
         }
     }

@@ -3,11 +3,11 @@
 use crate::field::top::{
     Constant, Constants, GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangents,
 };
-use crate::field::{Field, Hold, Top, over};
+use crate::field::{Field, Instance, Instantiate, Top, over};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, exp2_estimate_single, log2_estimate, log2_estimate_single};
 use crate::method::taylor::{Terms, Trend, sum_of_sizes};
-use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
+use crate::method::{Block, Method, Overview, Precision, Series, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
 
 /// [`Taylor`] for a [`Top`], with the high orders of the state and all of the tangent vectors in single precision.
@@ -65,14 +65,14 @@ impl MixedTaylor {
     }
 }
 
-impl<F: Hold> Method<F> for MixedTaylor
+impl<F: Instantiate> Method<F> for MixedTaylor
 where
-    for<'f> F::Held<'f>: Constants,
+    for<'f> F::Instance<'f>: Constants,
 {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        let field = field.hold();
+        let field = field.instantiate();
         let (n_double, row) = (self.double_order() + 1, field.row(n_tangents));
-        Box::new(MixedBlock::<F::Held<'f>, V> {
+        Box::new(MixedBlock::<F::Instance<'f>, V> {
             top: field,
             method: self.0,
             double_order: self.double_order(),
@@ -91,7 +91,7 @@ where
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
-        let field = field.hold();
+        let field = field.instantiate();
         2 * (self.double_order() + 1) * GROUP + (self.0.order() + 1) * field.row(n_tangents)
     }
 
@@ -119,7 +119,7 @@ struct MixedBlock<C, V: Wide> {
     units: Vec<f64>,
 }
 
-impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
+impl<C: Constants + Instance, V: Wide> Block for MixedBlock<C, V> {
     fn n_lanes(&self) -> usize {
         2 * V::WIDTH
     }
@@ -128,11 +128,11 @@ impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
         Stepping::Series
     }
 
-    fn seat(&mut self, lane: usize, member: usize) {
-        self.top.seat(lane, member);
+    fn precision(&self) -> Precision {
+        Precision::Single
     }
 
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+    fn load(&mut self, lane: usize, trajectory: usize, group: usize, values: &[f64]) {
         for (i, &value) in values.iter().enumerate() {
             if group == 0 {
                 self.double[lane / V::WIDTH][i].set(lane % V::WIDTH, value);
@@ -141,6 +141,7 @@ impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
             }
         }
         if group == 0 {
+            self.top.assign(lane, trajectory);
             self.units[lane] = first_unit(self.top.in_lane(lane), values);
         }
     }
@@ -155,7 +156,7 @@ impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
         }
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         loop {
             V::outline(Expansion(self));
             V::outline(Steps { block: self, sizes: longest });
@@ -182,16 +183,8 @@ impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
         }
     }
 
-    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
-        V::outline(Evaluation { block: self, lane, group, tau, values });
-    }
-
     fn norms(&self, group: usize, norms: &mut [f64]) {
         V::outline(Norms { block: self, group, norms });
-    }
-
-    fn range_exponent(&self) -> i32 {
-        32
     }
 
     fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
@@ -200,7 +193,27 @@ impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
         }
     }
 
-    fn copy_series(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+    fn series(&self) -> Option<&dyn Series> {
+        Some(self)
+    }
+}
+
+impl<C: Constants, V: Wide> Series for MixedBlock<C, V> {
+    fn evaluate(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
+        for (&tau, values) in taus.iter().zip(values.chunks_mut(stride)) {
+            V::outline(Evaluation { block: self, lane, group, tau, values: &mut values[..n] });
+        }
+    }
+
+    fn keeps_tangents_whole(&self) -> bool {
+        false
+    }
+
+    fn look_over(&self, _steps: &[f64], _of: &mut Overview<'_>) -> bool {
+        false
+    }
+
+    fn copy(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
         let n_orders = n_orders.min(self.method.order() + 1);
         to.try_reserve(n_orders * N)?;
         for k in 0..n_orders {

@@ -13,6 +13,7 @@ mod series_sum;
 mod splitting;
 mod step_end;
 mod taylor;
+mod taylor_of_tape;
 mod variational;
 
 pub use components::AcrossComponents;
@@ -26,11 +27,11 @@ pub use splitting::{LagrangeMap, Split, Splitting};
 pub(crate) use taylor::MAX_ORDER;
 pub use taylor::Taylor;
 
-use crate::lanes::{Simd, Task, Wide, dispatch, dispatch_widest};
+use crate::lanes::{Number, Simd, Task, Wide, dispatch, dispatch_widest};
 use std::collections::TryReserveError;
 
 /// A method of integration, for vector fields of type `F`.
-pub trait Method<F>: Copy + Sync {
+pub trait Method<F>: Copy + Send + Sync {
     /// Room for as many trajectories as the registers `V` hold, at rest at the origin.
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f>;
 
@@ -80,8 +81,56 @@ pub enum Stepping {
     Series,
     /// Steps are tried and may be refused; they end at every wanted time.
     Trial,
-    /// Equal steps, at most this long, that end at every wanted time.
-    Fixed(f64),
+    /// Equal steps that end at every wanted time.
+    Fixed {
+        /// They are at most this long.
+        longest: f64,
+        /// [`Block::advance`] can take as many at once.
+        most_repeats: u64,
+    },
+}
+
+impl Stepping {
+    /// Steps that [`Block::advance`] can take at once.
+    pub fn most_repeats(self) -> u64 {
+        match self {
+            Stepping::Fixed { most_repeats, .. } => most_repeats,
+            Stepping::Series | Stepping::Trial => 1,
+        }
+    }
+}
+
+/// The numbers in which a block keeps tangent vectors; where there are no power series, the state and its steps, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// `f64`
+    Double,
+    /// `f32`
+    Single,
+}
+
+impl Precision {
+    /// That of the numbers `N`.
+    fn of<N: Number>() -> Precision {
+        if size_of::<N>() == size_of::<f32>() { Precision::Single } else { Precision::Double }
+    }
+
+    /// The number closest to `x`.
+    pub fn nearest(self, x: f64) -> f64 {
+        match self {
+            Precision::Double => x,
+            Precision::Single => f64::from(x as f32),
+        }
+    }
+
+    /// Tangent vectors whose norm leaves `[2^-r, 2^r)` for this r are to be rescaled: far enough from overflow for the growth of
+    /// many steps, a quarter of the exponents that there are.
+    pub fn range_exponent(self) -> i32 {
+        match self {
+            Precision::Double => 256,
+            Precision::Single => 32,
+        }
+    }
 }
 
 /// What became of a step of one trajectory.
@@ -107,87 +156,47 @@ pub trait Block {
     /// How their steps come about.
     fn stepping(&self) -> Stepping;
 
-    /// The size closest to `size` that a step can have.
-    fn representable(&self, size: f64) -> f64 {
-        size
-    }
+    /// In which numbers.
+    fn precision(&self) -> Precision;
 
-    /// Steps that [`Block::advance`] can take at once.
-    fn most_repeats(&self) -> u64 {
-        1
-    }
-
-    /// A member of the ensemble takes a lane, before its values are put there.
-    fn seat(&mut self, lane: usize, member: usize) {
-        let _ = (lane, member);
-    }
-
-    /// Puts values into one group of a lane; into group 0 (which comes first) those of a new trajectory.
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]);
+    /// Puts values into one group of a lane; into group 0 (which comes first) those of a new trajectory, that of this number.
+    fn load(&mut self, lane: usize, trajectory: usize, group: usize, values: &[f64]);
 
     /// The present values of one group of a lane.
     fn read(&self, lane: usize, group: usize, values: &mut [f64]);
 
-    /// For each lane the longest step that the method allows; NaN where a number is not finite.
-    fn prepare(&mut self, longest: &mut [f64]);
-
-    /// Whether steps are looked at once more when it is known where they would end.
-    fn looks_ahead(&self) -> bool {
-        false
-    }
-
-    /// Shortens the steps that were decided, with their signs and zero for a lane that stays, where they would end wrongly; to
-    /// zero where none is left.
-    fn look_ahead(&mut self, sizes: &mut [f64]) {
-        let _ = sizes;
-    }
+    /// For each lane the longest step that the method allows; NaN where a number is not finite. `ahead` are the times, with their
+    /// signs, up to where the trajectories are to end, zero for a lane that stays.
+    fn prepare(&mut self, ahead: &[f64], longest: &mut [f64]);
 
     /// Advances each lane by `repeats` steps of its size (zero: the lane stays), and says what became of them.
     fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]);
 
-    /// One group of a lane a time `tau` after the start of the step that was prepared; methods without series know
-    /// the present values only.
-    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
-        let _ = tau;
-        self.read(lane, group, values);
-    }
-
-    /// [`Block::evaluate`] at several times, whose values begin a `stride` apart.
-    fn evaluate_at(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
-        for (&tau, values) in taus.iter().zip(values.chunks_mut(stride)) {
-            self.evaluate(lane, group, tau, &mut values[..n]);
-        }
-    }
-
-    /// Whether the tangent vectors after a step are, bit for bit, what [`Block::evaluate`] gave for its end.
-    fn keeps_tangents_whole(&self) -> bool {
-        false
-    }
-
     /// For each lane the sum of the absolute values of the components of one group.
     fn norms(&self, group: usize, norms: &mut [f64]);
-
-    /// Tangent vectors whose norm leaves `[2^-r, 2^r)` for this r are to be rescaled.
-    fn range_exponent(&self) -> i32 {
-        256
-    }
 
     /// Multiplies a tangent vector (group 1, 2, ...) of one lane by a power of two, which rounds nothing.
     fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32);
 
-    /// Appends the first orders of the power series of one lane's state, order by order, its components; nothing without series.
+    /// The power series of the steps that were prepared; none where [`Block::stepping`] is another one.
+    fn series(&self) -> Option<&dyn Series>;
+}
+
+/// Power series of the steps of a [`Block`], about their starts.
+pub trait Series {
+    /// One group of a lane at several times after the start of its step: `n` components each, whose values begin a `stride` apart.
+    fn evaluate(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize);
+
+    /// Whether the tangent vectors after a step are, bit for bit, what [`Series::evaluate`] gave for its end.
+    fn keeps_tangents_whole(&self) -> bool;
+
+    /// Appends the first orders of the series of one lane's state, order by order, its components.
     ///
     /// # Errors
     /// There is no memory for it.
-    fn copy_series(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        let _ = (lane, n_orders, to);
-        Ok(())
-    }
+    fn copy(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError>;
 
-    /// Of the power series of all lanes' states, on these steps, some sums and sizes; false, and nothing, where there are none side
-    /// by side.
-    fn look_over(&self, steps: &[f64], of: &mut Overview<'_>) -> bool {
-        let _ = (steps, of);
-        false
-    }
+    /// Of the series of all lanes' states, on these steps, some sums and sizes; false, and nothing, where they are not computed
+    /// side by side.
+    fn look_over(&self, steps: &[f64], of: &mut Overview<'_>) -> bool;
 }

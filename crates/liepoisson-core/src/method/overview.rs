@@ -1,6 +1,7 @@
 //! What is known of the power series of all trajectories of a block at once: sums and sizes, for those who look for crossings.
 
 use crate::lanes::{Body, Wide};
+use crate::method::variational::spread;
 
 /// What is known of the power series of all lanes at once, each in units of its step `h`.
 #[derive(Clone, Debug, Default)]
@@ -65,7 +66,7 @@ impl<V: Wide> Body for LookOver<'_, '_, V> {
         largest.resize(n_orders * V::WIDTH, 0.0);
         starts.clear();
         starts.extend(terms.iter().flat_map(|&(i, _)| rows[i].as_scalars()));
-        let (step, zero) = (from_scalars::<V>(steps), V::splat(0.0));
+        let (step, zero) = (spread::<V>(steps), V::splat(0.0));
         let (mut power, mut of_form, mut bends, mut most) = (V::splat(1.0), [zero; 2], zero, zero);
         let mut of_state = [zero; 2];
         let orders = rows.chunks_exact(row).zip(values.chunks_exact_mut(V::WIDTH));
@@ -95,7 +96,7 @@ impl<V: Wide> Body for LookOver<'_, '_, V> {
             power = power.mul(step);
         }
         let (mut end, mut last, mut products) = (zero, zero, zero);
-        let of_orders = |of: &[f64], k: usize| from_scalars::<V>(&of[k * V::WIDTH..][..V::WIDTH]);
+        let of_orders = |of: &[f64], k: usize| spread::<V>(&of[k * V::WIDTH..][..V::WIDTH]);
         for k in 0..n_orders {
             end = end.add(of_orders(values, n_orders - 1 - k));
             last = last.add(of_orders(largest, n_orders - 1 - k));
@@ -138,12 +139,4 @@ fn larger<V: Wide>(size: V, most: V) -> V {
         *most = if size > *most { size } else { *most };
     }
     larger
-}
-
-/// A register of these numbers.
-#[inline(always)]
-fn from_scalars<V: Wide>(numbers: &[f64]) -> V {
-    let mut register = V::splat(0.0);
-    register.as_scalars_mut().copy_from_slice(numbers);
-    register
 }

@@ -10,8 +10,8 @@ use crate::lanes::{Body, Lane, Number, Wide};
 use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::taylor::sum_of_sizes;
-use crate::method::variational::{Chunk, CompensatedUpdate, Sum, Update, Variational, copy_lane, in_chunks, spread};
-use crate::method::{Block, Method, Single, StepOutcome, Stepping};
+use crate::method::variational::{Chunk, Sum, Variational, in_chunks, spread};
+use crate::method::{Block, Method, Precision, Series, Single, StepOutcome, Stepping};
 
 const ORDER: f64 = 8.0;
 
@@ -75,19 +75,6 @@ impl RungeKutta {
             Steps::Adaptive { tolerance } => Some(tolerance),
             Steps::Fixed { .. } => None,
         }
-    }
-
-    /// Length of a step, if steps are fixed.
-    pub fn step(&self) -> Option<f64> {
-        match self.steps {
-            Steps::Adaptive { .. } => None,
-            Steps::Fixed { step } => Some(step),
-        }
-    }
-
-    /// Most steps that a trajectory may take.
-    pub fn max_steps(&self) -> u64 {
-        self.max_steps
     }
 }
 
@@ -174,12 +161,7 @@ impl Control {
 struct RungeKuttaBlock<'f, F, V> {
     method: RungeKutta,
     system: Variational<'f, F, V>,
-    /// What rounding took from the state; empty without compensation.
-    low: Vec<V>,
     rates: Vec<V>,
-    /// State and `low` at the start of the step.
-    start: Vec<V>,
-    start_low: Vec<V>,
     controls: Vec<Control>,
     errors: Vec<f64>,
     factors: Vec<f64>,
@@ -187,15 +169,10 @@ struct RungeKuttaBlock<'f, F, V> {
 
 impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     fn new(method: RungeKutta, field: &'f F, n_tangents: usize) -> Self {
-        let system = Variational::new(field, n_tangents);
-        let zeros = |count: usize| vec![V::splat(0.0); count];
-        let (row, n) = (system.row(), if method.compensated { system.n_components() } else { 0 });
+        let system = Variational::new(field, n_tangents, method.compensated);
         RungeKuttaBlock {
             method,
-            low: zeros(n),
-            rates: zeros((1 + STAGES.len()) * row),
-            start: zeros(row),
-            start_low: zeros(n),
+            rates: vec![V::splat(0.0); (1 + STAGES.len()) * system.row()],
             controls: vec![Control::FRESH; V::WIDTH],
             errors: vec![0.0; V::WIDTH],
             factors: vec![0.0; V::WIDTH],
@@ -211,30 +188,6 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
             let (known, rates) = self.rates.split_at_mut((i + 1) * row);
             self.system.rates_beside(step, terms, known, &mut rates[..row]);
         }
-    }
-
-    /// Adds the increment of the step to the state and the tangent vectors.
-    #[inline(always)]
-    fn update(&mut self, step: V) {
-        let row = self.system.row();
-        let (compensated, rest) = self.system.state.split_at_mut(self.low.len());
-        let sum = |first: usize| Sum { terms: WEIGHTS, known: &self.rates[first..], row };
-        let (n, low) = (self.low.len(), &mut self.low);
-        in_chunks::<V>(n, &mut CompensatedUpdate { state: compensated, low, step, sum: sum(0) });
-        in_chunks::<V>(row - n, &mut Update { state: rest, step, sum: sum(n) });
-    }
-
-    #[inline(always)]
-    fn remember(&mut self) {
-        self.start.copy_from_slice(&self.system.state);
-        self.start_low.copy_from_slice(&self.low);
-    }
-
-    /// Brings one lane back to where it was.
-    #[inline(always)]
-    fn restore(&mut self, lane: usize) {
-        copy_lane(&self.start, &mut self.system.state, lane);
-        copy_lane(&self.start_low, &mut self.low, lane);
     }
 
     /// For each lane the estimated error of the step over what is allowed; NaN if a number is not finite.
@@ -255,7 +208,7 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
                 sums: [V::splat(0.0); 2],
             };
             in_chunks::<V>(group.len(), &mut error_sizes);
-            let size = sum_of_sizes(&self.start[group.clone()]).add(sum_of_sizes(&self.system.state[group]));
+            let size = sum_of_sizes(&self.system.start[group.clone()]).add(sum_of_sizes(&self.system.state[group]));
             let [e5, e3] = error_sizes.sums;
             let (ratio, twice) = (e3.div(e5), V::splat(2.0));
             let root = ratio.mul(ratio).mul_add(V::splat(0.01), V::splat(1.0)).sqrt();
@@ -324,23 +277,18 @@ impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
     fn stepping(&self) -> Stepping {
         match self.method.steps {
             Steps::Adaptive { .. } => Stepping::Trial,
-            Steps::Fixed { step } => Stepping::Fixed(step),
+            Steps::Fixed { step } => Stepping::Fixed { longest: step, most_repeats: MOST_REPEATS },
         }
     }
 
-    fn representable(&self, size: f64) -> f64 {
-        V::Number::of(size).to_f64()
+    fn precision(&self) -> Precision {
+        Precision::of::<V::Number>()
     }
 
-    fn most_repeats(&self) -> u64 {
-        if self.method.tolerance().is_some() { 1 } else { MOST_REPEATS }
-    }
-
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+    fn load(&mut self, lane: usize, _trajectory: usize, group: usize, values: &[f64]) {
         self.system.load(lane, group, values);
         if group == 0 {
             self.controls[lane] = Control::FRESH;
-            self.low.iter_mut().for_each(|register| register.set(lane, 0.0));
         }
     }
 
@@ -348,13 +296,13 @@ impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
         self.system.read(lane, group, values);
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         let any_fresh = self.controls.iter().any(|control| control.fresh);
         if any_fresh || self.method.tolerance().is_some() {
             V::outline(FirstRates(self));
         }
         for (lane, longest) in longest.iter_mut().enumerate() {
-            *longest = self.representable(self.controls[lane].longest);
+            *longest = self.precision().nearest(self.controls[lane].longest);
         }
     }
 
@@ -369,14 +317,13 @@ impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
         self.system.norms(group, norms);
     }
 
-    fn range_exponent(&self) -> i32 {
-        // an eighth of the exponents that a number has
-        if size_of::<V::Number>() == size_of::<f64>() { 256 } else { 32 }
-    }
-
     fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
         let (n, row) = (self.system.n_components(), self.system.row());
         Variational::<F, V>::scale(n, &mut self.system.state, row, (lane, group), exponent);
+    }
+
+    fn series(&self) -> Option<&dyn Series> {
+        None
     }
 }
 
@@ -411,8 +358,8 @@ impl<F: Field, V: Lane> Body for TrialStep<'_, '_, F, V> {
         let (sizes, outcomes) = (&sizes[..V::WIDTH], &mut outcomes[..V::WIDTH]);
         let step: V = spread(sizes);
         block.stages(step);
-        block.remember();
-        block.update(step);
+        block.system.remember();
+        block.system.update(step, WEIGHTS, &block.rates);
         block.estimate_errors(sizes);
         for lane in 0..V::WIDTH {
             let stays = sizes[lane] == 0.0;
@@ -420,7 +367,7 @@ impl<F: Field, V: Lane> Body for TrialStep<'_, '_, F, V> {
             outcomes[lane] =
                 if stays { StepOutcome::Taken } else { block.controls[lane].judge(sizes[lane], error, factor) };
             if stays || outcomes[lane] == StepOutcome::TooLong {
-                block.restore(lane);
+                block.system.restore(lane);
             }
         }
     }
@@ -439,18 +386,18 @@ impl<F: Field, V: Lane> Body for FixedSteps<'_, '_, F, V> {
     fn run(self) {
         let FixedSteps { block, sizes, repeats, outcomes } = self;
         let (step, row): (V, usize) = (spread(&sizes[..V::WIDTH]), block.system.row());
-        block.remember();
+        block.system.remember();
         for _ in 0..repeats {
             block.system.rates(&mut block.rates[..row]);
             block.stages(step);
-            block.update(step);
+            block.system.update(step, WEIGHTS, &block.rates);
         }
         let size = sum_of_sizes(&block.system.state);
         for lane in 0..V::WIDTH {
             let finite = size.get(lane).is_finite();
             outcomes[lane] = if finite || sizes[lane] == 0.0 { StepOutcome::Taken } else { StepOutcome::NotFinite };
             if !finite || sizes[lane] == 0.0 {
-                block.restore(lane);
+                block.system.restore(lane);
             }
         }
     }

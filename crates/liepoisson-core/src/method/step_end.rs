@@ -2,22 +2,22 @@
 //!
 //! The terms of a series say nothing about a force that is too weak to be seen where the step begins: that of `q^26` at
 //! `q = 0` has no term up to order 24, that of `exp(-q)` at `q = 150` none above round-off. A series of straight motion then
-//! passes through the wall, and where the wall is a barrier or a step of the potential nothing is left of it at the end. So
-//! the derivative of the series is compared with the field at nodes along the step, and the step ends before the first one
-//! at which they differ.
+//! passes through such a steep barrier, and where the force vanishes again beyond it, nothing is left of it at the end. So the
+//! derivative of the series is compared with the field at nodes along the step, and the step ends before the first one at
+//! which they differ.
 //!
 //! A force is seen from as far as it is above round-off: one that decays as `exp(-d/w)` at a distance of 25 `w`, so the nodes
-//! may be much further apart than walls are thick. How far apart they may be at all is the affair of [`StepEnd::limit`]: a step
+//! may be much further apart than barriers are thick. How far apart they may be at all is the affair of [`StepEnd::limit`]: a step
 //! is at most twice as long as the one before it, the first as the time in which the state changes by its own size.
 //!
-//! Nodes inside of the step are for fields with terms that hide like this, exponentials and high powers ([`Field::has_walls`]).
-//! What varies as a power of the distance, such as a pole, is seen from everywhere or is too thin for any nodes; of fields that
-//! have nothing else the end of the step is looked at, and its length is not limited.
+//! Nodes inside of the step are for fields with terms that hide like this, exponentials and high powers
+//! ([`Tape::has_steep_barriers`]). What varies as a power of the distance, such as a pole, is seen from everywhere or is too thin
+//! for any nodes; of fields that have nothing else the end of the step is looked at, and its length is not limited.
 //!
 //! Fields of degree two need no such look where a term vanishes exactly: a series that ends before half of its order and
 //! obeys the equations up to its order is a solution.
 
-use crate::field::{Field, Terms};
+use crate::field::{Field, Space, Tape, Terms};
 use crate::lanes::{Body, ROUNDINGS, Wide};
 use crate::method::taylor::sum_of_sizes;
 
@@ -28,7 +28,7 @@ const MOST_PASSES: usize = 40;
 /// free, may be as long as all of the way before it.
 const MANY: usize = 32;
 
-/// Every which of them is a node of a step that its own terms limit. Of 300 random walls, up to a hundred times thinner than the
+/// Every which of them is a node of a step that its own terms limit. Of 300 random barriers, up to a hundred times thinner than the
 /// motion is wide, 2 were missed with 8 nodes and steps that double, some 30 with 4; an adaptive Runge-Kutta method of order 8
 /// at 1e-12 missed 9.
 const EVERY: usize = 4;
@@ -60,7 +60,7 @@ pub(super) struct StepEnd<V> {
     /// The defect that is allowed at each node.
     allowed: Vec<f64>,
     errors: Errors,
-    has_walls: bool,
+    has_steep_barriers: bool,
 }
 
 /// What is known of the step of one lane.
@@ -80,7 +80,7 @@ struct Look {
 }
 
 impl<V: Wide> StepEnd<V> {
-    pub(super) fn new<F: Field>(field: &F, order: usize, tolerance: f64) -> Self {
+    pub(super) fn new(field: &Tape, order: usize, tolerance: f64) -> Self {
         let zero = vec![V::splat(0.0); field.n_components()];
         let allowed = |node: usize| {
             let truncation =
@@ -98,7 +98,7 @@ impl<V: Wide> StepEnd<V> {
             nodes: vec![0.0; V::WIDTH],
             allowed: (1..=MANY).map(allowed).collect(),
             errors: Errors::default(),
-            has_walls: field.has_walls(order),
+            has_steep_barriers: field.has_steep_barriers(order),
         }
     }
 
@@ -115,7 +115,7 @@ impl<V: Wide> StepEnd<V> {
     /// Keeps the longest steps to what the steps before them allow; `first` is the time in which the state of a lane changes
     /// by its own size.
     pub(super) fn limit(&mut self, longest: &mut [f64], first: impl Fn(usize) -> f64) {
-        if !self.has_walls {
+        if !self.has_steep_barriers {
             return;
         }
         for (lane, (look, longest)) in self.looks.iter_mut().zip(longest).enumerate() {
@@ -138,9 +138,9 @@ impl<V: Wide> StepEnd<V> {
     /// Shortens the steps, one for each lane and zero for one that stays, along which the series fails the equations.
     ///
     /// `rows` are the coefficients from order 0 to `order`, `row` registers each, those of the state first.
-    pub(super) fn keep_to_the_field<F: Field>(
+    pub(super) fn keep_to_the_field(
         &mut self,
-        field: &F,
+        field: &Tape,
         rows: &[V],
         (row, order): (usize, usize),
         steps: &mut [f64],
@@ -149,7 +149,7 @@ impl<V: Wide> StepEnd<V> {
             look.is_open = step != 0.0 && step.is_finite();
         }
         let mut nodes = std::mem::take(&mut self.nodes);
-        let every = if self.has_walls { EVERY } else { MANY };
+        let every = if self.has_steep_barriers { EVERY } else { MANY };
         for _ in 0..MOST_PASSES {
             if !self.looks.iter().any(|look| look.is_open) {
                 break;
@@ -195,9 +195,9 @@ impl<V: Wide> StepEnd<V> {
 
     /// The defect of one lane at the node that was looked at last, less what round-off explains.
     #[cold]
-    fn excess<F: Field>(
+    fn excess(
         &mut self,
-        field: &F,
+        field: &Tape,
         rows: &[V],
         (row, order): (usize, usize),
         lane: usize,
@@ -270,8 +270,8 @@ impl<V: Wide> StepEnd<V> {
 }
 
 /// For each lane the sum of `|x'(h) - f(x(h))| |h|` over the components, in units of the size of the state.
-struct Defects<'a, F, V> {
-    field: &'a F,
+struct Defects<'a, V> {
+    field: &'a Tape,
     rows: &'a [V],
     row: usize,
     order: usize,
@@ -281,7 +281,7 @@ struct Defects<'a, F, V> {
     to: &'a mut StepEnd<V>,
 }
 
-impl<F: Field, V: Wide> Body for Defects<'_, F, V> {
+impl<V: Wide> Body for Defects<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Defects { field, rows, row, order, steps, part, to } = self;

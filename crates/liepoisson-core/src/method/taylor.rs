@@ -5,21 +5,17 @@
 //! Experimental Mathematics 14 (2005): the choice of order and step; here each lane takes its own step.
 
 use crate::error::Error;
-use crate::field::{Field, Hold};
+use crate::field::{Field, Instance, Instantiate};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::overview::{LookOver, Overview};
 use crate::method::series_sum::{FEW, Strides, Sums};
-use crate::method::step_end::StepEnd;
-use crate::method::{Block, Method, StepOutcome, Stepping};
+use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 use std::marker::PhantomData;
 
 pub(crate) const MAX_ORDER: usize = 64;
-
-/// A step of a field with branches that is shortened to less than this part of the largest so far is none.
-const NO_STEP: f64 = 1e-9;
 
 /// The method as data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,27 +63,13 @@ impl Taylor {
     }
 }
 
-impl<F: Hold> Method<F> for Taylor {
+impl<F: Instantiate> Method<F> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        let field = field.hold();
-        let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
-        let trend = Trend::new(self.tolerance, self.order);
-        let largest = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
-        let end = (!field.shows_its_terms()).then(|| StepEnd::new(&field, self.order, self.tolerance));
-        Box::new(TaylorBlock {
-            row: field.row(n_tangents),
-            field,
-            method: *self,
-            trend,
-            n_tangents,
-            rows,
-            largest,
-            end,
-        })
+        Box::new(TaylorBlock::<_, V>::new(*self, field.instantiate(), n_tangents))
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
-        field.hold().registers(n_tangents, self.order)
+        field.instantiate().registers(n_tangents, self.order)
     }
 
     fn max_steps(&self) -> u64 {
@@ -96,20 +78,16 @@ impl<F: Hold> Method<F> for Taylor {
 }
 
 /// Trajectories with their tangent vectors and the power series of all of them.
-struct TaylorBlock<F, V> {
-    field: F,
-    method: Taylor,
+pub(super) struct TaylorBlock<F, V> {
+    pub(super) field: F,
+    pub(super) method: Taylor,
     trend: Trend,
-    n_tangents: usize,
-    row: usize,
-    rows: Vec<V>,
-    /// The largest steps so far, with their signs, zero before the first, of a field with branches.
-    largest: Vec<f64>,
-    /// Where the ends of steps are looked at, of a field whose series may hide a term.
-    end: Option<StepEnd<V>>,
+    pub(super) n_tangents: usize,
+    pub(super) row: usize,
+    pub(super) rows: Vec<V>,
 }
 
-impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
+impl<F: Instance, V: Wide> Block for TaylorBlock<F, V> {
     fn n_lanes(&self) -> usize {
         V::WIDTH
     }
@@ -118,20 +96,17 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
         Stepping::Series
     }
 
-    fn seat(&mut self, lane: usize, member: usize) {
-        self.field.seat(lane, member);
+    fn precision(&self) -> Precision {
+        Precision::Double
     }
 
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+    fn load(&mut self, lane: usize, trajectory: usize, group: usize, values: &[f64]) {
+        if group == 0 {
+            self.field.assign(lane, trajectory);
+        }
         let at = group * self.field.group();
         for (register, &value) in self.rows[at..].iter_mut().zip(values) {
             register.set(lane, value);
-        }
-        if let Some(largest) = self.largest.get_mut(lane) {
-            *largest = 0.0;
-        }
-        if let Some(end) = self.end.as_mut().filter(|_| group == 0) {
-            end.forget(lane);
         }
     }
 
@@ -142,74 +117,20 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
         }
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         V::outline(Expansion(self));
-        let mut is_doubtful = false;
-        V::outline(Steps { block: self, sizes: longest, is_doubtful: &mut is_doubtful });
-        if is_doubtful {
+        let mut is_out_of_range = false;
+        V::outline(Steps { block: self, sizes: longest, is_out_of_range: &mut is_out_of_range });
+        if is_out_of_range {
             for (lane, longest) in longest.iter_mut().enumerate() {
                 self.rely_on_known_terms(lane, longest);
-            }
-        }
-        if let Some(mut end) = self.end.take() {
-            end.limit(longest, |lane| self.norm_in(lane, 0, 0) / self.norm_in(lane, 1, 0));
-            self.end = Some(end);
-        }
-        if self.field.has_branches() {
-            V::outline(Branches { block: self, sizes: longest });
-        }
-    }
-
-    fn looks_ahead(&self) -> bool {
-        self.end.is_some()
-    }
-
-    fn look_ahead(&mut self, sizes: &mut [f64]) {
-        let TaylorBlock { field, method, row, rows, end, .. } = self;
-        if let Some(end) = end {
-            end.keep_to_the_field(field, rows, (*row, method.order), sizes);
-        }
-        for (size, largest) in sizes.iter_mut().zip(&self.largest) {
-            // what is hidden is the corner of a root, where the branch ends, and no wall
-            if size.abs() < NO_STEP * largest.abs() {
-                *size = 0.0;
             }
         }
     }
 
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
-        let is_known = self.end.as_ref().is_some_and(|end| end.states_after(sizes).is_some());
-        V::outline(Advance { block: self, sizes, first_group: usize::from(is_known) });
-        if let Some(states) = self.end.as_ref().and_then(|end| end.states_after(sizes)) {
-            self.rows[..states.len()].copy_from_slice(states);
-        }
-        if let Some(end) = &mut self.end {
-            end.take(sizes);
-        }
-        for (largest, &size) in self.largest.iter_mut().zip(sizes) {
-            *largest = if size.abs() > largest.abs() { size } else { *largest };
-        }
-    }
-
-    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
-        V::outline(Evaluation { block: self, lane, group, tau, values });
-    }
-
-    fn evaluate_at(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
-        if taus.len() <= FEW {
-            for (&tau, values) in taus.iter().zip(values.chunks_mut(stride)) {
-                self.evaluate(lane, group, tau, &mut values[..n]);
-            }
-            return;
-        }
-        let coefficients = &as_scalars(&self.rows)[group * self.field.group() * V::WIDTH + lane..];
-        let (strides, order) = (Strides { order: self.row * V::WIDTH, component: V::WIDTH }, self.method.order);
-        V::outline(Sums::<V> { coefficients, strides, order, n, taus, values, stride, registers: PhantomData });
-    }
-
-    fn keeps_tangents_whole(&self) -> bool {
-        true
+        V::outline(Advance { block: self, sizes, first_group: 0 });
     }
 
     fn norms(&self, group: usize, norms: &mut [f64]) {
@@ -223,7 +144,29 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
         }
     }
 
-    fn copy_series(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+    fn series(&self) -> Option<&dyn Series> {
+        Some(self)
+    }
+}
+
+impl<F: Field, V: Wide> Series for TaylorBlock<F, V> {
+    fn evaluate(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
+        if taus.len() <= FEW {
+            for (&tau, values) in taus.iter().zip(values.chunks_mut(stride)) {
+                V::outline(Evaluation { block: self, lane, group, tau, values: &mut values[..n] });
+            }
+            return;
+        }
+        let coefficients = &as_scalars(&self.rows)[group * self.field.group() * V::WIDTH + lane..];
+        let (strides, order) = (Strides { order: self.row * V::WIDTH, component: V::WIDTH }, self.method.order);
+        V::outline(Sums::<V> { coefficients, strides, order, n, taus, values, stride, registers: PhantomData });
+    }
+
+    fn keeps_tangents_whole(&self) -> bool {
+        true
+    }
+
+    fn copy(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
         let n_orders = n_orders.min(self.method.order + 1);
         to.try_reserve(n_orders * self.field.n_components())?;
         let (scalars, n) = (as_scalars(&self.rows), self.field.n_components());
@@ -241,6 +184,17 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
 }
 
 impl<F: Field, V: Wide> TaylorBlock<F, V> {
+    pub(super) fn new(method: Taylor, field: F, n_tangents: usize) -> Self {
+        TaylorBlock {
+            trend: Trend::new(method.tolerance, method.order),
+            n_tangents,
+            row: field.row(n_tangents),
+            rows: vec![V::splat(0.0); field.registers(n_tangents, method.order)],
+            method,
+            field,
+        }
+    }
+
     /// Sum of the absolute values of the components of `group`, in coefficient `k`; not finite if one of them is not.
     #[inline(always)]
     fn norm(&self, k: usize, group: usize) -> V {
@@ -249,7 +203,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
     }
 
     /// The same of one lane.
-    fn norm_in(&self, lane: usize, k: usize, group: usize) -> f64 {
+    pub(super) fn norm_in(&self, lane: usize, k: usize, group: usize) -> f64 {
         let at = k * self.row + group * self.field.group();
         self.rows[at..at + self.field.n_components()].iter().map(|register| register.get(lane).abs()).sum()
     }
@@ -260,7 +214,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
         let order = self.method.order;
         let groups = 0..=self.n_tangents;
         if groups.clone().all(|group| self.norm_in(lane, 1, group) == 0.0) {
-            return; // an equilibrium or an empty seat: all terms vanish
+            return; // an equilibrium or an empty slot: all terms vanish
         }
         let finite = match longest.is_nan() {
             true => groups.clone().map(|group| finite_order(order, |k| self.norm_in(lane, k, group))).min(),
@@ -328,13 +282,13 @@ struct Steps<'b, F, V> {
     block: &'b TaylorBlock<F, V>,
     sizes: &'b mut [f64],
     /// Whether a last term may be lost, or is beyond the range of numbers, in any lane.
-    is_doubtful: &'b mut bool,
+    is_out_of_range: &'b mut bool,
 }
 
 impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Steps { block, sizes, is_doubtful } = self;
+        let Steps { block, sizes, is_out_of_range } = self;
         let (sizes, order) = (&mut sizes[..V::WIDTH], block.method.order);
         let mut are_in_range = true;
         sizes.fill(f64::INFINITY);
@@ -352,23 +306,8 @@ impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
                 are_in_range &= is_in_range(last) & is_in_range(before);
             }
         }
-        *is_doubtful = !are_in_range;
+        *is_out_of_range = !are_in_range;
         shorten_by_trend([&block.trend; 2], block.n_tangents, sizes, block);
-    }
-}
-
-/// Shortens the steps of a field with branches so that none is left.
-struct Branches<'b, F, V> {
-    block: &'b TaylorBlock<F, V>,
-    sizes: &'b mut [f64],
-}
-
-impl<F: Field, V: Wide> Body for Branches<'_, F, V> {
-    #[inline(always)]
-    fn run(self) {
-        let Branches { block, sizes } = self;
-        let sizes = &mut sizes[..V::WIDTH];
-        block.field.keep_to_branches(&block.rows, block.n_tangents, block.method.order, &block.largest, sizes);
     }
 }
 
@@ -421,11 +360,11 @@ fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: usize) {
 }
 
 /// Advances every lane by its own step: Horner's rule, several components at once to hide the latency of each.
-struct Advance<'b, F, V> {
-    block: &'b mut TaylorBlock<F, V>,
-    sizes: &'b [f64],
+pub(super) struct Advance<'b, F, V> {
+    pub(super) block: &'b mut TaylorBlock<F, V>,
+    pub(super) sizes: &'b [f64],
     /// The state, group 0, may be known already.
-    first_group: usize,
+    pub(super) first_group: usize,
 }
 
 impl<F: Field, V: Wide> Body for Advance<'_, F, V> {

@@ -15,6 +15,11 @@ pub(super) struct Variational<'f, F, V> {
     n_tangents: usize,
     /// The present values.
     pub(super) state: Vec<V>,
+    /// What rounding took from the state; empty where that is not followed.
+    low: Vec<V>,
+    /// Both at the start of the step.
+    pub(super) start: Vec<V>,
+    start_low: Vec<V>,
     /// Values at a stage of the step.
     beside: Vec<V>,
     /// Where the field computes.
@@ -22,15 +27,45 @@ pub(super) struct Variational<'f, F, V> {
 }
 
 impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
-    pub(super) fn new(field: &'f F, n_tangents: usize) -> Self {
-        let state = vec![V::splat(0.0); field.n_components() * (1 + n_tangents)];
+    /// At rest at the origin; `compensated` says whether what rounding takes from the state is followed.
+    pub(super) fn new(field: &'f F, n_tangents: usize, compensated: bool) -> Self {
+        let zeros = |count: usize| vec![V::splat(0.0); count];
+        let (row, n_low) =
+            (field.n_components() * (1 + n_tangents), if compensated { field.n_components() } else { 0 });
         Variational {
             field,
             n_tangents,
-            beside: state.clone(),
-            state,
-            work: vec![V::splat(0.0); field.registers(n_tangents, 1)],
+            state: zeros(row),
+            low: zeros(n_low),
+            start: zeros(row),
+            start_low: zeros(n_low),
+            beside: zeros(row),
+            work: zeros(field.registers(n_tangents, 1)),
         }
+    }
+
+    /// Remembers the present values as those at the start of a step.
+    #[inline(always)]
+    pub(super) fn remember(&mut self) {
+        self.start.copy_from_slice(&self.state);
+        self.start_low.copy_from_slice(&self.low);
+    }
+
+    /// Brings one lane back to where it was.
+    #[inline(always)]
+    pub(super) fn restore(&mut self, lane: usize) {
+        copy_lane(&self.start, &mut self.state, lane);
+        copy_lane(&self.start_low, &mut self.low, lane);
+    }
+
+    /// Adds `step sum_j a_j k_j` to the state and the tangent vectors, where `k_j` are rows of `rates`.
+    #[inline(always)]
+    pub(super) fn update(&mut self, step: V, terms: &[Term], rates: &[V]) {
+        let (row, n) = (self.row(), self.low.len());
+        let (compensated, rest) = self.state.split_at_mut(n);
+        let (low, sum) = (&mut self.low, |first: usize| Sum { terms, known: &rates[first..], row });
+        in_chunks::<V>(n, &mut CompensatedUpdate { state: compensated, low, step, sum: sum(0) });
+        in_chunks::<V>(row - n, &mut Update { state: rest, step, sum: sum(n) });
     }
 
     /// Registers in a row.
@@ -56,6 +91,9 @@ impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
         let at = group * self.n_components();
         for (register, &value) in self.state[at..].iter_mut().zip(values) {
             register.set(lane, value);
+        }
+        if group == 0 {
+            self.low.iter_mut().for_each(|register| register.set(lane, 0.0));
         }
     }
 
@@ -248,11 +286,11 @@ impl<V: Lane> Chunk for Update<'_, V> {
 }
 
 /// `state += step sum`, where `low` carries what the rounded sum leaves out (Kahan's compensated summation).
-pub(super) struct CompensatedUpdate<'a, V> {
-    pub(super) state: &'a mut [V],
-    pub(super) low: &'a mut [V],
-    pub(super) step: V,
-    pub(super) sum: Sum<'a, V>,
+struct CompensatedUpdate<'a, V> {
+    state: &'a mut [V],
+    low: &'a mut [V],
+    step: V,
+    sum: Sum<'a, V>,
 }
 
 impl<V: Lane> Chunk for CompensatedUpdate<'_, V> {

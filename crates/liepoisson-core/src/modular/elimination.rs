@@ -106,8 +106,8 @@ impl<'r> Elimination<'r> {
             } else if self.rest.is_none() {
                 (n_new, length) = (n_new + 1, length + self.echelon.newest_length());
                 if n_new == WINDOW {
-                    let room = WINDOW * (self.n_columns - self.rank());
-                    if length > WINDOW * WINDOW && length as f64 > FULL * room as f64 {
+                    let places = WINDOW * (self.n_columns - self.rank());
+                    if length > WINDOW * WINDOW && length as f64 > FULL * places as f64 {
                         self.go_on_dense()?;
                         if self.absorb_sums(&queue[next..], enough, control)? {
                             wasted = u64::MAX;

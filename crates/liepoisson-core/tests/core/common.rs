@@ -1,7 +1,7 @@
 //! What the tests share: random tops and states, and the vector field written out from the Poisson tensor.
 
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
-use liepoisson_core::ensemble::{Control, Ensemble};
+use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::Top;
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{Method, Taylor};
@@ -84,8 +84,8 @@ pub fn vector9() -> impl Strategy<Value = Vec<f64>> {
 }
 
 /// A spread of deterministic starts: each vector on the unit sphere, by golden angles.
-pub fn starts(members: usize) -> Vec<f64> {
-    (0..3 * members)
+pub fn starts(trajectories: usize) -> Vec<f64> {
+    (0..3 * trajectories)
         .flat_map(|k| {
             let (z, phase) = (1.0 - 2.0 * ((k as f64 * 0.618_034) % 1.0), k as f64 * 2.4);
             let radius = (1.0 - z * z).sqrt();
@@ -98,7 +98,7 @@ pub fn taylor(tolerance: f64) -> Taylor {
     Taylor::new(tolerance, None, 1_000_000).unwrap()
 }
 
-/// Orbits of one or more members at `times`.
+/// Orbits of one or more trajectories at `times`.
 pub fn run<M: Method<Top>>(
     top: &Top,
     method: M,
@@ -112,17 +112,36 @@ pub fn run<M: Method<Top>>(
     orbits(&ensemble, 1, simd, &Control::default(), false, |_| ()).unwrap()
 }
 
-/// Bits, so that NaN equals NaN.
 /// What `run` gives with each instruction set that the processor has, on one thread and on three.
 pub fn everywhere<R>(run: impl Fn(Simd, usize) -> R) -> Vec<R> {
     let available = Simd::ALL.into_iter().filter(|simd| simd.is_available());
     available.flat_map(|simd| [0, 1, 3].map(|threads| run(simd, threads))).collect()
 }
 
+/// Bits, so that NaN equals NaN.
 pub fn bits(values: &[f64]) -> Vec<u64> {
     values.iter().map(|value| value.to_bits()).collect()
 }
 
 pub fn distance(u: &[f64], v: &[f64]) -> f64 {
     u.iter().zip(v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// The same orbits, bit for bit. `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of
+/// steps, and what a batch is depends on the neighbours.
+pub fn assert_same_bits(results: &[Orbits], with_times: bool) {
+    for other in &results[1..] {
+        assert_eq!(bits(&results[0].states), bits(&other.states));
+        assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
+        for (a, b) in results[0].summaries.iter().zip(&other.summaries) {
+            assert_eq!(a.outcome, b.outcome);
+            if with_times || a.outcome != Outcome::NotFinite {
+                assert_eq!((a.n_steps, a.time.to_bits()), (b.n_steps, b.time.to_bits()));
+                assert_eq!(bits(&a.state), bits(&b.state));
+            }
+        }
+        for (a, b) in results[0].series.iter().zip(&other.series) {
+            assert_eq!((bits(&a.times), bits(&a.coefficients)), (bits(&b.times), bits(&b.coefficients)));
+        }
+    }
 }

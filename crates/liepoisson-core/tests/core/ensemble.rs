@@ -1,7 +1,7 @@
 //! Ensembles: the same bits whatever the threads and lanes, one outcome per trajectory, no poisoned neighbours.
 
 use crate::common::*;
-use liepoisson_core::analysis::lyapunov::growth;
+use liepoisson_core::analysis::lyapunov::finite_time_exponents;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Stop, Summary};
 use liepoisson_core::error::Error;
@@ -17,17 +17,17 @@ use std::time::Duration;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Every SIMD kernel against the plain loop, on ensembles in which some members fail in various ways.
+    /// Every SIMD kernel against the plain loop, on ensembles in which some trajectories fail in various ways.
     #[test]
     fn bits_do_not_depend_on_lanes_or_threads(
-        p in parameters(), members in 1..40_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0)],
+        p in parameters(), trajectories in 1..40_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0)],
         bad in proptest::collection::vec((0..40_usize, prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(1e300), Just(0.0)]), 0..4),
     ) {
         let top = p.top();
-        let mut states: Vec<f64> = starts(members).iter().map(|x| x * scale).collect();
-        let tangents: Vec<f64> = starts(2 * members).iter().rev().copied().collect();
-        for (member, value) in bad {
-            states[(member % members) * 9 + member % 9] = value;
+        let mut states: Vec<f64> = starts(trajectories).iter().map(|x| x * scale).collect();
+        let tangents: Vec<f64> = starts(2 * trajectories).iter().rev().copied().collect();
+        for (trajectory, value) in bad {
+            states[(trajectory % trajectories) * 9 + trajectory % 9] = value;
         }
         let ensemble = Ensemble {
             field: &top, method: Taylor::new(1e-12, None, 2_000).unwrap(), states: &states, tangents: &tangents,
@@ -35,58 +35,50 @@ proptest! {
         };
         let results = everywhere(|simd, threads| {
             let orbits = orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap();
-            let growth = growth(&ensemble, threads, simd, &Control::default(), |_| ()).unwrap();
-            (orbits, growth)
+            let found = finite_time_exponents(&ensemble, threads, simd, &Control::default(), |_| ()).unwrap();
+            (orbits, bits(&found.exponents))
         });
-        let (first, first_growth) = &results[0];
-        for (other, other_growth) in &results[1..] {
-            prop_assert_eq!(bits(&first.states), bits(&other.states));
-            prop_assert_eq!(bits(&first.tangents), bits(&other.tangents));
-            prop_assert_eq!(bits(&first_growth.exponents), bits(&other_growth.exponents));
-            for (a, b) in first.summaries.iter().zip(&other.summaries) {
-                prop_assert_eq!((a.outcome, a.n_steps, a.time.to_bits()), (b.outcome, b.n_steps, b.time.to_bits()));
-            }
-            for (a, b) in first.series.iter().zip(&other.series) {
-                prop_assert_eq!(bits(&a.coefficients), bits(&b.coefficients));
-            }
-        }
+        let (orbits, exponents): (Vec<_>, Vec<_>) = results.into_iter().unzip();
+        assert_same_bits(&orbits, true);
+        prop_assert!(exponents.iter().all(|other| *other == exponents[0]));
     }
 }
 
 #[test]
-fn a_member_is_the_same_alone_and_in_company() {
+fn a_trajectory_is_the_same_alone_and_in_company() {
     let top = TWISTED_KOVALEVSKAYA.top();
     let states = starts(50);
     let all = run(&top, taylor(1e-14), &states, &[], &[0.0, 20.0], Simd::widest());
-    for member in [0, 17, 49] {
-        let alone = run(&top, taylor(1e-14), &states[9 * member..9 * member + 9], &[], &[0.0, 20.0], Simd::widest());
-        assert_eq!(alone.states, all.states[18 * member..18 * member + 18]);
+    for trajectory in [0, 17, 49] {
+        let alone =
+            run(&top, taylor(1e-14), &states[9 * trajectory..9 * trajectory + 9], &[], &[0.0, 20.0], Simd::widest());
+        assert_eq!(alone.states, all.states[18 * trajectory..18 * trajectory + 18]);
     }
 }
 
 #[test]
-fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
+fn failing_trajectories_have_outcomes_and_do_not_touch_their_neighbours() {
     let top = TWISTED_KOVALEVSKAYA.top();
     let good = starts(20);
     let mut states = good.clone();
     states[9 * 3] = f64::NAN;
     states[9 * 4 + 1] = f64::INFINITY;
     states[9 * 5 + 2] = 1e200; // its products overflow
-    let mut zero_growth = vec![0.0; 180];
-    zero_growth.fill(0.5);
+    let mut tangents = vec![0.0; 180];
+    tangents.fill(0.5);
     let times = [0.0, 1.0, 10.0];
-    let orbits = run(&top, taylor(1e-12), &states, &zero_growth, &times, Simd::widest());
-    let reference = run(&top, taylor(1e-12), &good, &zero_growth, &times, Simd::widest());
-    for member in 0..20 {
-        let (summary, rows) = (&orbits.summaries[member], &orbits.states[27 * member..27 * member + 27]);
-        if (3..=5).contains(&member) {
+    let orbits = run(&top, taylor(1e-12), &states, &tangents, &times, Simd::widest());
+    let reference = run(&top, taylor(1e-12), &good, &tangents, &times, Simd::widest());
+    for trajectory in 0..20 {
+        let (summary, rows) = (&orbits.summaries[trajectory], &orbits.states[27 * trajectory..27 * trajectory + 27]);
+        if (3..=5).contains(&trajectory) {
             assert_eq!((summary.outcome, summary.time, summary.n_steps), (Outcome::NotFinite, 0.0, 0));
             assert!(rows[18..].iter().all(|x| x.is_nan()));
             // the last state is the one that came
-            assert_eq!(bits(&summary.state), bits(&states[9 * member..9 * member + 9]));
+            assert_eq!(bits(&summary.state), bits(&states[9 * trajectory..9 * trajectory + 9]));
         } else {
             assert_eq!(summary.outcome, Outcome::Finished);
-            assert_eq!(rows, &reference.states[27 * member..27 * member + 27]);
+            assert_eq!(rows, &reference.states[27 * trajectory..27 * trajectory + 27]);
         }
     }
 }
@@ -97,11 +89,12 @@ fn a_budget_of_steps_ends_a_trajectory_at_its_last_good_state() {
     let states = starts(9);
     let method = Taylor::new(1e-12, None, 10).unwrap();
     let orbits = run(&top, method, &states, &[], &[0.0, 1.0, 1e6], Simd::widest());
-    for (member, summary) in orbits.summaries.iter().enumerate() {
+    for (trajectory, summary) in orbits.summaries.iter().enumerate() {
         assert_eq!((summary.outcome, summary.n_steps), (Outcome::MaxSteps, 10));
         assert!(summary.time > 1.0 && summary.time < 100.0);
         // the state at the time reached is on the orbit
-        let to_there = run(&top, taylor(1e-12), &states[9 * member..][..9], &[], &[0.0, summary.time], Simd::Scalar);
+        let to_there =
+            run(&top, taylor(1e-12), &states[9 * trajectory..][..9], &[], &[0.0, summary.time], Simd::Scalar);
         assert!(distance(&to_there.states[9..], &summary.state) < 1e-9);
     }
 }
@@ -128,10 +121,10 @@ fn cancelling_ends_a_run_soon_and_says_so() {
 }
 
 #[test]
-fn progress_counts_every_member_once() {
+fn progress_counts_every_trajectory_once() {
     let top = TWISTED_KOVALEVSKAYA.top();
     let mut states = starts(33);
-    states[0] = f64::NAN; // a failed member counts as done
+    states[0] = f64::NAN; // a failed trajectory counts as done
     let ensemble = Ensemble {
         field: &top,
         method: taylor(1e-12),
@@ -174,8 +167,8 @@ fn a_zero_tangent_vector_is_refused() {
         n_tangents: 1,
         times: &[0.0, 1.0],
     };
-    let refused = growth(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).err();
-    assert_eq!(refused, Some(Error::TangentVector { member: 1 }));
+    let refused = finite_time_exponents(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).err();
+    assert_eq!(refused, Some(Error::TangentVector { trajectory: 1 }));
 }
 
 #[test]
@@ -191,26 +184,27 @@ fn exponent_is_the_logarithm_of_the_growth_of_the_tangent_vector() {
         n_tangents: 1,
         times: &times,
     };
-    let growth = growth(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).unwrap();
+    let found = finite_time_exponents(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).unwrap();
     let orbits = run(&top, taylor(1e-13), &states, &tangents, &times, Simd::Scalar);
     let norm = |v: &[f64]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    for member in 0..6 {
+    for trajectory in 0..6 {
         for index in [1, 2] {
-            let end = &orbits.tangents[27 * member + 9 * index..][..9];
-            let expected = (norm(end) / norm(&tangents[9 * member..][..9])).ln() / times[index];
-            let exponent = growth.exponents[2 * member + index - 1];
+            let end = &orbits.tangents[27 * trajectory + 9 * index..][..9];
+            let expected = (norm(end) / norm(&tangents[9 * trajectory..][..9])).ln() / times[index];
+            let exponent = found.exponents[2 * trajectory + index - 1];
             assert!((exponent - expected).abs() < 1e-14, "{exponent} {expected}");
         }
     }
 }
 
-/// Growth by exp(800 sqrt 2) overflows no number: powers of two are taken out, and counted anew for each member.
+/// Growth by exp(800 sqrt 2) overflows no number: powers of two are taken out, and counted anew for each trajectory.
 #[test]
 fn growth_beyond_the_largest_number_is_followed() {
     let top = TWISTED_KOVALEVSKAYA.top();
     let unstable = [0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-    let members = 40; // more than there are lanes, so that seats are taken again
-    let (states, tangents) = (unstable.repeat(members), [[0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]].concat().repeat(members));
+    let trajectories = 40; // more than there are lanes, so that slots are taken again
+    let (states, tangents) =
+        (unstable.repeat(trajectories), [[0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]].concat().repeat(trajectories));
     let ensemble = Ensemble {
         field: &top,
         method: taylor(1e-15),
@@ -219,10 +213,10 @@ fn growth_beyond_the_largest_number_is_followed() {
         n_tangents: 1,
         times: &[0.0, 800.0],
     };
-    let growth = growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap();
+    let found = finite_time_exponents(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap();
     // l3 = cosh(t sqrt 2), alpha2 = -sqrt 2 sinh(t sqrt 2): |v| = exp(t sqrt 2) sqrt(3) / 2
     let expected = 2.0_f64.sqrt() + (3.0_f64.sqrt() / 2.0).ln() / 800.0;
-    for exponent in growth.exponents {
+    for exponent in found.exponents {
         assert!((exponent - expected).abs() < 1e-13, "{exponent} {expected}");
     }
 }
@@ -240,7 +234,7 @@ fn length_of_the_initial_tangent_vector_does_not_count() {
             n_tangents: 1,
             times: &[0.0, 0.1, 9.0],
         };
-        growth(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).unwrap().exponents
+        finite_time_exponents(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).unwrap().exponents
     };
     let expected = exponents(&states);
     for scale in [1e-300, 1e-161, 1e160, 1e300] {
@@ -257,19 +251,19 @@ struct Impatient<'c> {
 }
 
 impl Observer for Impatient<'_> {
-    fn begin(&mut self, _lane: usize, _member: usize) {}
+    fn begin(&mut self, _lane: usize, _trajectory: usize) {}
 
     fn sample(&mut self, _lane: usize, _index: usize, _tau: f64, _step: &Step<'_>) {
         self.control.cancel();
         self.seen.fetch_add(1, Ordering::Relaxed);
     }
-    fn end(&mut self, _lane: usize, _member: usize, summary: Summary) {
+    fn end(&mut self, _lane: usize, _trajectory: usize, summary: Summary) {
         self.outcomes.lock().unwrap().push(summary.outcome);
     }
 }
 
 #[test]
-fn cancelling_is_seen_between_the_samples_of_one_step_and_seats_nobody() {
+fn cancelling_is_seen_between_the_samples_of_one_step_and_fills_no_slot() {
     let top = TWISTED_KOVALEVSKAYA.top();
     let hanging = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0].repeat(3); // one step to any time
     let times: Vec<f64> = (0..100_000).map(f64::from).collect();
@@ -314,18 +308,18 @@ fn a_field_whose_steps_take_long_ends_with_the_limit_of_time() {
     assert!(found.summaries[0].n_steps <= 3, "{}", found.summaries[0].n_steps);
 }
 
-/// Panics in the third step of member 1.
+/// Panics in the third step of trajectory 1.
 struct Clumsy(Vec<usize>);
 
 impl Observer for Clumsy {
-    fn begin(&mut self, lane: usize, member: usize) {
-        self.0[lane] = member;
+    fn begin(&mut self, lane: usize, trajectory: usize) {
+        self.0[lane] = trajectory;
     }
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
-        assert!(self.0[lane] != 1 || step.time < 1.0, "member 1 stumbles");
+        assert!(self.0[lane] != 1 || step.time < 1.0, "trajectory 1 stumbles");
         ControlFlow::Continue(())
     }
-    fn end(&mut self, _lane: usize, _member: usize, _summary: Summary) {}
+    fn end(&mut self, _lane: usize, _trajectory: usize, _summary: Summary) {}
 }
 
 #[test]
@@ -343,11 +337,11 @@ fn a_worker_that_panics_stops_the_others_and_its_message_arrives() {
     let control = Control::default();
     let run = || ensemble.run(2, Simd::widest(), &control, |lanes| Clumsy(vec![0; lanes]), |_| ());
     let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_err();
-    assert_eq!(panic.downcast_ref::<&str>(), Some(&"member 1 stumbles"));
+    assert_eq!(panic.downcast_ref::<&str>(), Some(&"trajectory 1 stumbles"));
 }
 
 #[test]
-fn no_members_make_an_empty_result() {
+fn no_trajectories_make_an_empty_result() {
     let top = TWISTED_KOVALEVSKAYA.top();
     for n_tangents in [0, 1, usize::MAX] {
         let ensemble =

@@ -100,7 +100,7 @@ fn tangent_vectors_are_mapped_by_the_derivative_of_the_step() {
     }
 }
 
-/// Fast rotation of a top with moments 1e6 : 1 : 1 within long steps: no contraction, for that member alone.
+/// Fast rotation of a top with moments 1e6 : 1 : 1 within long steps: no contraction, for that trajectory alone.
 #[test]
 fn a_step_too_long_ends_its_trajectory_only() {
     let p = Parameters { inertia: [1e6, 1.0, 1.0], a: [0.3, 0.1, 0.2], b: [0.1, 0.0, 0.2], epsilon: 1.0 };
@@ -112,8 +112,8 @@ fn a_step_too_long_ends_its_trajectory_only() {
     for n_stages in 1..=4 {
         let integrate = |states: &[f64]| run(&p.top(), gauss(n_stages, 0.1), states, &[], &[0.0, 2.0], Simd::widest());
         let (orbits, reference) = (integrate(&states), integrate(&good));
-        for (member, summary) in orbits.summaries.iter().enumerate() {
-            match member {
+        for (trajectory, summary) in orbits.summaries.iter().enumerate() {
+            match trajectory {
                 5 => {
                     assert_eq!((summary.outcome, summary.n_steps), (Outcome::NoConvergence, 0));
                     assert_eq!(summary.state, states[9 * 5..][..9]);
@@ -121,7 +121,7 @@ fn a_step_too_long_ends_its_trajectory_only() {
                 7 | 8 => assert!(matches!(summary.outcome, Outcome::NotFinite | Outcome::NoConvergence), "{summary:?}"),
                 _ => {
                     assert_eq!(summary.outcome, Outcome::Finished);
-                    let rows = 18 * member..18 * (member + 1);
+                    let rows = 18 * trajectory..18 * (trajectory + 1);
                     assert_eq!(orbits.states[rows.clone()], reference.states[rows]);
                 }
             }
@@ -131,20 +131,18 @@ fn a_step_too_long_ends_its_trajectory_only() {
 
 #[test]
 fn bits_do_not_depend_on_lanes_or_threads() {
-    let (p, members) = (TWISTED_KOVALEVSKAYA, 21);
-    // sizes from 0.1 to 2, so that members need different numbers of sweeps
-    let states: Vec<f64> = starts(members).iter().enumerate().map(|(i, x)| x * (0.1 + 0.09 * (i / 9) as f64)).collect();
-    let tangents = starts(members + 1)[9..].to_vec();
+    let (p, trajectories) = (TWISTED_KOVALEVSKAYA, 21);
+    // sizes from 0.1 to 2, so that trajectories need different numbers of sweeps
+    let states: Vec<f64> =
+        starts(trajectories).iter().enumerate().map(|(i, x)| x * (0.1 + 0.09 * (i / 9) as f64)).collect();
+    let tangents = starts(trajectories + 1)[9..].to_vec();
     for n_stages in 1..=4 {
         let (top, method) = (p.top(), gauss(n_stages, 0.11));
         let times = &[0.0, 0.7, 4.0];
         let ensemble = Ensemble { field: &top, method, states: &states, tangents: &tangents, n_tangents: 1, times };
         let results =
             everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap());
-        for other in &results[1..] {
-            assert_eq!(results[0].states, other.states);
-            assert_eq!(results[0].tangents, other.tangents);
-        }
+        assert_same_bits(&results, true);
     }
 }
 

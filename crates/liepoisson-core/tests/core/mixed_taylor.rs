@@ -1,7 +1,7 @@
 //! Mixed precision: the state as accurate as in double precision, exponents with the error that it states.
 
 use crate::common::*;
-use liepoisson_core::analysis::lyapunov::growth;
+use liepoisson_core::analysis::lyapunov::finite_time_exponents;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::Top;
@@ -37,14 +37,14 @@ proptest! {
 
     #[test]
     fn bits_do_not_depend_on_lanes_or_threads(
-        p in parameters(), members in 1..70_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0), Just(1e12)],
+        p in parameters(), trajectories in 1..70_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0), Just(1e12)],
         bad in proptest::collection::vec((0..70_usize, prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(1e300), Just(1e-300)]), 0..4),
     ) {
         let top = p.top();
-        let mut states: Vec<f64> = starts(members).iter().map(|x| x * scale).collect();
-        let tangents: Vec<f64> = starts(2 * members).iter().rev().copied().collect();
-        for (member, value) in bad {
-            states[(member % members) * 9 + member % 9] = value;
+        let mut states: Vec<f64> = starts(trajectories).iter().map(|x| x * scale).collect();
+        let tangents: Vec<f64> = starts(2 * trajectories).iter().rev().copied().collect();
+        for (trajectory, value) in bad {
+            states[(trajectory % trajectories) * 9 + trajectory % 9] = value;
         }
         let method = MixedTaylor(Taylor::new(1e-10, None, 300).unwrap());
         let ensemble = Ensemble {
@@ -52,13 +52,7 @@ proptest! {
         };
         let results =
             everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap());
-        for other in &results[1..] {
-            prop_assert_eq!(bits(&results[0].states), bits(&other.states));
-            prop_assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
-            for (a, b) in results[0].series.iter().zip(&other.series) {
-                prop_assert_eq!(bits(&a.coefficients), bits(&b.coefficients));
-            }
-        }
+        assert_same_bits(&results, true);
     }
 }
 
@@ -85,14 +79,14 @@ fn dense_output_is_the_series_of_the_state() {
         times: &[0.0, 5.0],
     };
     let run = orbits(&ensemble, 1, Simd::widest(), &Control::default(), true, |_| ()).unwrap();
-    for (member, series) in run.series.iter().enumerate() {
+    for (trajectory, series) in run.series.iter().enumerate() {
         let step = series.times.len() - 1;
         let order = ensemble.method.0.order();
         let coefficients = &series.coefficients[step * (order + 1) * 9..];
         let tau = 5.0 - series.times[step];
         for i in 0..9 {
             let value = (0..=order).rev().fold(0.0, |sum, k| sum * tau + coefficients[9 * k + i]);
-            assert!((value - run.states[18 * member + 9 + i]).abs() < 1e-12);
+            assert!((value - run.states[18 * trajectory + 9 + i]).abs() < 1e-12);
         }
     }
 }
@@ -105,10 +99,10 @@ fn exponents_have_the_error_that_is_stated() {
         let (states, tangents, times) = (&states, &tangents, &[0.0, 20.0]);
         let run = if exact {
             let ensemble = Ensemble { field: top, method: taylor(1e-15), states, tangents, n_tangents: 1, times };
-            growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ())
+            finite_time_exponents(&ensemble, 1, Simd::widest(), &Control::default(), |_| ())
         } else {
             let ensemble = Ensemble { field: top, method: mixed(1e-13), states, tangents, n_tangents: 1, times };
-            growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ())
+            finite_time_exponents(&ensemble, 1, Simd::widest(), &Control::default(), |_| ())
         };
         run.unwrap().exponents
     };
@@ -122,8 +116,8 @@ fn exponents_have_the_error_that_is_stated() {
 /// The equations of a tangent vector are linear: its length, `2^-1060` to `2^1000` here, says nothing about its growth.
 #[test]
 fn exponents_do_not_depend_on_the_length_of_tangent_vectors() {
-    let (top, members) = (Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0).unwrap(), 19);
-    let (states, unit) = (starts(members), starts(members));
+    let (top, trajectories) = (Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0).unwrap(), 19);
+    let (states, unit) = (starts(trajectories), starts(trajectories));
     let exponents = |precision: usize, power: i32| {
         let tangents: Vec<f64> = unit.iter().map(|v| libm::scalbn(*v, power)).collect();
         let (states, tangents, times) = (&states, &tangents, &[0.0, 1.0, 20.0]);
@@ -131,7 +125,7 @@ fn exponents_do_not_depend_on_the_length_of_tangent_vectors() {
         macro_rules! run {
             ($method:expr) => {{
                 let ensemble = Ensemble { field: &top, method: $method, states, tangents, n_tangents: 1, times };
-                growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap().exponents
+                finite_time_exponents(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap().exponents
             }};
         }
         match precision {

@@ -18,8 +18,8 @@ fn agree<M: Method<Top> + Method<Tops>>(tops: &[Top], method: M, states: &[f64],
         let control = Control::default();
         let together = orbits(&together, threads, simd, &control, true, |_| ()).unwrap();
         for (k, top) in tops.iter().enumerate() {
-            let member = 9 * k..9 * (k + 1);
-            let (states, tangents) = (&states[member.clone()], &tangents[member]);
+            let trajectory = 9 * k..9 * (k + 1);
+            let (states, tangents) = (&states[trajectory.clone()], &tangents[trajectory]);
             let alone = Ensemble { field: top, method, states, tangents, n_tangents: 1, times: &TIMES };
             let alone = orbits(&alone, 1, simd, &control, true, |_| ()).unwrap();
             let rows = 27 * k..27 * (k + 1);
@@ -48,8 +48,8 @@ proptest! {
         let tops: Vec<Top> = parameters.iter().map(Parameters::top).collect();
         let mut states = starts(tops.len());
         let tangents: Vec<f64> = starts(tops.len()).iter().rev().copied().collect();
-        if let Some(member) = bad {
-            states[9 * (member % tops.len())] = f64::NAN;
+        if let Some(trajectory) = bad {
+            states[9 * (trajectory % tops.len())] = f64::NAN;
         }
         agree(&tops, taylor(1e-10), &states, &tangents);
         agree(&tops, MixedTaylor(taylor(1e-9)), &states, &tangents);
@@ -81,8 +81,8 @@ proptest! {
         let found = everywhere(|simd, threads| orbits(&together, threads, simd, &control, false, |_| ()).unwrap());
         for other in &found {
             for (k, field) in fields.iter().enumerate() {
-                let member = 3 * k..3 * (k + 1);
-                let (states, tangents) = (&states[member.clone()], &tangents[member]);
+                let trajectory = 3 * k..3 * (k + 1);
+                let (states, tangents) = (&states[trajectory.clone()], &tangents[trajectory]);
                 let alone = Ensemble { field, method, states, tangents, n_tangents: 1, times: &TIMES };
                 let alone = orbits(&alone, 1, Simd::widest(), &control, false, |_| ()).unwrap();
                 prop_assert_eq!(bits(&other.states[9 * k..9 * (k + 1)]), bits(&alone.states));
@@ -97,7 +97,7 @@ fn fields_with_other_terms_are_refused() {
     let some = quadratic(&[1.0; 11]);
     let other = Quadratic::new(3, &[], &[], &[(0, 1, 2, 1.0)]).unwrap();
     let refused = Quadratics::new([Ok(some.clone()), Ok(some), Ok(other)]).map(|_| ());
-    assert_eq!(refused, Err(Error::OtherTerms { member: 2 }));
+    assert_eq!(refused, Err(Error::OtherTerms { trajectory: 2 }));
     assert!(Quadratics::new([]).is_err());
 }
 

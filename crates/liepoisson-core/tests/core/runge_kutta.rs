@@ -1,7 +1,7 @@
 //! The Runge-Kutta method of order 8: its order, its tolerance, single precision, failures, the same bits everywhere.
 
 use crate::common::*;
-use liepoisson_core::analysis::lyapunov::growth;
+use liepoisson_core::analysis::lyapunov::finite_time_exponents;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
@@ -34,22 +34,6 @@ pub fn integrate_all<F: liepoisson_core::field::Space, M: Method<F>>(
     let n_tangents = tangents.len() / states.len();
     let ensemble = Ensemble { field, method, states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };
     everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
-}
-
-/// `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of
-/// steps, and what a batch is depends on the neighbours.
-pub fn assert_same_bits(results: &[Orbits], with_times: bool) {
-    for other in &results[1..] {
-        assert_eq!(bits(&results[0].states), bits(&other.states));
-        assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
-        for (a, b) in results[0].summaries.iter().zip(&other.summaries) {
-            assert_eq!(a.outcome, b.outcome);
-            if with_times || a.outcome != Outcome::NotFinite {
-                assert_eq!((a.n_steps, a.time.to_bits()), (b.n_steps, b.time.to_bits()));
-                assert_eq!(bits(&a.state), bits(&b.state));
-            }
-        }
-    }
 }
 
 /// Largest relative error of the states and of the tangent vectors, against the Taylor method at 1e-15.
@@ -161,9 +145,9 @@ fn tolerances_and_steps_outside_their_ranges_are_refused() {
     assert!(refused.unwrap_err().to_string().contains("single precision"));
 }
 
-/// Members that fail in various ways, at the start or on the way; their neighbours have the bits of a run without them.
+/// Trajectories that fail in various ways, at the start or on the way; their neighbours have the bits of a run without them.
 #[test]
-fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
+fn failing_trajectories_have_outcomes_and_do_not_touch_their_neighbours() {
     fn check<M: Method<liepoisson_core::field::Top>>(method: M) {
         let top = TWISTED_KOVALEVSKAYA.top();
         let good = starts(20);
@@ -173,14 +157,14 @@ fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
         let (tangents, times) = (vec![0.5; 180], [0.0, 1.0, 10.0]);
         let orbits = run(&top, method, &states, &tangents, &times, Simd::widest());
         let reference = run(&top, method, &good, &tangents, &times, Simd::widest());
-        for member in 0..20 {
-            let (summary, rows) = (&orbits.summaries[member], &orbits.states[27 * member..][..27]);
-            if (3..=5).contains(&member) {
+        for trajectory in 0..20 {
+            let (summary, rows) = (&orbits.summaries[trajectory], &orbits.states[27 * trajectory..][..27]);
+            if (3..=5).contains(&trajectory) {
                 assert_eq!((summary.outcome, summary.time, summary.n_steps), (Outcome::NotFinite, 0.0, 0));
                 assert!(rows[9..].iter().all(|x| x.is_nan()));
             } else {
                 assert_eq!(summary.outcome, Outcome::Finished);
-                assert_eq!(bits(rows), bits(&reference.states[27 * member..][..27]));
+                assert_eq!(bits(rows), bits(&reference.states[27 * trajectory..][..27]));
             }
         }
     }
@@ -239,11 +223,11 @@ fn growth_beyond_the_largest_number_is_followed() {
         if single_precision {
             let method = single(adaptive(1e-5));
             let ensemble = Ensemble { field: &top, method, states, tangents, n_tangents: 1, times };
-            growth(&ensemble, 1, simd, &control, |_| ()).unwrap().exponents
+            finite_time_exponents(&ensemble, 1, simd, &control, |_| ()).unwrap().exponents
         } else {
             let method = adaptive(1e-11);
             let ensemble = Ensemble { field: &top, method, states, tangents, n_tangents: 1, times };
-            growth(&ensemble, 1, simd, &control, |_| ()).unwrap().exponents
+            finite_time_exponents(&ensemble, 1, simd, &control, |_| ()).unwrap().exponents
         }
     };
     for (single_precision, bound) in [(false, 1e-9), (true, 1e-5)] {
@@ -258,14 +242,14 @@ proptest! {
 
     #[test]
     fn bits_do_not_depend_on_lanes_or_threads(
-        p in parameters(), members in 1..40_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0)],
+        p in parameters(), trajectories in 1..40_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0)],
         bad in proptest::collection::vec((0..40_usize, prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(1e300), Just(0.0)]), 0..4),
     ) {
         let top = p.top();
-        let mut states: Vec<f64> = starts(members).iter().map(|x| x * scale).collect();
-        let tangents: Vec<f64> = starts(2 * members).iter().rev().copied().collect();
-        for (member, value) in bad {
-            states[(member % members) * 9 + member % 9] = value;
+        let mut states: Vec<f64> = starts(trajectories).iter().map(|x| x * scale).collect();
+        let tangents: Vec<f64> = starts(2 * trajectories).iter().rev().copied().collect();
+        for (trajectory, value) in bad {
+            states[(trajectory % trajectories) * 9 + trajectory % 9] = value;
         }
         let limited = RungeKutta::new(1e-9, 300).unwrap();
         assert_same_bits(&integrate_all(&top, limited, &states, &tangents), true);

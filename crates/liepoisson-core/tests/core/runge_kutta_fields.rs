@@ -1,7 +1,7 @@
 //! The Runge-Kutta method of order 8 on tapes and quadratic fields: closed forms, the Taylor method, singularities.
 
 use crate::common::*;
-use crate::runge_kutta::{adaptive, assert_same_bits, fixed, integrate_all, single};
+use crate::runge_kutta::{adaptive, fixed, integrate_all, single};
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::{Instruction, Quadratic, Tape};
@@ -19,12 +19,12 @@ fn blowing_up_ends_a_trajectory_only() {
     };
     for (method, outcome) in [(adaptive(1e-10), Outcome::StepTooSmall), (fixed(0.01), Outcome::NotFinite)] {
         let (mixed, alone) = (integrate(method, &states), integrate(method, &[-2.0]));
-        for (member, summary) in mixed.summaries.iter().enumerate() {
-            if states[member] == 0.0 {
+        for (trajectory, summary) in mixed.summaries.iter().enumerate() {
+            if states[trajectory] == 0.0 {
                 assert_eq!(summary.outcome, outcome);
                 assert!(summary.time < 2.0 && summary.state[0].is_finite(), "{summary:?}");
             } else {
-                assert_eq!(mixed.states[2 * member + 1].to_bits(), alone.states[1].to_bits());
+                assert_eq!(mixed.states[2 * trajectory + 1].to_bits(), alone.states[1].to_bits());
                 let exact = (2.0 - 2.0_f64.atan()).tan();
                 assert!((alone.states[1] - exact).abs() < 1e-8, "{} {exact}", alone.states[1]);
             }
@@ -57,7 +57,8 @@ fn the_origin_can_be_left() {
 fn tapes_and_quadratic_fields_follow_the_taylor_method() {
     fn check<F>(field: &F, states: &[f64], tangents: &[f64])
     where
-        F: liepoisson_core::field::Field + liepoisson_core::field::Hold,
+        F: liepoisson_core::field::Field,
+        liepoisson_core::method::Taylor: liepoisson_core::method::Method<F>,
     {
         let n_tangents = tangents.len() / states.len();
         let exact = Ensemble { field, method: taylor(1e-15), states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };

@@ -10,7 +10,7 @@
 
 use crate::common::{Parameters, TWISTED_KOVALEVSKAYA};
 use liepoisson_core::analysis::frame::orthonormalise;
-use liepoisson_core::analysis::lyapunov::growth;
+use liepoisson_core::analysis::lyapunov::finite_time_exponents;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::analysis::section::{Surface, sections};
 use liepoisson_core::enclosure::flow::{Bundle, Flow, Options};
@@ -21,15 +21,15 @@ use liepoisson_core::enclosure::polynomial::Polynomial;
 use liepoisson_core::enclosure::program::Program;
 use liepoisson_core::enclosure::rational::Rational;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
-use liepoisson_core::field::{Field, Functions, Hold, Instruction, Pieces, Quadratic, Ridge, Space, Tape};
+use liepoisson_core::field::{Bounds, Functions, Instruction, Quadratic, Ridge, Space, SplitTerms, Tape};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
 };
 use std::fmt::Write;
 
-/// More than the widest register holds, and not a multiple: seats are taken again, and some stay free.
-const MEMBERS: usize = 19;
+/// More than the widest register holds, and not a multiple: slots are taken again, and some stay free.
+const TRAJECTORIES: usize = 19;
 const MAX: u64 = 1_000_000;
 
 const GENERAL: Parameters =
@@ -88,7 +88,7 @@ impl Hashes {
     /// Orbits with tangent vectors and, where the method has them, the series.
     fn orbits<F: Space, M: Method<F>>(&mut self, name: &str, field: &F, method: M, n_tangents: usize, t_end: f64) {
         let n = field.n_components();
-        self.orbits_from(name, field, method, &numbers(n * MEMBERS, 1), n_tangents, t_end);
+        self.orbits_from(name, field, method, &numbers(n * TRAJECTORIES, 1), n_tangents, t_end);
     }
 
     fn orbits_from<F: Space, M: Method<F>>(
@@ -118,10 +118,10 @@ impl Hashes {
 
     fn exponents<F: Space, M: Method<F>>(&mut self, name: &str, field: &F, method: M, t_end: f64) {
         let (states, tangents) =
-            (numbers(field.n_components() * MEMBERS, 1), numbers(field.n_components() * MEMBERS, 1000));
+            (numbers(field.n_components() * TRAJECTORIES, 1), numbers(field.n_components() * TRAJECTORIES, 1000));
         let times = [0.0, 0.3 * t_end, t_end];
         let ensemble = Ensemble { field, method, states: &states, tangents: &tangents, n_tangents: 1, times: &times };
-        let found = growth(&ensemble, 1, self.simd, &Control::default(), |_| ()).unwrap();
+        let found = finite_time_exponents(&ensemble, 1, self.simd, &Control::default(), |_| ()).unwrap();
         self.add(name, |hash| {
             hash.numbers(&found.exponents);
             hash.summaries(&found.summaries);
@@ -129,16 +129,19 @@ impl Hashes {
     }
 
     /// Crossings of the surface on which the first component is 0.1.
-    fn section<F: Field + Hold>(&mut self, name: &str, field: &F, t_end: f64) {
+    fn section<F: Bounds>(&mut self, name: &str, field: &F, t_end: f64)
+    where
+        Taylor: Method<F>,
+    {
         let n = field.n_components();
         let plane = Instruction::Linear { terms: vec![(0, 1.0)], constant: -0.1 };
         let function = Functions::new(n, vec![plane], vec![n]).unwrap();
         let surface = Surface { function, kept: None, direction: 0, n_crossings: None, sides: vec![] };
-        let states = numbers(n * MEMBERS, 1);
+        let states = numbers(n * TRAJECTORIES, 1);
         let ensemble =
             Ensemble { field, method: taylor(), states: &states, tangents: &[], n_tangents: 0, times: &[0.0, t_end] };
         let found = sections(&ensemble, &surface, 1, self.simd, &Control::default(), |_| ()).unwrap();
-        assert!(found.crossing_counts.iter().sum::<usize>() > MEMBERS / 2, "{name}");
+        assert!(found.crossing_counts.iter().sum::<usize>() > TRAJECTORIES / 2, "{name}");
         self.add(name, |hash| {
             for points in [&found.crossings, &found.touches] {
                 hash.numbers(&points.times);
@@ -187,14 +190,14 @@ fn driven(function: &str, argument: &[usize], number: &[f64]) -> Tape {
     Tape::new(2, list, vec![1, 6]).unwrap()
 }
 
-/// A free rigid body with a cubic term: pieces that are functions of linear forms.
-fn pieces() -> Pieces {
+/// A free rigid body with a cubic term: split terms that are functions of linear forms.
+fn split_terms() -> SplitTerms {
     let bracket: Vec<(usize, usize, usize, f64)> =
         (0..3).flat_map(|i| [(i, (i + 1) % 3, (i + 2) % 3, -1.0), ((i + 1) % 3, i, (i + 2) % 3, 1.0)]).collect();
     let mut ridges: Vec<Ridge> =
         (0..3).map(|i| Ridge::of_bracket(&bracket, vec![(i, 1.0)], vec![0.0, 1.0 / GENERAL.inertia[i]])).collect();
     ridges.push(Ridge::of_bracket(&bracket, vec![(0, 0.5), (1, -0.4), (2, 0.3)], vec![0.1, 0.0, 0.7]));
-    Pieces::new(3, ridges).unwrap()
+    SplitTerms::new(3, ridges).unwrap()
 }
 
 /// Tops by every method.
@@ -215,9 +218,9 @@ fn tops(hashes: &mut Hashes) {
     hashes.exponents("top, mixed Taylor, exponents", &kovalevskaya, MixedTaylor(taylor()), 8.0);
     hashes.section("top, section", &kovalevskaya, 8.0);
 
-    let mut failing = numbers(9 * MEMBERS, 1);
-    for (member, value) in [(2, f64::NAN), (3, f64::INFINITY), (7, 1e200), (11, 0.0), (12, 1e-320), (18, 1e300)] {
-        failing[9 * member + 4] = value;
+    let mut failing = numbers(9 * TRAJECTORIES, 1);
+    for (trajectory, value) in [(2, f64::NAN), (3, f64::INFINITY), (7, 1e200), (11, 0.0), (12, 1e-320), (18, 1e300)] {
+        failing[9 * trajectory + 4] = value;
     }
     hashes.orbits_from("top, Taylor, failures", &general, taylor(), &failing, 1, 1.0);
 
@@ -262,7 +265,7 @@ fn fields(hashes: &mut Hashes) {
     for order in [2, 4, 6, 8] {
         hashes.orbits(
             &format!("pieces, splitting {order}"),
-            &pieces(),
+            &split_terms(),
             Splitting::new(order, 0.2, MAX).unwrap(),
             1,
             4.0,
@@ -293,8 +296,8 @@ fn fields(hashes: &mut Hashes) {
     }
     let pendulum = driven("sin", &[0], &[]);
     // angles and exponents beyond those that the polynomials are for
-    let (mut far, few) = (numbers(2 * MEMBERS, 1), Taylor::new(1e-13, None, 5).unwrap());
-    (0..MEMBERS).for_each(|member| far[2 * member] *= 1e10);
+    let (mut far, few) = (numbers(2 * TRAJECTORIES, 1), Taylor::new(1e-13, None, 5).unwrap());
+    (0..TRAJECTORIES).for_each(|trajectory| far[2 * trajectory] *= 1e10);
     hashes.orbits_from("tape, sin of large angles", &pendulum, few, &far, 1, 1e-3);
     far.iter_mut().step_by(2).for_each(|x| *x *= 8.8e-8);
     hashes.orbits_from("tape, exp of large numbers", &driven("exp", &[0], &[]), few, &far, 1, 1e-3);

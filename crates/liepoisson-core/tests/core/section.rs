@@ -5,8 +5,9 @@ use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::analysis::section::{Sections, Surface, sections};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Functions, Hold, Instruction, Quadratic, Tape};
+use liepoisson_core::field::{Bounds, Functions, Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
+use liepoisson_core::method::{Method, Taylor};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 use std::time::Duration;
@@ -36,12 +37,18 @@ fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
     }
 }
 
-fn run<F: Hold>(field: &F, states: &[f64], times: [f64; 2], surface: &Surface, threads: usize, simd: Simd) -> Sections {
+fn run<F: Bounds>(field: &F, states: &[f64], times: [f64; 2], surface: &Surface, threads: usize, simd: Simd) -> Sections
+where
+    Taylor: Method<F>,
+{
     let ensemble = Ensemble { field, method: taylor(TOLERANCE), states, tangents: &[], n_tangents: 0, times: &times };
     sections(&ensemble, surface, threads, simd, &Control::default(), |_| ()).unwrap()
 }
 
-fn alone<F: Hold>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections {
+fn alone<F: Bounds>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections
+where
+    Taylor: Method<F>,
+{
     run(field, start, times, surface, 1, Simd::widest())
 }
 
@@ -58,7 +65,7 @@ fn an_oscillator_crosses_where_its_cosine_is_zero() {
         }
         assert!(found.crossings.states.chunks(2).all(|state| state[0].abs() < 1e-15));
         assert_eq!(found.touch_counts, [0]);
-        assert_eq!(found.doubts[0].n_unbounded, 0);
+        assert_eq!(found.uncertified[0].n_unbounded, 0);
     }
 }
 
@@ -110,7 +117,7 @@ fn an_orbit_that_lies_in_the_surface_is_told_from_one_that_misses_it() {
     for (constant, is_in_surface) in [(-1.0, true), (-1.0 - 1e-9, false), (-1.0 + 1e-9, false)] {
         let found = alone(&oscillator(), &[0.6, 0.8], [0.0, 20.0], &circle(constant));
         assert_eq!((found.crossing_counts, found.touch_counts), (vec![0], vec![0]));
-        assert_eq!(found.doubts[0].is_in_surface, is_in_surface);
+        assert_eq!(found.uncertified[0].is_in_surface, is_in_surface);
     }
 }
 
@@ -178,7 +185,7 @@ fn a_component_is_followed_however_small_it_is_beside_the_others() {
         let pairs = alone(&field, &[libm::cos(0.1), -u * libm::sin(0.1)], [0.1, 40.0], &top);
         assert_eq!((pairs.crossing_counts, pairs.touch_counts), (vec![14], vec![0]), "u = {u:e}");
         // near a thousandth of the largest component the error is in units of that one, in which no bound is sharp
-        assert!(u == 1e-3 || pairs.doubts[0].n_unbounded == 0, "u = {u:e}");
+        assert!(u == 1e-3 || pairs.uncertified[0].n_unbounded == 0, "u = {u:e}");
     }
 }
 
@@ -218,7 +225,7 @@ fn steep_functions_are_followed_on_shorter_parts_of_a_step() {
         assert_eq!(found.crossing_counts, [20], "tanh({factor} x)");
         let farthest = found.crossings.states.chunks(2).fold(0.0_f64, |farthest, x| farthest.max(x[0].abs()));
         assert!(farthest < 1e-14, "tanh({factor} x): {farthest:e}");
-        assert_eq!(found.doubts[0].n_unseen, 0);
+        assert_eq!(found.uncertified[0].n_unseen, 0);
     }
 }
 
@@ -239,7 +246,7 @@ fn crossings_on_a_peak_that_is_much_narrower_than_a_step_are_found() {
             let error = (state[0] - 0.1).abs() - wanted;
             assert!(error.abs() < 1e-14, "k = {k:e}: {error:e}");
         }
-        assert_eq!((found.doubts[0].n_unseen, found.doubts[0].n_unbounded), (0, 0));
+        assert_eq!((found.uncertified[0].n_unseen, found.uncertified[0].n_unbounded), (0, 0));
     }
 }
 
@@ -249,7 +256,7 @@ fn a_polynomial_of_high_degree_is_followed() {
     let power = Instruction::Power(0, 12.0);
     let found = ten_turns(vec![power, line(2, 1.0, -1e-3)]);
     assert_eq!((found.crossing_counts, found.touch_counts), (vec![40], vec![0]));
-    assert_eq!(found.doubts[0].n_unbounded, 0);
+    assert_eq!(found.uncertified[0].n_unbounded, 0);
 }
 
 #[test]
@@ -275,11 +282,11 @@ fn a_pole_is_no_crossing() {
     let reciprocal = |constant: f64| vec![line(0, 0.0, 1.0), Instruction::Quotient(2, 0), line(3, 1.0, constant)];
     let found = ten_turns(reciprocal(0.0));
     assert_eq!(found.crossing_counts, [0]);
-    let doubts = found.doubts[0];
+    let uncertified = found.uncertified[0];
     // a pole is in a step, which is a few of its 16384 parts
-    assert!((20..=60).contains(&doubts.n_unseen), "{doubts:?}");
-    assert!((0.0..0.02).contains(&doubts.unresolved_time) && doubts.unresolved_time > 0.0, "{doubts:?}");
-    assert!((doubts.seen_to - PI / 2.0).abs() < 0.01, "{doubts:?}");
+    assert!((20..=60).contains(&uncertified.n_unseen), "{uncertified:?}");
+    assert!((0.0..0.02).contains(&uncertified.unresolved_time) && uncertified.unresolved_time > 0.0, "{uncertified:?}");
+    assert!((uncertified.seen_to - PI / 2.0).abs() < 0.01, "{uncertified:?}");
     // 1/x = 2 where x = 1/2
     let found = ten_turns(reciprocal(-2.0));
     assert_eq!(found.crossing_counts, [20]);
@@ -292,11 +299,11 @@ fn where_the_surface_does_not_exist_nothing_is_found_and_it_is_counted() {
     let found = ten_turns(vec![Instruction::Sqrt(0), line(2, 1.0, -0.5)]);
     assert_eq!(found.crossing_counts, [20]);
     assert!(found.crossings.states.chunks(2).all(|state| (state[0] - 0.25).abs() < 1e-12));
-    let doubts = found.doubts[0];
+    let uncertified = found.uncertified[0];
     // x is negative half of the time; where it becomes so the root has no series
-    assert!((doubts.undefined_time - 10.0 * PI).abs() < 0.01, "{doubts:?}");
-    assert!(doubts.unresolved_time > 0.0 && doubts.unresolved_time < 0.02, "{doubts:?}");
-    assert!(doubts.n_unseen < found.summaries[0].n_steps);
+    assert!((uncertified.undefined_time - 10.0 * PI).abs() < 0.01, "{uncertified:?}");
+    assert!(uncertified.unresolved_time > 0.0 && uncertified.unresolved_time < 0.02, "{uncertified:?}");
+    assert!(uncertified.n_unseen < found.summaries[0].n_steps);
     // sqrt(x) is zero where it ends, and never crosses
     assert_eq!(ten_turns(vec![Instruction::Sqrt(0)]).crossing_counts, [0]);
 }
@@ -311,11 +318,14 @@ fn a_function_that_cannot_be_followed_is_not_said_to_be_missed() {
     // faster than its error allows; larger than numbers go, or zero below them: no crossing, and no word of none
     for instructions in [sine_of(1e12), sine_of(1e17), vec![Instruction::Power(0, 1e308)]] {
         let found = alone(&oscillator(), &[0.9, 0.0], [0.0, 2.0], &surface(2, instructions.clone()));
-        let (doubts, n_steps) = (found.doubts[0], found.summaries[0].n_steps);
+        let (uncertified, n_steps) = (found.uncertified[0], found.summaries[0].n_steps);
         assert_eq!(found.summaries[0].outcome, Outcome::Finished);
-        assert!((2.0 - doubts.unresolved_time).abs() < 0.01, "{instructions:?}: {doubts:?}");
-        assert!(doubts.n_unseen <= n_steps && !doubts.is_in_surface, "{instructions:?}: {doubts:?} in {n_steps}");
-        assert!(doubts.seen_to < 0.01, "{instructions:?}: {doubts:?}");
+        assert!((2.0 - uncertified.unresolved_time).abs() < 0.01, "{instructions:?}: {uncertified:?}");
+        assert!(
+            uncertified.n_unseen <= n_steps && !uncertified.is_in_surface,
+            "{instructions:?}: {uncertified:?} in {n_steps}"
+        );
+        assert!(uncertified.seen_to < 0.01, "{instructions:?}: {uncertified:?}");
     }
 }
 
@@ -328,7 +338,7 @@ fn a_function_that_is_below_the_smallest_numbers_is_not_seen_there() {
         let found = ten_turns(square.clone().chain(rest).collect());
         assert_eq!((found.crossing_counts, found.touch_counts), (vec![20], vec![0]), "k = {k:e}");
         assert!(found.crossings.states.chunks(2).all(|x| x[0].abs() < 1e-14), "k = {k:e}");
-        let unseen = found.doubts[0].unresolved_time / (20.0 * PI);
+        let unseen = found.uncertified[0].unresolved_time / (20.0 * PI);
         assert!((unseen - share).abs() < 0.01, "k = {k:e}: {unseen}");
     }
 }
@@ -354,24 +364,24 @@ fn a_change_of_sign_that_is_not_seen_is_counted_and_that_of_a_pole_is_not() {
     let steep = |factor: f64| ten_turns(vec![line(0, factor, 0.0), Instruction::Tanh(2)]);
     for factor in [1e4, 1e6, 1e8] {
         let found = steep(factor);
-        assert_eq!((found.crossing_counts[0], found.doubts[0].n_lost_changes), (20, 0), "tanh({factor:e} x)");
-        assert_eq!(found.doubts[0].unresolved_time, 0.0, "tanh({factor:e} x)");
+        assert_eq!((found.crossing_counts[0], found.uncertified[0].n_lost_changes), (20, 0), "tanh({factor:e} x)");
+        assert_eq!(found.uncertified[0].unresolved_time, 0.0, "tanh({factor:e} x)");
     }
     // steeper than round-off of the state allows
     let found = steep(1e16);
-    assert_eq!((found.crossing_counts[0], found.doubts[0].n_lost_changes), (0, 20));
-    assert!(found.doubts[0].seen_to < PI / 2.0 && found.doubts[0].unresolved_time > 0.0);
+    assert_eq!((found.crossing_counts[0], found.uncertified[0].n_lost_changes), (0, 20));
+    assert!(found.uncertified[0].seen_to < PI / 2.0 && found.uncertified[0].unresolved_time > 0.0);
     let found = ten_turns(vec![line(0, 0.0, 1.0), Instruction::Quotient(2, 0)]);
-    assert_eq!((found.crossing_counts[0], found.doubts[0].n_lost_changes), (0, 0));
-    assert!(found.doubts[0].unresolved_time > 0.0);
+    assert_eq!((found.crossing_counts[0], found.uncertified[0].n_lost_changes), (0, 0));
+    assert!(found.uncertified[0].unresolved_time > 0.0);
 }
 
 #[test]
 fn a_function_that_is_seen_all_the_way_says_so() {
     let found = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], -3.0));
-    let doubts = found.doubts[0];
-    assert_eq!((doubts.n_unseen, doubts.undefined_time, doubts.unresolved_time), (0, 0.0, 0.0));
-    assert_eq!(doubts.seen_to, 40.0);
+    let uncertified = found.uncertified[0];
+    assert_eq!((uncertified.n_unseen, uncertified.undefined_time, uncertified.unresolved_time), (0, 0.0, 0.0));
+    assert_eq!(uncertified.seen_to, 40.0);
 }
 
 #[test]
@@ -397,7 +407,7 @@ fn a_step_of_long_work_ends_with_the_limit_of_time() {
         let end = &cut.summaries[0];
         assert_eq!(end.outcome, Outcome::TimeLimit);
         assert!(end.time > times[0] && end.time < times[1], "{}", end.time);
-        assert!(cut.doubts[0].seen_to <= end.time);
+        assert!(cut.uncertified[0].seen_to <= end.time);
         // the end is where it says, and what was found up to there is what is found without a limit
         assert!((end.state[0] - libm::cos(end.time)).abs() < 1e-12);
         let whole = alone(&field, &start, [times[0], end.time], &surface);
@@ -446,7 +456,7 @@ fn a_tape_has_the_same_section_with_estimated_errors() {
     let wanted = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], 0.0));
     assert_eq!(found.crossings.signs, wanted.crossings.signs);
     assert!(found.crossings.times.iter().zip(&wanted.crossings.times).all(|(a, b)| (a - b).abs() < 1e-13));
-    assert!(found.doubts[0].n_unbounded > 0);
+    assert!(found.uncertified[0].n_unbounded > 0);
 }
 
 /// `a . (alpha x beta)` for `a = -e1`.
@@ -475,7 +485,7 @@ proptest! {
         // pairs within one interval of the grid
         prop_assert!(extra.is_multiple_of(2) && extra <= 2, "{} and {}", found.crossing_counts[0], changes.len());
         prop_assert!(found.crossings.states.chunks(9).all(|x| s(x).abs() < 1e-15));
-        prop_assert_eq!(found.doubts[0].n_unbounded, 0);
+        prop_assert_eq!(found.uncertified[0].n_unbounded, 0);
     }
 }
 
@@ -493,7 +503,7 @@ fn sections_are_the_same_for_every_number_of_threads_and_every_instruction_set()
                 assert_eq!(found.crossings, wanted.crossings);
                 assert_eq!(found.crossing_counts, wanted.crossing_counts);
                 assert_eq!(found.touches, wanted.touches);
-                assert_eq!(found.doubts, wanted.doubts);
+                assert_eq!(found.uncertified, wanted.uncertified);
                 assert_eq!(found.summaries, wanted.summaries);
             }
         }
@@ -530,8 +540,8 @@ fn a_linear_surface_is_seen_as_a_function_with_the_same_zeros_that_is_not_linear
         for (time, same) in found.crossings.times.iter().zip(&wanted.crossings.times) {
             assert!((time - same).abs() < 1e-11, "{time} and {same}");
         }
-        for (doubts, same) in found.doubts.iter().zip(&wanted.doubts) {
-            assert_eq!((doubts.n_unbounded, doubts.n_unseen), (same.n_unbounded, same.n_unseen));
+        for (uncertified, same) in found.uncertified.iter().zip(&wanted.uncertified) {
+            assert_eq!((uncertified.n_unbounded, uncertified.n_unseen), (same.n_unbounded, same.n_unseen));
         }
     }
 }

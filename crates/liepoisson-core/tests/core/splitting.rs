@@ -1,11 +1,11 @@
 //! Splitting methods: Poisson maps that keep every Casimir, of the order that they claim, the same bits on every path.
 
 use crate::common::*;
-use liepoisson_core::analysis::lyapunov::growth;
+use liepoisson_core::analysis::lyapunov::finite_time_exponents;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Pieces, Ridge, Space};
+use liepoisson_core::field::{Ridge, Space, SplitTerms};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{Method, Single, Splitting};
 use proptest::prelude::*;
@@ -35,7 +35,7 @@ fn order() -> impl Strategy<Value = usize> {
     proptest::sample::select(&ORDERS[..])
 }
 
-/// The unit vectors, as tangent vectors of one member.
+/// The unit vectors, as tangent vectors of one trajectory.
 fn identity(n: usize) -> Vec<f64> {
     (0..n * n).map(|at| if at % (n + 1) == 0 { 1.0 } else { 0.0 }).collect()
 }
@@ -46,7 +46,7 @@ fn integrate<F: Space, M: Method<F>>(field: &F, method: M, states: &[f64], tange
     orbits(&ensemble, 1, Simd::widest(), &Control::default(), false, |_| ()).unwrap()
 }
 
-/// The last state of a single member.
+/// The last state of a single trajectory.
 fn end<F: Space, M: Method<F>>(field: &F, method: M, state: &[f64], times: &[f64]) -> Vec<f64> {
     let orbits = integrate(field, method, state, &[], times);
     orbits.states[orbits.states.len() - state.len()..].to_vec()
@@ -221,13 +221,13 @@ fn assert_same_bits(what: &str, a: &[f64], b: &[f64]) {
     assert!(difference.is_none(), "{what}: {difference:?} {:e} {:e}", a[difference.unwrap()], b[difference.unwrap()]);
 }
 
-/// All instruction sets and numbers of threads, and each member alone, give the same bits.
+/// All instruction sets and numbers of threads, and each trajectory alone, give the same bits.
 fn check_bits<F: Space, M: Method<F>>(field: &F, method: M, states: &[f64], tangents: &[f64], n_tangents: usize) {
     let times = [0.0, 0.7, 12.0];
     let ensemble = |states, tangents| Ensemble { field, method, states, tangents, n_tangents, times: &times };
     let all = ensemble(states, tangents);
     let reference = orbits(&all, 1, Simd::Scalar, &Control::default(), false, |_| ()).unwrap();
-    let reference_growth = growth(&all, 1, Simd::Scalar, &Control::default(), |_| ());
+    let reference_exponents = finite_time_exponents(&all, 1, Simd::Scalar, &Control::default(), |_| ());
     for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
         for threads in [1, 3] {
             let other = orbits(&all, threads, simd, &Control::default(), false, |_| ()).unwrap();
@@ -237,18 +237,22 @@ fn check_bits<F: Space, M: Method<F>>(field: &F, method: M, states: &[f64], tang
                 assert_eq!((a.outcome, a.n_steps, a.time.to_bits()), (b.outcome, b.n_steps, b.time.to_bits()));
                 assert_same_bits("last state", &a.state, &b.state);
             }
-            if let Ok(growth_there) = growth(&all, threads, simd, &Control::default(), |_| ()) {
-                assert_same_bits("exponent", &reference_growth.as_ref().unwrap().exponents, &growth_there.exponents);
+            if let Ok(exponents_there) = finite_time_exponents(&all, threads, simd, &Control::default(), |_| ()) {
+                assert_same_bits(
+                    "exponent",
+                    &reference_exponents.as_ref().unwrap().exponents,
+                    &exponents_there.exponents,
+                );
             }
         }
     }
     let n = field.n_components();
-    for member in 0..all.n_members() {
-        let tangents = &tangents[member * n_tangents * n..][..n_tangents * n];
-        let alone = ensemble(&states[member * n..][..n], tangents);
+    for trajectory in 0..all.n_trajectories() {
+        let tangents = &tangents[trajectory * n_tangents * n..][..n_tangents * n];
+        let alone = ensemble(&states[trajectory * n..][..n], tangents);
         let alone = orbits(&alone, 1, Simd::widest(), &Control::default(), false, |_| ()).unwrap();
-        assert_same_bits("state alone", &alone.states, &reference.states[3 * n * member..][..3 * n]);
-        assert_eq!(alone.summaries[0].n_steps, reference.summaries[member].n_steps);
+        assert_same_bits("state alone", &alone.states, &reference.states[3 * n * trajectory..][..3 * n]);
+        assert_eq!(alone.summaries[0].n_steps, reference.summaries[trajectory].n_steps);
     }
 }
 
@@ -262,36 +266,36 @@ proptest! {
 
     #[test]
     fn bits_do_not_depend_on_lanes_threads_or_neighbours(
-        p in tops(), members in 1..24_usize, order in order(), step in 0.1..2.0_f64, n_tangents in 0..3_usize,
+        p in tops(), trajectories in 1..24_usize, order in order(), step in 0.1..2.0_f64, n_tangents in 0..3_usize,
         bad in proptest::collection::vec((0..24_usize, 0..9_usize, bad_numbers()), 0..6),
     ) {
-        let mut states = starts(members);
-        let tangents: Vec<f64> = starts(n_tangents * members).iter().rev().copied().collect();
-        for (member, component, value) in bad {
-            states[(member % members) * 9 + component] = value;
+        let mut states = starts(trajectories);
+        let tangents: Vec<f64> = starts(n_tangents * trajectories).iter().rev().copied().collect();
+        for (trajectory, component, value) in bad {
+            states[(trajectory % trajectories) * 9 + component] = value;
         }
         check_bits(&p.top(), splitting(order, step), &states, &tangents, n_tangents);
         check_bits(&p.top(), Single(splitting(order, step)), &states, &tangents, n_tangents);
     }
 
     #[test]
-    fn bits_of_pieces_do_not_depend_on_lanes_threads_or_neighbours(
-        p in parameters(), members in 1..12_usize,
+    fn bits_of_split_terms_do_not_depend_on_lanes_threads_or_neighbours(
+        p in parameters(), trajectories in 1..12_usize,
         bad in proptest::collection::vec((0..12_usize, 0..9_usize, bad_numbers()), 0..3),
     ) {
-        let mut states = starts(members);
-        let tangents: Vec<f64> = starts(members).iter().rev().copied().collect();
-        for (member, component, value) in bad {
-            states[(member % members) * 9 + component] = value;
+        let mut states = starts(trajectories);
+        let tangents: Vec<f64> = starts(trajectories).iter().rev().copied().collect();
+        for (trajectory, component, value) in bad {
+            states[(trajectory % trajectories) * 9 + component] = value;
         }
-        check_bits(&pieces_of_top(&p), splitting(2, 0.9), &states, &tangents, 1);
-        check_bits(&pieces_of_top(&p), Single(splitting(2, 0.9)), &states, &tangents, 1);
+        check_bits(&split_terms_of_top(&p), splitting(2, 0.9), &states, &tangents, 1);
+        check_bits(&split_terms_of_top(&p), Single(splitting(2, 0.9)), &states, &tangents, 1);
     }
 }
 
 /// A trajectory ends at its last good step, its neighbours go on.
 #[test]
-fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
+fn failing_trajectories_have_outcomes_and_do_not_touch_their_neighbours() {
     let top = TWISTED_KOVALEVSKAYA.top();
     let good = starts(20);
     let mut states = good.clone();
@@ -301,12 +305,12 @@ fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
     let times = [0.0, 1.0, 100.0];
     let orbits = integrate(&top, splitting(4, 0.1), &states, &[], &times);
     let reference = integrate(&top, splitting(4, 0.1), &good, &[], &times);
-    for member in 0..20 {
-        let (summary, rows) = (&orbits.summaries[member], &orbits.states[27 * member..27 * member + 27]);
-        match member {
+    for trajectory in 0..20 {
+        let (summary, rows) = (&orbits.summaries[trajectory], &orbits.states[27 * trajectory..27 * trajectory + 27]);
+        match trajectory {
             3 | 4 => {
                 assert_eq!((summary.outcome, summary.time, summary.n_steps), (Outcome::NotFinite, 0.0, 0));
-                assert_eq!(bits(&summary.state), bits(&states[9 * member..9 * member + 9]));
+                assert_eq!(bits(&summary.state), bits(&states[9 * trajectory..9 * trajectory + 9]));
             }
             5 => {
                 assert_eq!(summary.outcome, Outcome::NotFinite);
@@ -315,7 +319,7 @@ fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
             }
             _ => {
                 assert_eq!(summary.outcome, Outcome::Finished);
-                assert_eq!(rows, &reference.states[27 * member..27 * member + 27]);
+                assert_eq!(rows, &reference.states[27 * trajectory..27 * trajectory + 27]);
             }
         }
     }
@@ -330,10 +334,10 @@ fn growth_beyond_the_largest_number_is_followed_in_single_precision() {
     let method = Single(splitting(4, 0.1));
     let ensemble =
         Ensemble { field: &top, method, states: &unstable, tangents: &tangents, n_tangents: 1, times: &[0.0, 100.0] };
-    let growth = growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap();
+    let found = finite_time_exponents(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap();
     // l3 = cosh(t sqrt 2), alpha2 = -sqrt 2 sinh(t sqrt 2): |v| = exp(t sqrt 2) sqrt(3) / 2
     let expected = 2.0_f64.sqrt() + (3.0_f64.sqrt() / 2.0).ln() / 100.0;
-    assert!((growth.exponents[0] - expected).abs() < 1e-5, "{} {expected}", growth.exponents[0]);
+    assert!((found.exponents[0] - expected).abs() < 1e-5, "{} {expected}", found.exponents[0]);
 }
 
 #[test]
@@ -355,25 +359,25 @@ fn parameters_out_of_range_are_refused() {
         assert_eq!(Splitting::new(4, step, 1), Err(Error::StepSize { got: step }));
     }
     assert!(Splitting::new(4, f64::NAN, 1).is_err());
-    let piece = |form, generator, derivative| vec![Ridge { form, generator, derivative }];
+    let split_term = |form, generator, derivative| vec![Ridge { form, generator, derivative }];
     let number = |name, got| Err(Error::ParameterNotFinite { name, got });
     let index = |name| Err(Error::ComponentIndex { name, n_components: 2, got: 2 });
-    assert_eq!(Pieces::new(0, vec![]), Err(Error::Components { got: 0 }));
-    assert_eq!(Pieces::new(2, piece(vec![(2, 1.0)], vec![], vec![])), index("form"));
-    assert_eq!(Pieces::new(2, piece(vec![], vec![(1, 2, 1.0)], vec![])), index("generator"));
+    assert_eq!(SplitTerms::new(0, vec![]), Err(Error::Components { got: 0 }));
+    assert_eq!(SplitTerms::new(2, split_term(vec![(2, 1.0)], vec![], vec![])), index("form"));
+    assert_eq!(SplitTerms::new(2, split_term(vec![], vec![(1, 2, 1.0)], vec![])), index("generator"));
     let infinite = f64::INFINITY;
-    assert_eq!(Pieces::new(2, piece(vec![(0, infinite)], vec![], vec![])), number("form", infinite));
-    assert_eq!(Pieces::new(2, piece(vec![], vec![(0, 0, infinite)], vec![])), number("generator", infinite));
-    assert_eq!(Pieces::new(2, piece(vec![], vec![], vec![infinite])), number("derivative", infinite));
+    assert_eq!(SplitTerms::new(2, split_term(vec![(0, infinite)], vec![], vec![])), number("form", infinite));
+    assert_eq!(SplitTerms::new(2, split_term(vec![], vec![(0, 0, infinite)], vec![])), number("generator", infinite));
+    assert_eq!(SplitTerms::new(2, split_term(vec![], vec![], vec![infinite])), number("derivative", infinite));
 }
 
 /// `a.alpha + b.beta` and the three `l_i^2 / (2 I_i)`, in the order in which the top composes them.
-fn pieces_of_top(p: &Parameters) -> Pieces {
+fn split_terms_of_top(p: &Parameters) -> SplitTerms {
     let bracket = top_bracket(p.epsilon);
     let potential = (0..3).flat_map(|i| [(3 + i, p.a[i]), (6 + i, p.b[i])]).collect();
     let axes = (0..3).map(|i| Ridge::of_bracket(&bracket, vec![(i, 1.0)], vec![0.0, 1.0 / p.inertia[i]]));
     let ridges = [Ridge::of_bracket(&bracket, potential, vec![1.0])].into_iter().chain(axes).collect();
-    Pieces::new(9, ridges).unwrap()
+    SplitTerms::new(9, ridges).unwrap()
 }
 
 proptest! {
@@ -381,19 +385,19 @@ proptest! {
 
     /// Two codes for the same composition of flows.
     #[test]
-    fn pieces_of_a_top_agree_with_the_top(p in parameters(), x in vector9(), v in vector9(), order in order()) {
+    fn split_terms_of_a_top_agree_with_the_top(p in parameters(), x in vector9(), v in vector9(), order in order()) {
         let times = [0.0, 0.7, 2.0];
         let top = integrate(&p.top(), splitting(order, 0.3), &x, &v, &times);
-        let pieces = integrate(&pieces_of_top(&p), splitting(order, 0.3), &x, &v, &times);
+        let split_terms = integrate(&split_terms_of_top(&p), splitting(order, 0.3), &x, &v, &times);
         let size = top.tangents.iter().fold(1.0, |size: f64, v| size.max(v.abs())) * scale(&top.states).powi(2);
-        prop_assert!(distance(&top.states, &pieces.states) < 1e-12 * size, "{}", distance(&top.states, &pieces.states));
-        prop_assert!(distance(&top.tangents, &pieces.tangents) < 1e-12 * size, "{}", distance(&top.tangents, &pieces.tangents));
+        prop_assert!(distance(&top.states, &split_terms.states) < 1e-12 * size, "{}", distance(&top.states, &split_terms.states));
+        prop_assert!(distance(&top.tangents, &split_terms.tangents) < 1e-12 * size, "{}", distance(&top.tangents, &split_terms.tangents));
     }
 }
 
 /// The rigid body in four dimensions with a quartic term: components of so(4) are `m_ab`, a < b, with
 /// `{m_ab, m_cd} = d_bc m_ad - d_ac m_bd - d_bd m_ac + d_ad m_bc`.
-fn four_dimensional_body() -> Pieces {
+fn four_dimensional_body() -> SplitTerms {
     let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
     let component = |a: usize, b: usize| {
         let at = |a, b| pairs.iter().position(|&pair| pair == (a, b));
@@ -414,10 +418,10 @@ fn four_dimensional_body() -> Pieces {
     let mut ridges: Vec<Ridge> =
         (0..6).map(|i| Ridge::of_bracket(&bracket, vec![(i, 1.0)], vec![0.0, 1.0 / (1.0 + 0.3 * i as f64)])).collect();
     ridges.push(Ridge::of_bracket(&bracket, vec![(0, 0.5), (3, -0.4), (5, 0.3)], vec![0.0, 0.0, 0.0, 0.7]));
-    Pieces::new(6, ridges).unwrap()
+    SplitTerms::new(6, ridges).unwrap()
 }
 
-/// `sum (m_i^2 / (2 J_i))` and a quarter of 0.7 times the fourth power of the form of the last piece.
+/// `sum (m_i^2 / (2 J_i))` and a quarter of 0.7 times the fourth power of the form of the last split term.
 fn energy_of_body(m: &[f64]) -> f64 {
     let quadratic: f64 = (0..6).map(|i| m[i] * m[i] / (2.0 * (1.0 + 0.3 * i as f64))).sum();
     quadratic + 0.7 / 4.0 * (0.5 * m[0] - 0.4 * m[3] + 0.3 * m[5]).powi(4)
@@ -425,7 +429,7 @@ fn energy_of_body(m: &[f64]) -> f64 {
 
 /// `sum m_ab^2` and the Pfaffian `m_01 m_23 - m_02 m_13 + m_03 m_12`.
 #[test]
-fn pieces_on_so_4_keep_both_casimirs_and_a_nearby_energy() {
+fn split_terms_on_so_4_keep_both_casimirs_and_a_nearby_energy() {
     let casimirs = |m: &[f64]| [m.iter().map(|x| x * x).sum::<f64>(), m[0] * m[5] - m[1] * m[4] + m[2] * m[3]];
     let (body, m) = (four_dimensional_body(), [0.9, -0.3, 0.5, 0.8, 0.2, -0.7]);
     let times: Vec<f64> = (0..=100).map(|k| f64::from(k) * 10.0).collect();
@@ -445,7 +449,7 @@ fn pieces_on_so_4_keep_both_casimirs_and_a_nearby_energy() {
 
 /// With `F''` in play: the derivative of the map against central differences, and the order against a small step.
 #[test]
-fn pieces_on_so_4_have_the_right_derivative_and_order() {
+fn split_terms_on_so_4_have_the_right_derivative_and_order() {
     let (body, m, d) = (four_dimensional_body(), [0.9, -0.3, 0.5, 0.8, 0.2, -0.7], 1e-5);
     let times = [0.0, 1.5];
     let orbits = integrate(&body, splitting(4, 0.5), &m, &identity(6), &times);
@@ -466,13 +470,13 @@ fn pieces_on_so_4_have_the_right_derivative_and_order() {
     }
 }
 
-/// A flow of one piece is exact, whatever the step and its length: rotation about an axis by many turns.
+/// A flow of one split term is exact, whatever the step and its length: rotation about an axis by many turns.
 #[test]
-fn one_piece_is_solved_exactly() {
+fn one_split_term_is_solved_exactly() {
     let p = TWISTED_KOVALEVSKAYA;
     let axis = Ridge::of_bracket(&top_bracket(p.epsilon), vec![(2, 1.0)], vec![0.0, 2.0]);
     let x = [0.3, -0.2, 0.9, 1.0, 0.0, 0.4, 0.2, 0.1, -0.5];
-    let got = end(&Pieces::new(9, vec![axis]).unwrap(), splitting(2, 100.0), &x, &[0.0, 100.0]);
+    let got = end(&SplitTerms::new(9, vec![axis]).unwrap(), splitting(2, 100.0), &x, &[0.0, 100.0]);
     // u' = u x e3 angle': u1 = u1(0) cos + u2(0) sin, u2 = u2(0) cos - u1(0) sin
     let (sine, cosine) = (100.0 * 2.0 * 0.9_f64).sin_cos();
     for at in [0, 3, 6] {

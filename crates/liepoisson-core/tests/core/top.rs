@@ -43,10 +43,10 @@ proptest! {
                 method.block_for(simd, &top, 0)
             };
             let mut longest = vec![0.0; block.n_lanes()];
-            block.load(0, 0, &x);
-            block.prepare(&mut longest);
+            block.load(0, 0, 0, &x);
+            block.prepare(&vec![0.0; longest.len()], &mut longest);
             let mut coefficients = Vec::new();
-            block.copy_series(0, usize::MAX, &mut coefficients).unwrap();
+            block.series().unwrap().copy(0, usize::MAX, &mut coefficients).unwrap();
             (coefficients, longest[0])
         };
         let (many, step) = series(Simd::Scalar, false);

@@ -9,7 +9,7 @@ use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{AcrossComponents, Method, MixedTaylor, Taylor};
 
 const T_END: f64 = 6.0;
-const MEMBERS: usize = 3;
+const TRAJECTORIES: usize = 3;
 
 /// The twisted Kovalevskaya top, `rate` times as fast.
 fn parameters_at(rate: f64) -> Parameters {
@@ -56,7 +56,7 @@ fn tape(rate: f64) -> Tape {
 }
 
 fn orbits_at<F: Space, M: Method<F>>(field: &F, method: M, rate: f64, n_tangents: usize) -> Orbits {
-    let states = starts(MEMBERS);
+    let states = starts(TRAJECTORIES);
     let tangents: Vec<f64> = if n_tangents > 0 { states.iter().rev().copied().collect() } else { vec![] };
     let times = [0.0, 0.3 / rate, T_END / rate];
     let ensemble = Ensemble { field, method, states: &states, tangents: &tangents, n_tangents, times: &times };
@@ -131,17 +131,17 @@ fn power_series_of_steps_are_those_of_the_orbit_in_all_units() {
     let wanted = orbits_at(&parameters_at(1.0).top(), taylor(1e-14), 1.0, 0);
     for exponent in [-40, -20, -12, 0, 13, 20, 40] {
         let rate = 10.0_f64.powi(exponent);
-        let (top, method, states) = (parameters_at(rate).top(), taylor(1e-14), starts(MEMBERS));
+        let (top, method, states) = (parameters_at(rate).top(), taylor(1e-14), starts(TRAJECTORIES));
         let times = [0.0, T_END / rate];
         let ensemble = Ensemble { field: &top, method, states: &states, tangents: &[], n_tangents: 0, times: &times };
         let run = orbits(&ensemble, 1, Simd::widest(), &Control::default(), true, |_| ()).unwrap();
-        for (member, series) in run.series.iter().enumerate() {
+        for (trajectory, series) in run.series.iter().enumerate() {
             let (step, order) = (series.times.len() - 1, method.order());
             let coefficients = &series.coefficients[step * (order + 1) * 9..];
             let tau = times[1] - series.times[step];
             for i in 0..9 {
                 let value = (0..=order).rev().fold(0.0, |sum, k| sum * tau + coefficients[9 * k + i]);
-                let error = (value - wanted.states[27 * member + 18 + i]).abs();
+                let error = (value - wanted.states[27 * trajectory + 18 + i]).abs();
                 assert!(error < 1e-11, "rate 1e{exponent}: {error:e}");
             }
         }
@@ -154,7 +154,7 @@ fn sections_are_the_same_in_all_units() {
     let function = Functions::new(9, vec![], vec![0]).unwrap();
     let surface = Surface { function, kept: None, direction: 0, n_crossings: None, sides: vec![] };
     let of = |rate: f64| {
-        let (top, states, times) = (parameters_at(rate).top(), starts(MEMBERS), [0.0, 20.0 / rate]);
+        let (top, states, times) = (parameters_at(rate).top(), starts(TRAJECTORIES), [0.0, 20.0 / rate]);
         let method = taylor(1e-14);
         let ensemble = Ensemble { field: &top, method, states: &states, tangents: &[], n_tangents: 0, times: &times };
         sections(&ensemble, &surface, 1, Simd::widest(), &Control::default(), |_| ()).unwrap()
@@ -164,7 +164,8 @@ fn sections_are_the_same_in_all_units() {
         let rate = 10.0_f64.powi(exponent);
         let found = of(rate);
         assert_eq!(found.crossing_counts, wanted.crossing_counts, "rate 1e{exponent}");
-        let seen: f64 = found.doubts.iter().map(|doubts| doubts.unresolved_time + doubts.undefined_time).sum();
+        let seen: f64 =
+            found.uncertified.iter().map(|uncertified| uncertified.unresolved_time + uncertified.undefined_time).sum();
         assert_eq!(seen, 0.0, "rate 1e{exponent}");
         for (found, wanted) in found.crossings.times.iter().zip(&wanted.crossings.times) {
             assert!((found * rate - wanted).abs() < 1e-9, "rate 1e{exponent}: {} for {wanted}", found * rate);

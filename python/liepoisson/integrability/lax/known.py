@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from liepoisson.catalog import entry, names
 from liepoisson.catalog.lax_pairs import LAX_PAIRS
 from liepoisson.errors import UnknownNameError, did_you_mean
-from liepoisson.formula.values import read_values
+from liepoisson.formula.parameters import read_values
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 
 if TYPE_CHECKING:
-    from liepoisson.formula.values import GivenValue
+    from liepoisson.formula.parameters import GivenValue
 
 
 @explains_its_arguments

@@ -26,9 +26,7 @@ from liepoisson.proofs.balls.covering import (
 from liepoisson.proofs.balls.field import BallField, Vector, ball, constants_of, magnitude, working
 from liepoisson.proofs.balls.flow import Tube
 from liepoisson.proofs.balls.sets import LARGEST_W, BallSet, Chart, chart, states_of
-from liepoisson.proofs.certificate import CoveringCertificate, Edge
-from liepoisson.proofs.chain_graph import ChainGraph, chain_graph
-from liepoisson.proofs.margins import Margins, Rotation
+from liepoisson.proofs.certificate import ChainGraph, CoveringCertificate, Edge, Margins, Rotation, chain_graph
 from liepoisson.proofs.polynomial_field import PolynomialField
 
 SMALL = Fraction(1, 10)
@@ -480,6 +478,3 @@ def _down(x: arb) -> float:
 def _up(x: arb) -> float:
     """A double above a ball, for printing."""
     return math.nextafter(float(x.upper()), math.inf)
-
-
-__all__ = ["CoveringMargins", "check_in_balls"]

@@ -154,15 +154,12 @@ class CommutativeAlgebra:
         """An element x whose powers span A modulo the nilradical, and its minimal polynomial there."""
         wanted = self.dimension - len(self.nilradical)
         # The last candidates suffice: two characters agree on sum_i (i + 1)^k e_i for finitely many k only.
-        powers = (self._combination([(i + 1) ** k for i in range(self.dimension)]) for k in count(1))
+        powers = (tuple(self.field.number((i + 1) ** k) for i in range(self.dimension)) for k in count(1))
         for x in chain(self.basis, powers):
             polynomial = self._minimal_polynomial(x)
             if len(polynomial) == wanted + 1:
                 return x, polynomial
         raise AssertionError
-
-    def _combination(self, weights: Sequence[int]) -> Vector:
-        return tuple(self.field.number(weight) for weight in weights)
 
     def _minimal_polynomial(self, x: Vector) -> list[Scalar]:
         assert self.unit is not None

@@ -87,7 +87,7 @@ def _one_form(component: Component) -> RealFactor:
     form = [[algebra.coordinates(algebra.multiply(u, v), t)[0] for v in generators] for u in generators]
     kernel = null_space(field, form, d)
     units = [tuple(field.one if i == j else field.zero for j in range(d)) for i in range(d)]
-    support = [list(v) for v in _complete(algebra, kernel, units)]
+    support = [list(v) for v in algebra.complement(kernel, units)]
     core = restricted(form, support)
     signs = signature(field, diagonalise(field, core))
     shapes: dict[tuple[int, int], tuple[Callable[..., Sequence[SurdCoordinates]], str]] = {
@@ -227,10 +227,6 @@ def _generators(component: Component) -> list[Vector]:
     """Elements of m that are a basis of m modulo m^2."""
     ideal, square = component.powers[0], [*component.powers, []][1]
     return component.algebra.complement(square, ideal)
-
-
-def _complete(algebra: CommutativeAlgebra, kernel: Sequence[Vector], units: Sequence[Vector]) -> list[Vector]:
-    return algebra.complement(kernel, units)
 
 
 def _powers(algebra: CommutativeAlgebra, unit: Vector, x: Vector, length: int) -> list[Vector]:

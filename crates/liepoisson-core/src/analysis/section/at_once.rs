@@ -1,30 +1,30 @@
 //! A whole step of a surface that is linear in the state, from what is known of all lanes at once: most steps end here.
 
 use super::remainder::{error_of_state, first_of_last, is_in_range, small};
-use super::room::{BLUNT, SHARP, error_of_form, unit};
 use super::survey::{Mark, RANGE};
-use super::{Part, Recorder};
-use crate::ensemble::{AnyEnsemble, Step};
+use super::workspace::{BLUNT, SHARP, error_of_form, unit};
+use super::{Part, Recorder, SectionEnsemble};
+use crate::ensemble::Step;
 use crate::method::{Overview, SeriesSums};
 
 impl Recorder<'_> {
     /// Looks for crossings on a whole step of a surface that is linear in the state, from what is known of all lanes; whether
     /// that was enough. It sees what [`Recorder::look`] would.
     pub(super) fn look_at_once(&mut self, lane: usize, step: &Step<'_>, whole: Part) -> bool {
-        let (n_lanes, overview) = (self.seats.len(), &self.overview);
+        let (n_lanes, overview) = (self.slots.len(), &self.overview);
         let known = self.is_looked_over.then(|| known_at_once((lane, n_lanes), step.size, self.ensemble, overview));
         let Some(Known { error, is_bounded }) = known.flatten() else { return false };
         let values = overview.values[lane..].iter().step_by(n_lanes).copied();
         let positive =
             sign_along(&overview.sums[lane], [overview.values[lane], overview.values[n_lanes + lane]], error);
-        self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
+        self.slots[lane].uncertified.n_unbounded += u64::from(!is_bounded);
         if let Some(positive) = positive {
-            self.seats[lane].doubt_side(overview.values[lane], error);
+            self.slots[lane].forget_refuted_side(overview.values[lane], error);
             self.note(lane, step, whole, Mark::Sign { at: 0.0, positive }, |_| 0.0);
-            self.doubt_the_regained(lane, step, whole);
+            self.count_lost_change(lane, step, whole);
         } else {
-            self.room.series.clear();
-            self.room.series.extend(values);
+            self.workspace.series.clear();
+            self.workspace.series.extend(values);
             self.survey_part(lane, step, whole, error);
         }
         true
@@ -36,7 +36,7 @@ impl Recorder<'_> {
 fn known_at_once(
     (lane, n_lanes): (usize, usize),
     step: f64,
-    field: &AnyEnsemble<'_>,
+    field: &SectionEnsemble<'_>,
     overview: &Overview<'_>,
 ) -> Option<Known> {
     let sums = &overview.sums[lane];

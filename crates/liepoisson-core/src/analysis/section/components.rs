@@ -8,9 +8,9 @@
 //! The unit of a component is its own size on the step, unless it is small because large terms cancel: then its coefficients are
 //! wrong by the round-off of these terms, and they make the unit ([`Terms`]).
 
+use super::SectionEnsemble;
 use super::remainder::{Sizes, first_of_last, term};
-use super::room::unit;
-use crate::ensemble::AnyEnsemble;
+use super::workspace::unit;
 use crate::field::{Enclosure, Functions, Majorant, Rounding, Terms};
 
 /// Terms that add up over a step to more than so many sizes of a component cancel in it. Along the long steps of a free body
@@ -60,7 +60,7 @@ impl Components {
     }
 
     /// Finds the errors on the step that was measured, from its start: bounds, or estimates if there are no sharp ones; which of the two.
-    pub(super) fn find_errors(&mut self, start: &[f64], field: &AnyEnsemble<'_>) -> bool {
+    pub(super) fn find_errors(&mut self, start: &[f64], field: &SectionEnsemble<'_>) -> bool {
         let bound = match field.majorant {
             Some(_) => {
                 self.find_units(field);
@@ -86,20 +86,20 @@ impl Components {
     }
 
     /// The units, and the series in them, for a field of degree two.
-    fn find_units(&mut self, field: &AnyEnsemble<'_>) {
+    fn find_units(&mut self, field: &SectionEnsemble<'_>) {
         let Components { n, step, terms, rests, units, of_rates, in_units, .. } = self;
         rests.clear();
         rests.resize(*n, 0.0);
         units.clear();
         units.extend((0..*n).map(|i| terms[i..].iter().step_by(*n).sum::<f64>()));
         for _ in 0..PASSES {
-            field.terms(units, rests, of_rates);
+            field.field.terms(units, rests, of_rates);
             let sums = of_rates.linear.iter().zip(&of_rates.quadratic);
             for (unit, (linear, quadratic)) in units.iter_mut().zip(sums) {
                 *unit = unit.max(*step * (linear + quadratic) / CANCELS);
             }
         }
-        field.terms(units, rests, of_rates);
+        field.field.terms(units, rests, of_rates);
         let largest =
             |row: &[f64]| row.iter().zip(&*units).fold(0.0_f64, |most, (term, unit)| most.max(over(*term, *unit)));
         in_units.set(terms.chunks_exact(*n).map(largest), *step);
@@ -113,10 +113,10 @@ impl Components {
     }
 
     /// The units for any other field, whose terms are known by their round-off.
-    fn find_units_from_round_off(&mut self, start: &[f64], field: &AnyEnsemble<'_>) {
+    fn find_units_from_round_off(&mut self, start: &[f64], field: &SectionEnsemble<'_>) {
         self.find_rests(1.0);
         let Components { n, step, terms, rests, units, of_rates, .. } = self;
-        field.terms(start, rests, of_rates);
+        field.field.terms(start, rests, of_rates);
         let largest = (0..*n).map(|i| terms[i] + rests[i]).fold(0.0, f64::max);
         units.clear();
         units.extend((0..*n).map(|i| {

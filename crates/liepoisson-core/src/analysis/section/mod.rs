@@ -2,32 +2,34 @@
 //!
 //! In every step the series of `s` follows from that of the state. Its sign is surveyed piece by piece ([`survey`]), with a
 //! bound of what it leaves out ([`remainder`]) and of round-off, so that no pair of crossings within a step is missed.
-//! Where that fails, the time for which it does is kept beside the crossings ([`Doubts`]).
+//! Where that fails, the time for which it does is kept beside the crossings ([`Uncertified`]).
 
 mod at_once;
 mod components;
+mod ensemble;
 mod points;
 mod remainder;
-mod room;
-mod seat;
+mod slot;
 mod survey;
+mod workspace;
 
-use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
-use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
+use super::{POISONED, UNREACHED, filled, name_unreached};
+use crate::ensemble::{Control, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::{Functions, Hold};
+use crate::field::Functions;
 use crate::lanes::{ROUNDINGS, Simd};
-use crate::method::{Block, Overview, Taylor};
+use crate::method::{Overview, Series};
+pub use ensemble::SectionEnsemble;
 use points::Collected;
 pub use points::Points;
 use remainder::shifted;
-use room::Room;
-use seat::{Lost, Seat};
+use slot::{Lost, Slot};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use survey::{Mark, first_known, is_known, survey};
+use workspace::Workspace;
 
 /// A surface of section.
 #[derive(Clone, Debug)]
@@ -41,14 +43,14 @@ pub struct Surface {
     /// Crossings after which a trajectory ends, where the sign of the function after the last one is known: beside it, and
     /// before the next.
     pub n_crossings: Option<usize>,
-    /// The sign of the function before the start, member by member, 0 where it is not known; empty if it nowhere is. A member that
-    /// starts on the surface crosses it there if the sign afterwards is the other one.
+    /// The sign of the function before the start, trajectory by trajectory, 0 where it is not known; empty if it nowhere is. A
+    /// trajectory that starts on the surface crosses it there if the sign afterwards is the other one.
     pub sides: Vec<i8>,
 }
 
 /// Where less is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Doubts {
+pub struct Uncertified {
     /// Steps in which the error of the state could be estimated only, not bounded.
     pub n_unbounded: u64,
     /// Steps with a part of which nothing is known: crossings there are not found, and a change of sign across it is none.
@@ -68,9 +70,9 @@ pub struct Doubts {
     pub is_in_surface: bool,
 }
 
-impl Doubts {
-    /// Of a member before its first step.
-    const NONE: Doubts = Doubts {
+impl Uncertified {
+    /// Of a trajectory before its first step.
+    const NONE: Uncertified = Uncertified {
         n_unbounded: 0,
         n_unseen: 0,
         n_lost_changes: 0,
@@ -81,63 +83,61 @@ impl Doubts {
     };
 }
 
-/// Sections of all members of an ensemble: points member by member.
+/// Sections of all trajectories of an ensemble: points trajectory by trajectory.
 pub struct Sections {
     /// Where they cross: the function has one sign before, beyond its error, and the other afterwards.
     pub crossings: Points,
-    /// Number of crossings of each member.
+    /// Number of crossings of each trajectory.
     pub crossing_counts: Vec<usize>,
     /// Where they come within the error of the surface and leave to the side that they came from; whether they crossed in
     /// between is not decided.
     pub touches: Points,
-    /// Number of such points of each member.
+    /// Number of such points of each trajectory.
     pub touch_counts: Vec<usize>,
-    /// Of each member.
-    pub doubts: Vec<Doubts>,
-    /// The last sign of the function that was known of each member, 0 if none was or if it was lost since: what to go on with.
+    /// Of each trajectory.
+    pub uncertified: Vec<Uncertified>,
+    /// The last sign of the function that was known of each trajectory, 0 if none was or if it was lost since: what to go on with.
     pub sides: Vec<i8>,
-    /// The length of the first step of each member; NaN if it took none.
+    /// The length of the first step of each trajectory; NaN if it took none.
     pub first_steps: Vec<f64>,
-    /// The end of each member.
+    /// The end of each trajectory.
     pub summaries: Vec<Summary>,
 }
 
-/// Integrates the ensemble and keeps where its members cross a surface; they start at the first of its times and end at
+/// Integrates the ensemble and keeps where its trajectories cross a surface; they start at the first of its times and end at
 /// the last.
 ///
 /// A pair of crossings of the power series inside a step, however close, is found if the function goes beyond its error
 /// between them. That error is the sum of what the series of the function leaves out, which is bounded, of how far the error
 /// of the state moves the function, and of an estimate of round-off. The error of the state is bounded for fields of degree
-/// two where the bound is sharp, and estimated by the last four terms of its series otherwise ([`Doubts::n_unbounded`]).
-/// A member that starts on the surface, within the error, does not cross it there, unless it is known where it comes from
+/// two where the bound is sharp, and estimated by the last four terms of its series otherwise ([`Uncertified::n_unbounded`]).
+/// A trajectory that starts on the surface, within the error, does not cross it there, unless it is known where it comes from
 /// ([`Surface::sides`]). Where the function cannot be followed
-/// nothing is found, and [`Doubts`] say for how long.
+/// nothing is found, and [`Uncertified`] say for how long.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; functions of another number of components than the field; a direction that is none, no crossing
-/// wanted; no memory for the points.
-pub fn sections<F: Hold>(
-    ensemble: &Ensemble<'_, F, Taylor>,
+/// See [`AnyEnsemble::check`](crate::ensemble::AnyEnsemble::check); functions of another number of components than the field; a
+/// direction that is none, no crossing wanted; no memory for the points.
+pub fn sections<'a>(
+    ensemble: impl Into<SectionEnsemble<'a>>,
     surface: &Surface,
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    mut watch: impl FnMut(&dyn Fn(Duration) -> bool),
 ) -> Result<Sections, Error> {
-    let mut watch = Some(watch);
-    let watch: Watch<'_> = &mut |wait| watch.take().expect(CALLED_ONCE)(wait);
-    sections_of(&ensemble.any(), surface, threads, simd, control, watch)
+    sections_of(&ensemble.into(), surface, threads, simd, control, &mut watch)
 }
 
 fn sections_of(
-    ensemble: &AnyEnsemble<'_>,
+    ensemble: &SectionEnsemble<'_>,
     surface: &Surface,
     threads: usize,
     simd: Simd,
     control: &Control,
     watch: Watch<'_>,
 ) -> Result<Sections, Error> {
-    let (n, members) = (ensemble.n_components, ensemble.n_members());
+    let (n, trajectories) = (ensemble.any.n_components, ensemble.n_trajectories());
     for functions in std::iter::once(&surface.function).chain(&surface.kept) {
         if functions.n_components() != n {
             return Err(Error::Length { name: "variables of the surface", wanted: n, got: functions.n_components() });
@@ -149,18 +149,18 @@ fn sections_of(
     if surface.n_crossings == Some(0) {
         return Err(Error::NoCrossings);
     }
-    ensemble.check()?;
-    if ![0, members].contains(&surface.sides.len()) {
-        return Err(Error::Length { name: "sides", wanted: members, got: surface.sides.len() });
+    ensemble.any.check()?;
+    if ![0, trajectories].contains(&surface.sides.len()) {
+        return Err(Error::Length { name: "sides", wanted: trajectories, got: surface.sides.len() });
     }
     let refused = AtomicUsize::new(0);
     let ended = Mutex::new(Ended {
-        crossings: Collected::new(members)?,
-        touches: Collected::new(members)?,
-        doubts: filled(members, Doubts::NONE)?,
-        sides: filled(members, 0)?,
-        first_steps: filled(members, f64::NAN)?,
-        summaries: filled(members, UNREACHED)?,
+        crossings: Collected::new(trajectories)?,
+        touches: Collected::new(trajectories)?,
+        uncertified: filled(trajectories, Uncertified::NONE)?,
+        sides: filled(trajectories, 0)?,
+        first_steps: filled(trajectories, f64::NAN)?,
+        summaries: filled(trajectories, UNREACHED)?,
     });
     let recorder = |lanes| Recorder {
         shared: &ended,
@@ -169,36 +169,35 @@ fn sections_of(
         surface,
         ensemble,
         n,
-        start: ensemble.times[0],
-        seats: vec![Seat::default(); lanes],
-        room: Room::default(),
+        start: ensemble.any.times[0],
+        slots: vec![Slot::default(); lanes],
+        workspace: Workspace::default(),
         overview: Overview { form: surface.function.linear_form().unwrap_or_default(), ..Overview::default() },
         is_looked_over: false,
     };
-    ensemble.run(threads, simd, control, recorder, watch)?;
+    ensemble.any.run(threads, simd, control, recorder, watch)?;
     match refused.into_inner() {
         0 => {}
         bytes => return Err(Error::Memory { bytes }),
     }
-    let Ended { crossings, touches, doubts, sides, first_steps, mut summaries } = ended.into_inner().expect(POISONED);
+    let Ended { crossings, touches, uncertified, sides, first_steps, mut summaries } =
+        ended.into_inner().expect(POISONED);
     name_unreached(&mut summaries, control);
     let width = surface.kept.as_ref().map_or(n, Functions::n_functions);
     let (crossings, crossing_counts) = crossings.arrange(width)?;
     let (touches, touch_counts) = touches.arrange(width)?;
-    Ok(Sections { crossings, crossing_counts, touches, touch_counts, doubts, sides, first_steps, summaries })
+    Ok(Sections { crossings, crossing_counts, touches, touch_counts, uncertified, sides, first_steps, summaries })
 }
 
-/// What is known of members that have ended.
+/// What is known of trajectories that have ended.
 struct Ended {
     crossings: Collected,
     touches: Collected,
-    doubts: Vec<Doubts>,
+    uncertified: Vec<Uncertified>,
     sides: Vec<i8>,
     first_steps: Vec<f64>,
     summaries: Vec<Summary>,
 }
-
-const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'s> {
     shared: &'s Mutex<Ended>,
@@ -206,94 +205,96 @@ struct Recorder<'s> {
     /// Bytes for points that could not be had; the run is then cancelled.
     refused: &'s AtomicUsize,
     surface: &'s Surface,
-    ensemble: &'s AnyEnsemble<'s>,
+    ensemble: &'s SectionEnsemble<'s>,
     n: usize,
-    /// Time at which members start.
+    /// Time at which trajectories start.
     start: f64,
-    seats: Vec<Seat>,
-    room: Room,
+    slots: Vec<Slot>,
+    workspace: Workspace,
     /// What is known of a surface that is linear in the state for all trajectories at once.
     overview: Overview<'s>,
     is_looked_over: bool,
 }
 
 impl Observer for Recorder<'_> {
-    fn begin(&mut self, lane: usize, member: usize) {
-        let side = self.surface.sides.get(member).map_or(0, |side| side.signum());
-        self.seats[lane] = Seat::default();
-        self.seats[lane].side = side;
+    fn begin(&mut self, lane: usize, trajectory: usize) {
+        let side = self.surface.sides.get(trajectory).map_or(0, |side| side.signum());
+        self.slots[lane] = Slot::default();
+        self.slots[lane].side = side;
     }
 
     fn looks_over(&self) -> bool {
         self.surface.function.linear_form().is_some()
     }
 
-    fn look_over(&mut self, block: &dyn Block, steps: &[f64]) {
-        self.is_looked_over = block.look_over(steps, &mut self.overview);
+    fn look_over(&mut self, series: &dyn Series, steps: &[f64]) {
+        self.is_looked_over = series.look_over(steps, &mut self.overview);
     }
 
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
-        let mut state = std::mem::take(&mut self.room.state);
+        let mut state = std::mem::take(&mut self.workspace.state);
         state.clear();
-        (self.room.n_lost, self.room.is_blind, self.room.n_spare) = (0, false, MOST_SPARE[0]);
+        (self.workspace.n_lost, self.workspace.is_blind, self.workspace.n_spare) = (0, false, MOST_SPARE[0]);
         let whole = Part { from: 0.0, length: 1.0 };
-        if self.seats[lane].first_step.is_nan() {
-            self.seats[lane].first_step = step.size.abs();
+        if self.slots[lane].first_step.is_nan() {
+            self.slots[lane].first_step = step.size.abs();
         }
         let looked = if self.look_at_once(lane, step, whole) {
             ControlFlow::Continue(())
         } else if step.copy_series(usize::MAX, &mut state).is_ok() {
-            let is_bounded = self.room.measure(&state, step.size, self.ensemble);
-            self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
+            let is_bounded = self.workspace.measure(&state, step.size, self.ensemble);
+            self.slots[lane].uncertified.n_unbounded += u64::from(!is_bounded);
             self.look(lane, step, &state, whole, 0)
         } else {
             self.lose_sight(lane, step, whole, true);
             ControlFlow::Continue(())
         };
-        self.room.state = state;
-        let seat = &mut self.seats[lane];
-        seat.doubts.n_unseen += u64::from(self.room.is_blind);
-        if seat.refused > 0 {
-            self.refused.store(seat.refused, Ordering::Relaxed);
+        self.workspace.state = state;
+        let slot = &mut self.slots[lane];
+        slot.uncertified.n_unseen += u64::from(self.workspace.is_blind);
+        if slot.refused > 0 {
+            self.refused.store(slot.refused, Ordering::Relaxed);
             self.control.cancel();
         } else if let ControlFlow::Break(after) = looked {
-            seat.is_cut = true;
+            slot.is_cut = true;
             return ControlFlow::Break(Stop::Interrupted { after: after * step.size });
         }
-        if self.seats[lane].refused == 0 && self.seats[lane].crossings.signs.len() < self.wanted() {
+        if self.slots[lane].refused == 0 && self.slots[lane].crossings.signs.len() < self.wanted() {
             ControlFlow::Continue(())
         } else {
-            ControlFlow::Break(Stop::Served { after: self.seats[lane].served_at * step.size })
+            ControlFlow::Break(Stop::Served { after: self.slots[lane].served_at * step.size })
         }
     }
 
-    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
-        let can_tell = !self.seats[lane].had_side && self.can_tell(&summary.state);
-        let seat = &mut self.seats[lane];
-        seat.leave_the_nearest();
-        if !seat.had_side && summary.n_steps > 0 {
-            seat.doubts.is_in_surface = can_tell && seat.doubts.n_unseen == 0 && !seat.is_cut;
-            if !seat.doubts.is_in_surface {
+    fn end(&mut self, lane: usize, trajectory: usize, summary: Summary) {
+        let can_tell = !self.slots[lane].had_side && self.can_tell(&summary.state);
+        let slot = &mut self.slots[lane];
+        slot.leave_the_nearest();
+        if !slot.had_side && summary.n_steps > 0 {
+            slot.uncertified.is_in_surface = can_tell && slot.uncertified.n_unseen == 0 && !slot.is_cut;
+            if !slot.uncertified.is_in_surface {
                 let time = (summary.time - self.start).abs();
-                seat.doubts.unresolved_time = (time - seat.doubts.undefined_time).max(0.0);
-                seat.doubts.seen_to = self.start;
+                slot.uncertified.unresolved_time = (time - slot.uncertified.undefined_time).max(0.0);
+                slot.uncertified.seen_to = self.start;
             }
         }
-        if seat.doubts.seen_to.is_nan() {
-            seat.doubts.seen_to = summary.time;
+        if slot.uncertified.seen_to.is_nan() {
+            slot.uncertified.seen_to = summary.time;
         }
         let mut shared = self.shared.lock().expect(POISONED);
-        let taken =
-            [shared.crossings.take(member, &mut seat.crossings), shared.touches.take(member, &mut seat.touches)];
+        let taken = [
+            shared.crossings.take(trajectory, &mut slot.crossings),
+            shared.touches.take(trajectory, &mut slot.touches),
+        ];
         if let Some(&bytes) =
-            taken.iter().find_map(|taken| taken.as_ref().err()).or((seat.refused > 0).then_some(&seat.refused))
+            taken.iter().find_map(|taken| taken.as_ref().err()).or((slot.refused > 0).then_some(&slot.refused))
         {
             self.refused.store(bytes, Ordering::Relaxed);
             self.control.cancel();
         }
-        (shared.doubts[member], shared.sides[member], shared.first_steps[member]) =
-            (seat.doubts, seat.side, seat.first_step);
-        shared.summaries[member] = summary;
+        (shared.uncertified[trajectory], shared.sides[trajectory], shared.first_steps[trajectory]) =
+            (slot.uncertified, slot.side, slot.first_step);
+        shared.summaries[trajectory] = summary;
     }
 }
 
@@ -341,7 +342,7 @@ impl Recorder<'_> {
     /// The step is as long as the series of the state allows; a function with a singularity of its own near the orbit, such as
     /// a pole or the end of a root, or a steep one, has a series that needs shorter parts.
     fn look(&mut self, lane: usize, step: &Step<'_>, state: &[f64], part: Part, halvings: u32) -> ControlFlow<f64> {
-        if self.seats[lane].crossings.signs.len() >= self.wanted() {
+        if self.slots[lane].crossings.signs.len() >= self.wanted() {
             return ControlFlow::Continue(());
         }
         // most steps need no halving, and one part takes no time
@@ -350,26 +351,26 @@ impl Recorder<'_> {
         }
         let (surface, n) = (self.surface, self.n);
         if halvings == MOST_HALVINGS {
-            let mut n_spare = self.room.n_spare.min(MOST_SPARE[1]);
+            let mut n_spare = self.workspace.n_spare.min(MOST_SPARE[1]);
             let can_be_followed =
                 n_spare > 0 && self.can_be_followed(state, step.size, part.length, halvings, &mut n_spare);
-            self.room.can_be_followed = can_be_followed;
+            self.workspace.can_be_followed = can_be_followed;
             // where it is not a single singularity, other parts of the step would cost as much
-            self.room.n_spare =
-                if can_be_followed { self.room.n_spare.saturating_sub(MOST_SPARE[1] - n_spare) } else { 0 };
+            self.workspace.n_spare =
+                if can_be_followed { self.workspace.n_spare.saturating_sub(MOST_SPARE[1] - n_spare) } else { 0 };
         }
-        let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.room.can_be_followed;
+        let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.workspace.can_be_followed;
         let is_last =
-            halvings >= MOST_HALVINGS && !has_spare || halvings <= MOST_HALVINGS && self.room.n_lost >= MOST_LOST;
+            halvings >= MOST_HALVINGS && !has_spare || halvings <= MOST_HALVINGS && self.workspace.n_lost >= MOST_LOST;
         // the whole step is measured already
         if halvings > 0 {
-            self.room.measure_part(state, step.size * part.length, n);
+            self.workspace.measure_part(state, step.size * part.length, n);
         }
-        self.room.expand(state, step.size * part.length, &surface.function, n);
+        self.workspace.expand(state, step.size * part.length, &surface.function, n);
         let mut exists = true;
-        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
-            let vanishes = self.room.vanishes(&state[..n], &surface.function, error.size);
-            let is_seen = vanishes.is_none() && (error.is_sharp || is_known(&self.room.series, error.size));
+        if let Some(error) = self.workspace.error(&state[..n], &surface.function, halvings, is_last) {
+            let vanishes = self.workspace.vanishes(&state[..n], &surface.function, error.size);
+            let is_seen = vanishes.is_none() && (error.is_sharp || is_known(&self.workspace.series, error.size));
             if is_seen {
                 self.survey_part(lane, step, part, error.size);
                 return ControlFlow::Continue(());
@@ -386,12 +387,12 @@ impl Recorder<'_> {
             self.lose_sight(lane, step, part, exists);
             return ControlFlow::Continue(());
         }
-        let (n_lost, half) = (self.room.n_lost, Part { length: part.length / 2.0, ..part });
+        let (n_lost, half) = (self.workspace.n_lost, Part { length: part.length / 2.0, ..part });
         self.look(lane, step, state, half, halvings + 1)?;
         let middle = shifted(state, n, step.size * half.length);
         let looked = self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1);
         if halvings >= MOST_HALVINGS {
-            self.room.n_lost = self.room.n_lost.min(n_lost + 1); // one singularity
+            self.workspace.n_lost = self.workspace.n_lost.min(n_lost + 1); // one singularity
         }
         looked
     }
@@ -408,10 +409,10 @@ impl Recorder<'_> {
             return true;
         }
         let (function, n) = (&self.surface.function, self.n);
-        self.room.measure_part(state, size * length, n);
-        self.room.expand(state, size * length, function, n);
-        if let Some(error) = self.room.error(&state[..n], function, halvings, false)
-            && self.room.vanishes(&state[..n], function, error.size) != Some(false)
+        self.workspace.measure_part(state, size * length, n);
+        self.workspace.expand(state, size * length, function, n);
+        if let Some(error) = self.workspace.error(&state[..n], function, halvings, false)
+            && self.workspace.vanishes(&state[..n], function, error.size) != Some(false)
         {
             return true;
         }
@@ -422,31 +423,31 @@ impl Recorder<'_> {
 
     /// Notes what the series of the function, known up to an error, says of its sign on a part of a step.
     fn survey_part(&mut self, lane: usize, step: &Step<'_>, part: Part, error: f64) {
-        let series = std::mem::take(&mut self.room.series);
-        self.seats[lane].doubt_side(series[0], error);
+        let series = std::mem::take(&mut self.workspace.series);
+        self.slots[lane].forget_refuted_side(series[0], error);
         survey(&series, error, &mut |mark| self.note(lane, step, part, mark, |mark| first_known(&series, error, mark)));
-        self.room.series = series;
-        self.doubt_the_regained(lane, step, part);
+        self.workspace.series = series;
+        self.count_lost_change(lane, step, part);
     }
 
     /// Draws the conclusion from what is known of the sign at a place of a part, and, by `known_from`, from where on it is.
     fn note(&mut self, lane: usize, step: &Step<'_>, part: Part, mark: Mark, known_from: impl FnOnce(Mark) -> f64) {
-        let (wanted, surface, n, seat) = (self.wanted(), self.surface, self.n, &mut self.seats[lane]);
-        if seat.crossings.signs.len() < wanted {
-            let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);
-            seat.note(mark, surface.direction, keep);
-            if seat.crossings.signs.len() == wanted {
-                seat.served_at = part.from + known_from(mark) * part.length;
+        let (wanted, surface, n, slot) = (self.wanted(), self.surface, self.n, &mut self.slots[lane]);
+        if slot.crossings.signs.len() < wanted {
+            let keep = &mut |at| self.workspace.keep(step, surface, n, part.from + at * part.length);
+            slot.note(mark, surface.direction, keep);
+            if slot.crossings.signs.len() == wanted {
+                slot.served_at = part.from + known_from(mark) * part.length;
             }
         }
     }
 
     /// Counts a change of sign across a gap that ends with this part, unless there is a pole in it.
-    fn doubt_the_regained(&mut self, lane: usize, step: &Step<'_>, part: Part) {
-        if let Some(lost) = self.seats[lane].regained.take()
+    fn count_lost_change(&mut self, lane: usize, step: &Step<'_>, part: Part) {
+        if let Some(lost) = self.slots[lane].regained.take()
             && !self.is_pole(step, lost.time, part.from * step.size)
         {
-            self.seats[lane].doubts.n_lost_changes += 1;
+            self.slots[lane].uncertified.n_lost_changes += 1;
         }
     }
 
@@ -461,7 +462,7 @@ impl Recorder<'_> {
         let (mut state, mut value) = (vec![0.0; self.n], [0.0]);
         let mut size = |tau: f64| {
             step.state(tau, &mut state);
-            self.surface.function.series(&state, &mut self.room.work, &mut value);
+            self.surface.function.series(&state, &mut self.workspace.work, &mut value);
             value[0].abs()
         };
         size(start) > GROWS * size(start - length) && size(to) > GROWS * size(to + length)
@@ -469,24 +470,24 @@ impl Recorder<'_> {
 
     /// Nothing is known of the function here: what its sign was before says nothing about what comes.
     fn lose_sight(&mut self, lane: usize, step: &Step<'_>, part: Part, exists: bool) {
-        self.room.n_lost += usize::from(exists);
-        self.room.is_blind = true;
-        let seat = &mut self.seats[lane];
-        seat.leave_the_nearest();
-        seat.lost = match seat.lost.take() {
+        self.workspace.n_lost += usize::from(exists);
+        self.workspace.is_blind = true;
+        let slot = &mut self.slots[lane];
+        slot.leave_the_nearest();
+        slot.lost = match slot.lost.take() {
             _ if !exists => None,
             Some(lost) => Some(lost),
-            None => (seat.side != 0).then_some(Lost { side: seat.side, time: step.time + part.from * step.size }),
+            None => (slot.side != 0).then_some(Lost { side: slot.side, time: step.time + part.from * step.size }),
         };
-        seat.side = 0;
+        slot.side = 0;
         let time = (part.length * step.size).abs();
         if exists {
-            seat.doubts.unresolved_time += time;
-            if seat.doubts.seen_to.is_nan() {
-                seat.doubts.seen_to = step.time + part.from * step.size;
+            slot.uncertified.unresolved_time += time;
+            if slot.uncertified.seen_to.is_nan() {
+                slot.uncertified.seen_to = step.time + part.from * step.size;
             }
         } else {
-            seat.doubts.undefined_time += time;
+            slot.uncertified.undefined_time += time;
         }
     }
 
@@ -495,7 +496,7 @@ impl Recorder<'_> {
         let (mut state, mut value) = (vec![0.0; self.n], [0.0]);
         (0..5).any(|place| {
             step.state((part.from + 0.25 * f64::from(place) * part.length) * step.size, &mut state);
-            self.surface.function.series(&state, &mut self.room.work, &mut value);
+            self.surface.function.series(&state, &mut self.workspace.work, &mut value);
             value[0].is_finite()
         })
     }
@@ -504,7 +505,7 @@ impl Recorder<'_> {
     fn leaves_the_range(&mut self, step: &Step<'_>, part: Part) -> bool {
         let mut state = vec![0.0; self.n];
         step.state((part.from + 0.5 * part.length) * step.size, &mut state);
-        let numbers = &mut self.room.enclosures;
+        let numbers = &mut self.workspace.enclosures;
         self.surface.function.enclosure(&state, 0.0, 0.0, 0.0, numbers);
         numbers.iter().any(|number| number.value.is_infinite())
     }
@@ -519,7 +520,7 @@ impl Recorder<'_> {
         (0..state.len()).any(|i| {
             let found = BESIDE.iter().any(|distance| {
                 beside[i] = state[i] + distance * size;
-                let work = &mut self.room.enclosures;
+                let work = &mut self.workspace.enclosures;
                 let found = self.surface.function.enclosure(&beside, 0.0, unit * size, unit, work);
                 found.value.abs() > found.error
             });

@@ -45,22 +45,22 @@ impl Points {
 #[derive(Default)]
 pub(super) struct Collected {
     points: Points,
-    /// Where the points of each member are: the first, and how many.
+    /// Where the points of each trajectory are: the first, and how many.
     places: Vec<(usize, usize)>,
 }
 
 impl Collected {
-    pub(super) fn new(members: usize) -> Result<Collected, Error> {
-        Ok(Collected { places: filled(members, (0, 0))?, ..Collected::default() })
+    pub(super) fn new(trajectories: usize) -> Result<Collected, Error> {
+        Ok(Collected { places: filled(trajectories, (0, 0))?, ..Collected::default() })
     }
 
-    /// Takes the points of a member, and leaves its arrays empty.
+    /// Takes the points of a trajectory, and leaves its arrays empty.
     ///
     /// # Errors
     /// The bytes for which there is no memory.
-    pub(super) fn take(&mut self, member: usize, points: &mut Points) -> Result<(), usize> {
+    pub(super) fn take(&mut self, trajectory: usize, points: &mut Points) -> Result<(), usize> {
         self.points.reserve(points.times.len(), points.states.len())?;
-        self.places[member] = (self.points.times.len(), points.times.len());
+        self.places[trajectory] = (self.points.times.len(), points.times.len());
         self.points.times.extend_from_slice(&points.times);
         self.points.states.extend_from_slice(&points.states);
         self.points.signs.extend_from_slice(&points.signs);
@@ -68,7 +68,7 @@ impl Collected {
         Ok(())
     }
 
-    /// The points member by member, and the number of points of each member.
+    /// The points trajectory by trajectory, and the number of points of each trajectory.
     ///
     /// In place, along the cycles of the permutation: a second copy of millions of states would double the memory.
     ///
@@ -111,17 +111,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_come_member_by_member_in_whatever_order_members_end() {
+    fn points_come_trajectory_by_trajectory_in_whatever_order_trajectories_end() {
         let counts = [3, 0, 2, 1, 4];
         for ending in [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [2, 4, 1, 0, 3], [3, 0, 4, 2, 1]] {
             let mut collected = Collected::new(counts.len()).unwrap();
-            for member in ending {
+            for trajectory in ending {
                 let mut points = Points::default();
-                for k in 0..counts[member] {
-                    let number = (10 * member + k) as f64;
+                for k in 0..counts[trajectory] {
+                    let number = (10 * trajectory + k) as f64;
                     points.push(number, &[number, -number], if k % 2 == 0 { 1 } else { -1 }).unwrap();
                 }
-                collected.take(member, &mut points).unwrap();
+                collected.take(trajectory, &mut points).unwrap();
                 assert_eq!(points, Points::default());
             }
             let (points, found) = collected.arrange(2).unwrap();

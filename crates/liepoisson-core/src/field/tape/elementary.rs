@@ -1,6 +1,6 @@
 //! Elementary functions of a register: the same bits for every width, from `+ - *` and fused multiply-add alone.
 
-use crate::lanes::{Lane, Number};
+use crate::lanes::{Lane, Number, polynomial};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E};
 
 /// `FRAC_PI_2 + PI_2_MIDDLE + PI_2_LOW` is pi/2 to 160 bits.
@@ -47,16 +47,6 @@ const EXPONENTIAL: [f64; 12] = [
     1.0 / 479_001_600.0,
     1.0 / 6_227_020_800.0,
 ];
-
-/// `c0 + z (c1 + z (...))`
-#[inline(always)]
-fn polynomial<V: Lane, const N: usize>(coefficients: &[f64; N], z: V) -> V {
-    let mut sum = V::splat(coefficients[N - 1]);
-    for i in (0..N - 1).rev() {
-        sum = sum.mul_add(z, V::splat(coefficients[i]));
-    }
-    sum
-}
 
 /// `a - b`
 #[inline(always)]

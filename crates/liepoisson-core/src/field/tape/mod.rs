@@ -19,7 +19,7 @@ pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::{Field, Hold, Space, Terms};
+use super::{Bounds, Field, Majorant, Space, Terms};
 use crate::error::Error;
 use crate::lanes::Lane;
 use enclosure::enclose;
@@ -79,22 +79,37 @@ impl Tape {
         let graph = Graph::new(n_components, &instructions, &outputs);
         Ok(Tape { n_components, instructions, outputs, program: Program::new(&graph), degree: graph.degree() })
     }
-}
 
-impl Space for Tape {
-    fn n_components(&self) -> usize {
-        self.n_components
+    /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
+    /// that is thin beside it.
+    pub(crate) fn has_steep_barriers(&self, order: usize) -> bool {
+        self.degree > order as f64 / 2.0
     }
 
-    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
-        to.clear(self.n_components);
-        enclose(&self.instructions, state, |i| (rest[i], 0.0), f64::EPSILON.into(), &mut to.work);
-        for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
-            *sum = to.work[output].error / f64::EPSILON;
-        }
+    /// Whether the field has branches, such as the two values of a root, that a series can pass from one to another.
+    pub(crate) fn has_branches(&self) -> bool {
+        !self.program.branches.is_empty()
     }
 
-    fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
+    /// Shortens steps, one for each lane, along which the solution would leave its branch, to zero where it is about to; given its
+    /// series up to `order` and the largest steps so far, with their signs, zero for a lane that has made none.
+    #[inline(always)]
+    pub(crate) fn keep_to_branches<V: Lane>(
+        &self,
+        rows: &[V],
+        n_tangents: usize,
+        order: usize,
+        largest: &[f64],
+        steps: &mut [f64],
+    ) {
+        let row = self.row(n_tangents);
+        // the work of the last order is not complete
+        let frame = Frame::new(&self.program, rows.len(), row, n_tangents, order - 1);
+        branch::keep(&self.program, &frame, &rows[frame.n_orders * row..], largest, steps);
+    }
+
+    /// The largest errors of the rates of change at `state` through round-off and the errors of its components.
+    pub(crate) fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
         to.clear(self.n_components);
         let of_component = |i: usize| (0.0, errors.map_or(0.0, |errors| errors[i]));
         enclose(&self.instructions, state, of_component, f64::EPSILON.into(), &mut to.work);
@@ -104,11 +119,23 @@ impl Space for Tape {
     }
 }
 
-impl Hold for Tape {
-    type Held<'f> = &'f Tape;
+impl Space for Tape {
+    fn n_components(&self) -> usize {
+        self.n_components
+    }
+}
 
-    fn hold(&self) -> &Tape {
-        self
+impl Bounds for Tape {
+    fn majorant(&self) -> Option<Majorant> {
+        None
+    }
+
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        to.clear(self.n_components);
+        enclose(&self.instructions, state, |i| (rest[i], 0.0), f64::EPSILON.into(), &mut to.work);
+        for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
+            *sum = to.work[output].error / f64::EPSILON;
+        }
     }
 }
 
@@ -126,33 +153,6 @@ impl Field for Tape {
         let frame = Frame::new(&self.program, rows.len(), self.row(n_tangents), n_tangents, k);
         let (components, work) = rows.split_at_mut(frame.n_orders * self.row(n_tangents));
         drive::complete_order(&self.program, &frame, &components[k * self.row(n_tangents)..], work);
-    }
-
-    fn shows_its_terms(&self) -> bool {
-        false
-    }
-
-    fn has_walls(&self, order: usize) -> bool {
-        self.degree > order as f64 / 2.0
-    }
-
-    fn has_branches(&self) -> bool {
-        !self.program.branches.is_empty()
-    }
-
-    #[inline(always)]
-    fn keep_to_branches<V: Lane>(
-        &self,
-        rows: &[V],
-        n_tangents: usize,
-        order: usize,
-        largest: &[f64],
-        steps: &mut [f64],
-    ) {
-        let row = self.row(n_tangents);
-        // the work of the last order is not complete
-        let frame = Frame::new(&self.program, rows.len(), row, n_tangents, order - 1);
-        branch::keep(&self.program, &frame, &rows[frame.n_orders * row..], largest, steps);
     }
 
     #[inline(always)]

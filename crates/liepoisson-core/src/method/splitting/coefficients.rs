@@ -3,28 +3,28 @@
 /// The compositions that there are, by order.
 pub(super) const ORDERS: [usize; 4] = [2, 4, 6, 8];
 
-/// One stage of a composition: what happens between two flows of the outermost piece.
+/// One stage of a composition: what happens between two flows of the outermost split term.
 ///
-/// With the first-order map `chi_h = phi1_h o ... o phim_h` of the flows of m pieces and its adjoint `chi*_h`, a method is
-/// `chi_{d_s h} o chi*_{c_s h} o ... o chi_{d_1 h} o chi*_{c_1 h}`. In stage k the flows of the inner pieces are passed
+/// With the first-order map `chi_h = phi1_h o ... o phim_h` of the flows of m split terms and its adjoint `chi*_h`, a method is
+/// `chi_{d_s h} o chi*_{c_s h} o ... o chi_{d_1 h} o chi*_{c_1 h}`. In stage k the flows of the inner split terms are passed
 /// inwards with the time `c_k h`, the innermost one takes `(c_k + d_k) h` at once, and they are passed outwards with the
 /// time `d_k h`; then the outermost one takes `(d_k + c_{k+1}) h`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stage {
     /// `c_k`
     pub inwards: f64,
-    /// `c_k + d_k`, the coefficient of the innermost piece.
+    /// `c_k + d_k`, the coefficient of the innermost split term.
     pub innermost: f64,
     /// `d_k`
     pub outwards: f64,
-    /// `d_k + c_{k+1}`, the coefficient of the outermost piece after the stage; in the last stage `d_k`.
+    /// `d_k + c_{k+1}`, the coefficient of the outermost split term after the stage; in the last stage `d_k`.
     pub outermost: f64,
 }
 
-/// A symmetric composition of flows: the outermost piece for the time `first h`, then stage after stage.
+/// A symmetric composition of flows: the outermost split term for the time `first h`, then stage after stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scheme {
-    /// Coefficient of the first flow, of the outermost piece.
+    /// Coefficient of the first flow, of the outermost split term.
     pub first: f64,
     /// The stages.
     pub stages: Vec<Stage>,
@@ -94,7 +94,7 @@ impl Scheme {
         Scheme::from_flows(outer.collect(), steps)
     }
 
-    /// The scheme with the first half of the flows of the outer piece, and all of the inner one.
+    /// The scheme with the first half of the flows of the outer split term, and all of the inner one.
     fn from_flows(outer: Vec<f64>, inner: Vec<f64>) -> Scheme {
         let outer_at = |k: usize| outer[k.min(inner.len() - k)];
         let mut inwards = outer[0];

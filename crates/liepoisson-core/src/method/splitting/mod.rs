@@ -1,4 +1,4 @@
-//! Splitting methods: compositions of the exact flows of pieces of a Hamiltonian, of order 2, 4, 6 and 8.
+//! Splitting methods: compositions of the exact flows of split terms of a Hamiltonian, of order 2, 4, 6 and 8.
 //!
 //! Every flow is a Poisson map, so a method keeps all Casimirs for any step, is a Poisson map itself, and keeps a nearby
 //! energy for exponentially long times. Tangent vectors are advanced by the derivative of the numerical map.
@@ -6,17 +6,18 @@
 //! # References
 //! McLachlan and Quispel, *Splitting methods*, Acta Numerica 11 (2002); McLachlan, *On the numerical integration of
 //! ordinary differential equations by symmetric composition methods*, SIAM J. Sci. Comput. 16 (1995): splittings into
-//! two pieces and compositions with the adjoint have the same conditions on their coefficients.
+//! two split terms and compositions with the adjoint have the same conditions on their coefficients.
 
 mod coefficients;
-mod pieces;
 mod rotation;
+mod split_terms;
 mod top;
 
 use crate::error::Error;
 use crate::field::{Space, Top};
 use crate::lanes::{Body, Lane, Number, Wide};
-use crate::method::{Block, Method, Single, StepOutcome, Stepping};
+use crate::method::variational::spread;
+use crate::method::{Block, Method, Precision, Series, Single, StepOutcome, Stepping};
 use coefficients::{ORDERS, Scheme};
 use top::DiscreteLagrange;
 
@@ -51,19 +52,9 @@ impl Splitting {
     pub fn order(&self) -> usize {
         self.order
     }
-
-    /// Longest step.
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
-    /// Most steps that a trajectory may take.
-    pub fn max_steps(&self) -> u64 {
-        self.max_steps
-    }
 }
 
-/// A field whose Hamiltonian is a sum of pieces with known flows.
+/// A field whose Hamiltonian is a sum of split terms with known flows.
 pub trait Split: Space {
     /// Takes `repeats` steps of each lane's size: `groups` holds the state and then the tangent vectors.
     fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64);
@@ -193,18 +184,14 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
     }
 
     fn stepping(&self) -> Stepping {
-        Stepping::Fixed(self.step)
+        Stepping::Fixed { longest: self.step, most_repeats: MOST_REPEATS }
     }
 
-    fn representable(&self, size: f64) -> f64 {
-        V::Number::of(size).to_f64()
+    fn precision(&self) -> Precision {
+        Precision::of::<V::Number>()
     }
 
-    fn most_repeats(&self) -> u64 {
-        MOST_REPEATS
-    }
-
-    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+    fn load(&mut self, lane: usize, _trajectory: usize, group: usize, values: &[f64]) {
         let at = self.group(group);
         for (register, &value) in self.groups[at].iter_mut().zip(values) {
             register.set(lane, value);
@@ -217,7 +204,7 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
         }
     }
 
-    fn prepare(&mut self, longest: &mut [f64]) {
+    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         longest.fill(f64::INFINITY);
     }
 
@@ -244,27 +231,16 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
         V::outline(Norms { group: &self.groups[self.group(group)], norms });
     }
 
-    /// Far enough from overflow for the growth of many steps: a quarter of the exponents that there are.
-    fn range_exponent(&self) -> i32 {
-        if size_of::<V::Number>() == size_of::<f32>() { 32 } else { 256 }
-    }
-
     fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
         let at = self.group(group);
         for register in &mut self.groups[at] {
             register.set(lane, libm::scalbn(register.get(lane), exponent));
         }
     }
-}
 
-/// One number for each lane, rounded to what it holds.
-#[inline(always)]
-fn lanes_of<V: Lane>(numbers: &[f64]) -> V {
-    let mut register = V::splat(0.0);
-    for (lane, &number) in numbers[..V::WIDTH].iter().enumerate() {
-        register.set(lane, number);
+    fn series(&self) -> Option<&dyn Series> {
+        None
     }
-    register
 }
 
 /// Whether all numbers are finite.

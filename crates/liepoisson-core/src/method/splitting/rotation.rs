@@ -4,7 +4,7 @@
 //! `c_n(z) = sum_k (-z)^k / (2k + n)!` at `z = |v|^2` are the functions of Stumpff: `c1 = sin|v| / |v|` and
 //! `c2 = (1 - cos|v|) / |v|^2`, smooth at `v = 0`.
 
-use crate::lanes::{Body, Lane, Number};
+use crate::lanes::{Body, Lane, Number, polynomial};
 
 /// l, alpha, beta, or a tangent vector to them.
 pub(super) type Group<V> = [V; 9];
@@ -36,16 +36,6 @@ const C4: [f64; 6] = [
 ];
 const C4_SINGLE: [f64; 4] =
     [0.041_666_666_665_652_88, -0.001_388_888_824_000_881_6, 2.480_093_812_029_699_7e-5, -2.734_933_832_966_970_5e-7];
-
-/// `c0 + z (c1 + z (...))`
-#[inline(always)]
-fn polynomial<V: Lane, const N: usize>(coefficients: &[f64; N], z: V) -> V {
-    let mut sum = V::splat(coefficients[N - 1]);
-    for i in (0..N - 1).rev() {
-        sum = sum.mul_add(z, V::splat(coefficients[i]));
-    }
-    sum
-}
 
 /// `c1`, `c2`, `c3` for `z` up to the limit.
 #[inline(always)]

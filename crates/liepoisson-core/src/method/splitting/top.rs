@@ -2,7 +2,7 @@
 
 use super::coefficients::{Scheme, Stage};
 use super::rotation::{Group, OfCayley, OfFlow, turn_about_axis, turn_about_momentum};
-use super::{Split, lanes_of};
+use super::{Split, spread};
 use crate::field::{Space, Top};
 use crate::lanes::{Body, Lane};
 
@@ -162,7 +162,7 @@ impl<K: Kinetic, V: Lane, const N: usize> Body for InRegisters<'_, K, V, N> {
         let (groups, _) = groups.as_chunks_mut::<9>();
         let mut x = groups[0];
         let mut tangents: [Group<V>; N] = std::array::from_fn(|k| groups[1 + k]);
-        Run::steps((top, scheme, repeats), self.kinetic, lanes_of(sizes), &mut x, &mut tangents);
+        Run::steps((top, scheme, repeats), self.kinetic, spread(sizes), &mut x, &mut tangents);
         groups[0] = x;
         groups[1..].copy_from_slice(&tangents);
     }
@@ -181,7 +181,7 @@ impl<K: Kinetic, V: Lane> Body for InMemory<'_, K, V> {
         let (groups, _) = groups.as_chunks_mut::<9>();
         let (first, tangents) = groups.split_first_mut().expect("there is always a state");
         let mut x = *first;
-        Run::steps((top, scheme, repeats), self.kinetic, lanes_of(sizes), &mut x, tangents);
+        Run::steps((top, scheme, repeats), self.kinetic, spread(sizes), &mut x, tangents);
         *first = x;
     }
 }

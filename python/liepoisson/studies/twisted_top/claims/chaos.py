@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from liepoisson.errors import LiePoissonError
 from liepoisson.model.system import System
-from liepoisson.proofs.margins import Margins
+from liepoisson.proofs.certificate import Margins
 from liepoisson.proofs.theorem import ChaosProof, prove_chaos
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict

@@ -6,7 +6,7 @@ from typing import Any
 
 from liepoisson.model.known_integrals import known_integrals
 from liepoisson.model.top_parameters import TopParameters
-from liepoisson.structure.locus import Locus
+from liepoisson.structure.strata import Locus
 from liepoisson.studies.twisted_top.claims.common import (
     casimir_identities,
     complete_integrability,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from liepoisson.model.charts.euler_angles import EulerAngles
-from liepoisson.model.charts.quaternions import body_rotation, left_matrix
+from liepoisson.model.charts.quaternion_chart import body_rotation, left_matrix
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import column, substitution, symbolic_top

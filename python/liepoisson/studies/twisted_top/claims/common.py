@@ -16,8 +16,7 @@ from liepoisson.studies.twisted_top.claims.typography import typeset
 
 if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
-    from liepoisson.structure.locus import Locus
-    from liepoisson.structure.strata import Stratum
+    from liepoisson.structure.strata import Locus, Stratum
 
 _SUBSCRIPTS = "₁₂₃"
 _CASIMIR_DEGREE = 3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.structure.locus import Locus
+from liepoisson.structure.strata import Locus
 from liepoisson.studies.twisted_top.claims.common import strata_steps
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict

@@ -1,0 +1,110 @@
+"""Every result is drawn by one function, which says so where something is no result."""
+
+import inspect
+import json
+from fractions import Fraction
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import liepoisson as lp
+from liepoisson.plot.results import _FIGURES
+from liepoisson.saved.rerun import RUNS
+from public_calls import rows
+
+TOP = lp.Top.kovalevskaya("1/2")
+SYMMETRY = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + J*l3^2 + a*alpha1", symbols=["J", "a"])
+STARTS = lp.sample_states(TOP, 4, seed=1)
+
+
+def results():
+    leaf = lp.Leaf.through(TOP, STARTS[0])
+    crossings = lp.section(TOP, STARTS, surface="l3", t_end=30)
+    return {
+        "orbit": lp.integrate(TOP, STARTS, t_end=5),
+        "chart orbit": lp.orbits.chart_orbit(lp.charts.EulerChart(TOP, state=STARTS[0]), STARTS[0], times=[0, 1, 2]),
+        "attitude": lp.orbits.attitude(TOP, STARTS, times=np.linspace(0, 2, 9)),
+        "growth": lp.finite_time_exponents(TOP, STARTS, t_end=20),
+        "section": crossings,
+        "spectrum": lp.lyapunov_spectrum(TOP, STARTS, t_end=40),
+        "rod": lp.orbits.rod(lp.Top.twisted_lagrange(), STARTS[0], length=3, n_points=30),
+        "sweep": lp.sweep(system="kovalevskaya", axes={"energy": [0.5, 1.0, 2.0]}, n_starts=3, t_end=20),
+        "energy profile": lp.chaos.exponents_by_energy(TOP, leaf=leaf, energies=[0.5, 1.0], n_starts=3, t_end=20),
+        "megno": lp.chaos.megno(TOP, STARTS, t_end=30),
+        "alignment": lp.chaos.alignment(TOP, STARTS, t_end=30),
+        "verdict": lp.decide(TOP, STARTS, t_end=150),
+        "exponent": lp.lyapunov_exponent(TOP, STARTS, t_end=500),
+        "frequency drift": lp.chaos.frequency_drift(TOP, STARTS, observable="l1", t_end=50),
+        "integral scan": lp.integrability.scan_integrals(SYMMETRY, axes={"J": [1, "3/2", 2], "a": [0, 1]}, degree=2),
+        "first return": lp.sections.first_return(TOP, crossings.state, surface="l3", t_end=30),
+    }
+
+
+@pytest.mark.thorough
+def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
+    before = json.dumps(dict(mpl.rcParams), default=str)
+    for kind, result in results().items():
+        figure = lp.plot.draw(result)
+        assert isinstance(figure, Figure), kind
+        figure.savefig(tmp_path / "figure.png")
+        assert (tmp_path / "figure.png").stat().st_size > 4_000, kind
+        drawn = [artist for ax in figure.axes for artist in (*ax.lines, *ax.collections, *ax.images)]
+        assert drawn, kind
+        plt.close("all")
+    assert json.dumps(dict(mpl.rcParams), default=str) == before
+    assert _FIGURES.keys() == RUNS.keys() == results().keys()
+    verdict = lp.decide(TOP, STARTS, t_end=150)
+    points = [line.get_ydata() for line in lp.plot.draw(verdict).axes[0].lines if line.get_marker() == "."]
+    np.testing.assert_allclose(sorted(np.concatenate(points)), sorted(verdict.mean_megno))
+
+
+def test_a_scan_marks_the_points_with_further_integrals():
+    scan = lp.integrability.scan_integrals(SYMMETRY, axes={"J": [1, "3/2"], "a": [0, 1]}, degree=2)
+    lines = {line.get_label(): line.get_xydata() for line in lp.plot.draw(scan).axes[0].lines}
+    # J = 1, a = 0 is the spherical top without gravity: l1, l2, l3 and |l|^2; J = 3/2, a = 0 keeps l3 (Lagrange, free).
+    assert {"1", "none (proved)"} & lines.keys()
+    for k, point in enumerate(scan.value):
+        name = str(scan.n_further[k]) if scan.n_further[k] else "none (proved)"
+        assert [float(Fraction(v)) for v in point] in lines[name].tolist()
+    plt.close("all")
+
+
+WRONG = (3, "text", None, object(), np.zeros(3), [1, 2], {"a": 1}, 1j, b"bytes", True, lp.so(3), lp.Top)
+NUMBERS = {"exponent_distribution", "sleeping_diagram"}
+"""Functions that draw numbers."""
+
+
+def calls():
+    """What each function draws first, and a call of those that take several values with each of their arguments."""
+    for name in lp.plot.__all__:
+        parameters = inspect.signature(getattr(lp.plot, name)).parameters.values()
+        needed = [one.name for one in parameters if one.default is one.empty and one.kind is not one.VAR_KEYWORD]
+        if needed:
+            yield name, needed, {}
+    for key, row in rows().items():
+        if key.startswith("plot."):
+            name = key.split(":")[0].removeprefix("plot.")
+            for argument, one in inspect.signature(row.function).parameters.items():
+                if one.kind is not one.VAR_KEYWORD:
+                    yield name, [argument], row.arguments
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_every_function_refuses_a_wrong_object_in_its_own_words():
+    wrong, drawn = [], set()
+    with mpl.rc_context():
+        for name, arguments, others in calls():
+            for value in WRONG:
+                try:
+                    getattr(lp.plot, name)(**others | dict.fromkeys(arguments, value))
+                    drawn |= set() if others else {name}
+                except lp.errors.LiePoissonError:
+                    pass
+                except Exception as error:
+                    wrong.append(f"{name}({', '.join(arguments)}={value!r:.40}): {type(error).__name__}: {error}")
+                plt.close("all")
+    assert not wrong, "\n".join(wrong)
+    assert drawn <= NUMBERS
