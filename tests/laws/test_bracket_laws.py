@@ -1,7 +1,6 @@
-"""Laws of Lie-Poisson brackets and tops, at random rational points and parameters, in exact arithmetic."""
+"""Laws of the brackets of the catalogue and of tops, at random rational points and parameters, in exact arithmetic."""
 
 from fractions import Fraction
-from itertools import product
 
 import numpy as np
 import pytest
@@ -9,47 +8,23 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from liepoisson import catalog
+from liepoisson.model.system import System
 from liepoisson.model.tops import Top
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import leibniz, semidirect
-from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.lie_algebras import so
 
-exactly = settings(deadline=None, max_examples=20, derandomize=True)
+exactly = settings(deadline=None, max_examples=12, derandomize=True)
 
 rational = st.fractions(min_value=-3, max_value=3, max_denominator=7)
 positive = st.fractions(min_value=Fraction(1, 7), max_value=3, max_denominator=7)
 vector = st.tuples(rational, rational, rational)
 
 
-def structure(n, entries):
-    c = [[[0] * n for _ in range(n)] for _ in range(n)]
-    for (i, j, k), value in entries.items():
-        c[i][j][k], c[j][i][k] = value, -value
-    return c
-
-
-def so21():
-    return LieAlgebra(structure(3, {(0, 1, 2): -1, (1, 2, 0): 1, (2, 0, 1): 1}), "so(2,1)")
-
-
-def se3():
-    """Rotations e0..e2 and translations e3..e5."""
-    entries = {}
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        entries |= {(i, j, k): 1, (i, j + 3, k + 3): 1, (j, i + 3, k + 3): -1}
-    return LieAlgebra(structure(6, entries), "se(3)")
-
-
-BRACKETS = {
-    "twisted": so(3) @ leibniz(3, "epsilon"),
-    "charged": so(3) @ semidirect(3),
-    "heavy": so(3) @ leibniz(2),
-    "order four": so(3) @ leibniz(4),
-    "so(2,1)": so21() @ leibniz(3, "epsilon"),
-    "se(3)": se3() @ leibniz(2),
-}
+ALL = {str(bracket): bracket for bracket in (catalog.system(name).bracket for name in catalog.names())}
+BRACKETS = {text: bracket for text, bracket in ALL.items() if bracket.dimension <= 12}
 named = st.sampled_from(sorted(BRACKETS))
 
 
@@ -71,53 +46,48 @@ def bracket_and_polynomials(draw):
 
 
 @pytest.mark.thorough
-@exactly
+@settings(exactly, max_examples=30)
 @given(bracket_and_polynomials())
-def test_brackets_are_antisymmetric(drawn):
-    bracket, f, g, _ = drawn
+def test_brackets_are_antisymmetric_derivations_and_obey_the_jacobi_identity(drawn):
+    bracket, f, g, h = drawn
     assert sp.expand(bracket(f, g) + bracket(g, f)) == 0
-
-
-@pytest.mark.thorough
-@exactly
-@given(bracket_and_polynomials())
-def test_brackets_obey_the_leibniz_rule(drawn):
-    bracket, f, g, h = drawn
     assert sp.expand(bracket(f * g, h) - f * bracket(g, h) - bracket(f, h) * g) == 0
-
-
-@pytest.mark.thorough
-@exactly
-@given(bracket_and_polynomials())
-def test_brackets_obey_the_jacobi_identity(drawn):
-    bracket, f, g, h = drawn
     cyclic = bracket(bracket(f, g), h) + bracket(bracket(g, h), f) + bracket(bracket(h, f), g)
     assert sp.expand(cyclic) == 0
 
 
-@pytest.mark.parametrize("name", BRACKETS)
-def test_all_triples_of_coordinates_obey_jacobi(name):
-    assert set(BRACKETS[name].jacobi_residuals().values()) == {0}
-
-
-@pytest.mark.parametrize("name", BRACKETS)
-def test_casimir_gradients_are_null_vectors(name):
-    bracket = BRACKETS[name]
-    found = bracket.casimirs()
-    assert found
-    for casimir in found:
-        assert set(bracket.vector_field(casimir)) == {0}
-
-
 @pytest.mark.thorough
+@pytest.mark.parametrize("name", ALL)
+def test_the_certificates_of_jacobi_and_rank(name):
+    """The rank is even; with a complete list it is what the Casimirs leave."""
+    bracket = ALL[name]
+    assert bracket.jacobi_certificate().holds
+    certificate = bracket.rank_certificate()
+    assert certificate.lower % 2 == 0
+    if bracket.casimir_report().complete:
+        assert certificate.proved
+        assert certificate.lower == bracket.rank() == bracket.dimension - bracket.casimir_report().independent
+
+
+@pytest.mark.parametrize("name", BRACKETS)
+def test_gradients_of_casimirs_are_null_vectors_of_an_antisymmetric_tensor(name):
+    bracket = BRACKETS[name]
+    J = bracket.poisson_tensor()
+    assert (J + J.T).is_zero_matrix
+    assert set(bracket.jacobi_residuals().values()) <= {0}
+    for casimir in bracket.casimirs():
+        assert set(bracket.vector_field(casimir)) == {0}
+        assert not any((J * sp.Matrix([casimir.diff(x) for x in bracket.variables])).expand())
+
+
 @exactly
 @given(named, st.data())
-def test_the_rank_is_even_and_casimirs_bound_it(name, data):
+def test_the_rank_at_a_point_is_even_and_bounded(name, data):
     bracket = BRACKETS[name]
     point = data.draw(st.lists(rational, min_size=bracket.dimension, max_size=bracket.dimension))
     rank = bracket.rank(point)
     assert rank % 2 == 0
-    assert rank <= bracket.rank() == bracket.dimension - bracket.casimir_report().independent
+    assert rank <= bracket.rank()
 
 
 @exactly
@@ -133,15 +103,6 @@ def test_the_jacobi_certificate_agrees_with_the_residuals(changed, value, data):
     assert bool(certificate.failures) is not holds
 
 
-@pytest.mark.parametrize("name", BRACKETS)
-def test_the_poisson_tensor_is_antisymmetric(name):
-    J = BRACKETS[name].poisson_tensor()
-    assert (J + J.T).is_zero_matrix
-
-
-# Negative controls.  so(3) alone would not do: every three-dimensional diagonal bracket obeys Jacobi.
-
-
 def flipped(*entries):
     """The Leibniz bracket with the sign of some entries W[lam][mu][nu] flipped."""
     W = [[list(row) for row in plane] for plane in leibniz(3, "epsilon").tensor]
@@ -150,37 +111,11 @@ def flipped(*entries):
     return Bracket(so(3), Extension(W, check=False))
 
 
-@pytest.mark.parametrize(
-    "entries",
-    [[(0, 0, 0)], [(1, 0, 1), (1, 1, 0)], [(2, 0, 2), (2, 2, 0)], [(1, 0, 1)], [(1, 1, 0)], [(2, 0, 2)], [(2, 2, 0)]],
-)
-def test_a_flipped_sign_breaks_jacobi_or_antisymmetry(entries):
-    bracket = flipped(*entries)
-    J = bracket.poisson_tensor()
-    assert not (J + J.T).is_zero_matrix or any(value != 0 for value in bracket.jacobi_residuals().values())
-
-
 def test_a_flipped_cocycle_changes_the_casimirs():
     # epsilon -> -epsilon is again a Leibniz bracket (beta -> -beta), so Jacobi holds; the Casimir C1 does not.
-    bracket, right = flipped((2, 1, 1)), BRACKETS["twisted"]
+    bracket, right = flipped((2, 1, 1)), so(3) @ leibniz(3, "epsilon")
     assert set(bracket.jacobi_residuals().values()) == {0}
     assert any(value != 0 for value in bracket.vector_field(right.casimirs()[0]))
-
-
-def test_jacobi_fails_for_random_structure_constants():
-    rng = np.random.default_rng(3)
-    for n in (5, 6):
-        pairs = [(i, j, k) for i, j, k in product(range(n), repeat=3) if i < j]
-        c = structure(n, {entry: int(rng.integers(-2, 3)) for entry in pairs})
-        bracket = LieAlgebra(c, check=False) @ leibniz(1)
-        assert any(value != 0 for value in bracket.jacobi_residuals().values())
-
-
-def test_jacobi_fails_for_se3_with_a_flipped_sign():
-    c = [[list(row) for row in plane] for plane in se3().structure_constants]
-    c[0][4][5], c[4][0][5] = -c[0][4][5], -c[4][0][5]
-    bracket = LieAlgebra(c, check=False) @ leibniz(1)
-    assert any(value != 0 for value in bracket.jacobi_residuals().values())
 
 
 # Tops.
@@ -224,18 +159,10 @@ def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
 @pytest.mark.thorough
 @exactly
 @given(tops)
-def test_matching_finds_the_parameters_again(top):
-    from liepoisson.model.system import System
-
+def test_matching_finds_the_parameters_again_and_energy_and_casimirs_are_constant(top):
     again = System(top.bracket, top.hamiltonian)
     assert again.top_parameters == top.top_parameters
     assert again.field() == top.field()
-
-
-@pytest.mark.thorough
-@exactly
-@given(tops)
-def test_energy_and_casimirs_are_constant(top):
     for name in ("H", "C1", "C2", "C3"):
         assert top.bracket(top.invariants[name], top.hamiltonian) == 0
 
@@ -248,36 +175,3 @@ def test_no_twist_is_the_charged_heavy_top(top):
     charged = Top.charged_heavy(top.inertia, top.a, top.b)
     assert [e.subs("epsilon", 0) for e in twisted.equations.values()] == list(charged.equations.values())
     assert [e.subs("epsilon", 0) for e in twisted.bracket.casimirs()] == (so(3) @ semidirect(3)).casimirs()
-
-
-def pulled_back(bracket, images):
-    """D Phi J D Phi^T - J o Phi for the map Phi given by its images."""
-    phi = sp.Matrix(images)
-    D = phi.jacobian(sp.Matrix(bracket.variables))
-    J = bracket.poisson_tensor()
-    return (D * J * D.T - J.subs(dict(zip(bracket.variables, images, strict=True)), simultaneous=True)).expand()
-
-
-def test_adding_beta_to_alpha_is_a_poisson_map():
-    bracket = BRACKETS["twisted"]
-    l, alpha, beta = bracket.fields.values()
-    images = [*l, *(alpha + sp.Symbol("d") * beta), *beta]
-    assert pulled_back(bracket, images) == sp.zeros(9, 9)
-    assert pulled_back(bracket, [*(l + sp.Symbol("d") * alpha), *alpha, *beta]) != sp.zeros(9, 9)
-
-
-def test_scaling_the_fields_scales_epsilon():
-    s, u, epsilon = sp.symbols("s u epsilon")
-    scaled = so(3) @ leibniz(3, epsilon * s**2 / u)
-    l, alpha, beta = scaled.fields.values()
-    images = [*l, *(s * alpha), *(u * beta)]
-    phi = sp.Matrix(images)
-    D = phi.jacobian(sp.Matrix(scaled.variables))
-    target = (
-        BRACKETS["twisted"].poisson_tensor().subs(dict(zip(scaled.variables, images, strict=True)), simultaneous=True)
-    )
-    source = (so(3) @ leibniz(3, "epsilon")).poisson_tensor()
-    # (l, alpha, beta) with epsilon goes to (l, s alpha, u beta) with epsilon s^2 / u.
-    scaled_target = target.subs(epsilon, epsilon * s**2 / u)
-    assert (D * source * D.T - scaled_target).applyfunc(sp.simplify) == sp.zeros(9, 9)
-    assert (D * source * D.T - target).applyfunc(sp.simplify) != sp.zeros(9, 9)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.errors import CocycleError
 
-exactly = settings(deadline=None, max_examples=8, derandomize=True)
+exactly = settings(deadline=None, max_examples=5, derandomize=True)
 rational = st.fractions(min_value=-3, max_value=3, max_denominator=5)
 
 PROPER = {
@@ -61,33 +61,6 @@ def with_cocycle(draw, names=tuple(PROPER)):
     return PROPER[name].with_constant(constant)
 
 
-@st.composite
-def with_polynomials(draw):
-    bracket = draw(with_cocycle(SMALL))
-    variable = st.sampled_from((sp.S.One, *bracket.variables))
-    term = st.tuples(rational, variable, variable)
-    return bracket, *(
-        sum(sp.sympify(c) * u * v for c, u, v in draw(st.lists(term, min_size=1, max_size=3))) for _ in range(3)
-    )
-
-
-@pytest.mark.thorough
-@exactly
-@given(with_polynomials())
-def test_jacobi_leibniz_and_antisymmetry(drawn):
-    bracket, f, g, h = drawn
-    assert sp.expand(bracket(f, g) + bracket(g, f)) == 0
-    assert sp.expand(bracket(f, g * h) - bracket(f, g) * h - g * bracket(f, h)) == 0
-    assert sp.expand(bracket(bracket(f, g), h) + bracket(bracket(g, h), f) + bracket(bracket(h, f), g)) == 0
-
-
-@exactly
-@given(with_cocycle())
-def test_the_certificate_and_the_residuals_agree(bracket):
-    assert bracket.jacobi_certificate().holds
-    assert not any(bracket.jacobi_residuals().values())
-
-
 @exactly
 @given(with_cocycle(tuple(name for name in PROPER if name != "abelian")), rational, st.randoms(use_true_random=False))
 def test_what_is_no_cocycle_is_refused_with_the_triple(bracket, added, random):
@@ -117,7 +90,6 @@ def test_casimirs_commute_with_everything_and_are_as_many_as_the_corank(bracket)
     assert report.independent <= report.corank == bracket.dimension - J.rank()
 
 
-@pytest.mark.thorough
 @exactly
 @given(st.sampled_from([name for name in PROPER if name != "lines"]), st.data())
 def test_a_coboundary_is_a_translation(name, data):
@@ -137,18 +109,6 @@ def test_a_coboundary_is_a_translation(name, data):
         degree = sp.Poly(casimir, *proper.variables).total_degree()
         if degree == 2 and len(proper.casimirs()) == 1:
             assert sp.expand(shifted - shifted.subs(zero) - moved.casimirs()[0]) == 0
-
-
-@pytest.mark.thorough
-@exactly
-@given(st.lists(rational, min_size=3, max_size=3).filter(any))
-def test_a_wrong_translation_is_noticed(x0):
-    proper = PROPER["rotations"]
-    moved = proper.translated(x0)
-    wrong = {x: x - sp.sympify(a) for x, a in zip(proper.variables, x0, strict=True)}
-    assert moved.poisson_tensor() != proper.poisson_tensor().subs(wrong, simultaneous=True)
-    casimir = proper.casimirs()[0].subs(wrong, simultaneous=True)
-    assert any(moved.vector_field(casimir))
 
 
 @exactly

@@ -1,4 +1,4 @@
-// Tests in a browser's Python: Pyodide, that is CPython in WebAssembly, run by node. Prints what tests/exact/browser_python.py prints.
+// Tests in a browser's Python: Pyodide, that is CPython in WebAssembly, run by node. Prints what tests/web/browser_python.py prints.
 //   node browser_python.mjs REPOSITORY WHEELS FOLDER...
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -12,4 +12,4 @@ for (const wheel of readdirSync(wheels)) {
   python.unpackArchive(new Uint8Array(readFileSync(join(wheels, wheel))), "zip", { extractDir: "/packages" });
 }
 python.globals.set("FOLDERS", python.toPy(folders));
-python.runPython(readFileSync(join(repository, "tests/exact/browser_python.py"), "utf8"));
+python.runPython(readFileSync(join(repository, "tests/web/browser_python.py"), "utf8"));
