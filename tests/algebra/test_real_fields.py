@@ -5,9 +5,9 @@ import pytest
 import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from liepoisson.algebra.ternary_forms import three_equal_squares, zero_vector
 from sympy import legendre_symbol, primefactors
 
+from liepoisson.algebra.quadratic_forms import three_equal_squares, zero_vector
 from liepoisson.algebra.real_fields import RealRationals, Surd, real_field
 from liepoisson.errors import ParameterError
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 import sympy as sp
-from liepoisson.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
 
 from liepoisson import catalog
 from liepoisson.errors import ParameterError
@@ -16,6 +15,7 @@ from liepoisson.model.system import System
 from liepoisson.model.tops import Top
 from liepoisson.report import limits
 from liepoisson.report.describe import describe, inspect
+from liepoisson.report.integral_facts import is_nonzero_on, is_nonzero_somewhere
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.extensions import leibniz, semidirect, trivial
 from liepoisson.structure.lie_algebra import LieAlgebra

@@ -8,7 +8,6 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from liepoisson.report.decimals import Decimal
 from liepoisson.report.wrapping import wrapped
 
 from liepoisson.formula.expression import read_expression
@@ -29,6 +28,7 @@ from liepoisson.report.lines import (
 )
 from liepoisson.report.printing import (
     Cross,
+    Decimal,
     Dot,
     Form,
     Formula,
