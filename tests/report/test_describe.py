@@ -13,7 +13,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.styles import PLAIN, UNICODE
 from liepoisson.model.system import System
 from liepoisson.model.tops import Top
-from liepoisson.report import limits
+from liepoisson.report import topics
 from liepoisson.report.describe import describe, inspect
 from liepoisson.report.integral_facts import is_nonzero_on, is_nonzero_somewhere
 from liepoisson.structure.extension import Extension
@@ -223,7 +223,7 @@ def test_many_fields():
 
 
 def test_a_long_hamiltonian(monkeypatch):
-    monkeypatch.setattr(limits, "MOST_TERMS", 5)
+    monkeypatch.setattr(topics, "MOST_TERMS", 5)
     bracket = so(3) @ trivial()
     l1, l2, _ = bracket.variables
     energy = sum((l1**i * l2 for i in range(6)), 0 * l1)

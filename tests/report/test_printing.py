@@ -8,7 +8,6 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from liepoisson.report.wrapping import wrapped
 
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
@@ -24,6 +23,7 @@ from liepoisson.report.lines import (
     Unequal,
     VectorName,
     joined,
+    wrapped,
     write_line,
 )
 from liepoisson.report.printing import (

@@ -10,7 +10,7 @@ import cmath
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from flint import acb, fmpq
@@ -21,7 +21,7 @@ from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, RingElemen
 from liepoisson.algebra.ideals.groebner import groebner_basis
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.solutions import solutions
-from liepoisson.algebra.number_fields import Element, as_fmpq
+from liepoisson.algebra.number_fields import Element, NumberField, as_fmpq
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.refusals import shown
@@ -63,7 +63,7 @@ class LaurentSeries:
         return float(min(rates))
 
 
-class _Complex(FunctionField):
+class _Complex(NumberField):
     """Complex numbers, rounded, in the place of the field of a balance."""
 
     def number(self, value: Any) -> complex:
@@ -166,9 +166,8 @@ def laurent_series(
     values = _Values(field, at, as_count(conjugate, "conjugate"))
     given = [complex(constants.get(name, 0)) for name in free]
     n = len(point)
-    numbers = _Complex()
     local = LocalField(
-        numbers,
+        cast("FunctionField", _Complex()),  # an expansion asks for numbers only
         exact.local.weights,
         tuple(tuple((m, values.value(c), d) for m, c, d in of_one) for of_one in exact.local.terms),
     )
