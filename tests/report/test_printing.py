@@ -13,16 +13,16 @@ from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
 from liepoisson.report.lines import (
-    Column,
     Conditions,
     Equation,
     Name,
-    Rate,
-    Ring,
     Statement,
-    Unequal,
-    VectorName,
+    column,
     joined,
+    rate,
+    ring,
+    unequal,
+    vector_name,
     wrapped,
     write_line,
 )
@@ -215,9 +215,9 @@ L3 = Formula(sp.Symbol("l3"), {}, {"l3": ("l", "3")})
             ("Lax 50%", "Lax 50%", r"\text{ Lax 50\% }"),
             ("K^2", "K²", "K^{2}"),
             ("m3+n3", "m₃+n₃", "m_3+n_3"))),
-        (Ring("R[x,y]/(x,y)^2"), "R[x,y]/(x,y)^2", "R[x,y]/(x,y)²", r"\mathbb{R}[x,y]/(x,y)^{2}"),
-        (Unequal(Formula(sp.Symbol("epsilon"))), "epsilon != 0", "ε ≠ 0", r"\epsilon \neq 0"),
-        (Equation(Rate(VectorName("l")), Column((L3, L3))), "l' = (l3, l3)", "l′ = (l₃, l₃)", None),
+        (ring("R[x,y]/(x,y)^2"), "R[x,y]/(x,y)^2", "R[x,y]/(x,y)²", r"\mathbb{R}[x,y]/(x,y)^{2}"),
+        (unequal(Formula(sp.Symbol("epsilon"))), "epsilon != 0", "ε ≠ 0", r"\epsilon \neq 0"),
+        (Equation(rate(vector_name("l")), column((L3, L3))), "l' = (l3, l3)", "l′ = (l₃, l₃)", None),
         (Equation(Name("l3"), L3), "l3", "l₃", None),  # not l₃ = l₃
     ],
 )  # fmt: skip
@@ -248,9 +248,9 @@ def test_sums_are_broken_before_signs():
 def test_parentheses_are_broken_only_if_they_must_and_between_components_first():
     square = Formula((x[0] + x[1]) ** 2 + (x[2] + x[3]) ** 2)
     assert rows(square, 20) == ["(x1 + x2)^2", "    + (x3 + x4)^2"]
-    column = Column((Formula(x[0] + x[1]), Formula(x[2] + x[3]), Formula(x[4])))
-    assert rows(column, 20) == ["(x1 + x2, x3 + x4,", "    x5)"]
-    assert rows(column, 9) == ["(x1 + x2,", "    x3", "    + x4,", "    x5)"]
+    written = column((Formula(x[0] + x[1]), Formula(x[2] + x[3]), Formula(x[4])))
+    assert rows(written, 20) == ["(x1 + x2, x3 + x4,", "    x5)"]
+    assert rows(written, 9) == ["(x1 + x2,", "    x3", "    + x4,", "    x5)"]
 
 
 @settings(max_examples=40)
