@@ -19,8 +19,8 @@ def test_every_system_has_its_line(command):
         ("L. Euler, Theoria motus corporum (1765)", "Euler (1765)"),
         ("J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics (2001) 335", "Thiffeault and Morrison (2001)"),
         (
-            "A. I. B, A. G. Reyman and M. A. Semenov-Tian-Shansky (1989); O. I. O (1984)",
-            "B, Reyman and Semenov-Tian-Shansky (1989)",
+            "A. I. Bobenko, A. G. Reyman and M. A. Semenov-Tian-Shansky, Title (1989); O. I. Other (1984)",
+            "Bobenko, Reyman and Semenov-Tian-Shansky (1989)",
         ),
         ("D. N. Goryachev (1900) and S. A. Chaplygin (1901), after M. Audin", "Goryachev and Chaplygin (1900)"),
         ("my own notes", "my own notes"),

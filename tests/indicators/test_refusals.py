@@ -100,7 +100,7 @@ REFUSED = [
     (lambda: decide(TOP, X0[:8], t_end=1), ShapeError, "9"),
     (lambda: decide(TOP, X0, t_end="long"), ParameterError, "t_end"),
     (lambda: decide(TOP, X0, t_end=10, rule=3), ParameterError, "rule: wanted a Rule"),
-    (lambda: decide(TOP, X0, t_end=20).fraction("wild"), ParameterError, "kind: wanted one of"),
+    (lambda: decide(TOP, X0, t_end=20).fraction("wild"), ParameterError, 'kind: wanted "regular", "chaotic"'),
     (lambda: decide(TOP, np.empty((0, 9)), t_end=10).fraction("chaotic"), ParameterError, "."),
     (lambda: agreement(None), ParameterError, "verdict: wanted what decide returns"),
     (lambda: Rule(least_time=-1), ParameterError, r"rule\.least_time"),

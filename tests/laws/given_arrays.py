@@ -83,6 +83,13 @@ def inside(kind: str) -> Any:
 
 
 @cache
+def ensemble_fits(time, exponent):
+    """The fits of an ensemble that is taken in at once."""
+    reduction = lp.fits.EnsembleReduction(time, windows=[(5, 100)])
+    reduction.add(exponent)
+    return reduction.finite_time_fits(), reduction.mean_curve()
+
+
 def fits() -> Any:
     return lp.fits.finite_time_fit(LONG, CURVES, window=(5, 100)), lp.fits.log_fit(LONG, CURVES, window=(5, 100))
 
@@ -220,6 +227,8 @@ CASES: dict[str, Case] = {
         lambda energies: lp.chaos.exponents_by_energy(TOP, leaf=leaf(), energies=energies, n_starts=2, t_end=5),
         {"energies": np.array([1.5, 2.0])},
     ),
+    "EnsembleReduction.__init__": Case(lambda time: ensemble_fits(time, CURVES), {"time": LONG}),
+    "EnsembleReduction.add": Case(lambda exponent: ensemble_fits(LONG, exponent), {"exponent": CURVES}),
     "finite_time_fit": Case(
         lambda time, exponent: lp.fits.finite_time_fit(time, exponent, window=(5, 100)),
         {"time": LONG, "exponent": CURVES},
@@ -294,6 +303,7 @@ CASES: dict[str, Case] = {
     "equilibrium": Case(
         lambda state: lp.phase_space.equilibrium(LAGRANGE, state, along=("l3",)), {"state": equilibrium()}
     ),
+    "window_grid": Case(lambda time: lp.fits.window_grid(time), {"time": LONG}),
     "window_scan": Case(lambda time, exponent: lp.fits.window_scan(time, exponent), {"time": LONG, "exponent": CURVES}),
     "plot.exponent_distribution": Case(
         lambda exponents: drawn(lambda: lp.plot.exponent_distribution(exponents)), {"exponents": CURVES[:, -1]}

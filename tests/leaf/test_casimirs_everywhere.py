@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
+from liepoisson.cli.options import Where
 from liepoisson.cli.starts import find_start
 from liepoisson.model.charts.leaf_constants import LeafConstants
 from liepoisson.sweeps.starts import TopRows, system_functions
@@ -54,7 +55,7 @@ def test_all_places_give_the_same_numbers(epsilon, l, alpha, beta):
     check(LeafConstants.of(top, top.top_parameters, None, values).casimirs)
     check(LeafConstants.of(top, top.top_parameters, x).casimirs)
     given = [",".join(map(repr, x.tolist()))], [f"{name}={value!r}" for name, value in values.items()]
-    check(find_start(top, start=given[0], leaf=given[1]).leaf.casimirs.values())
+    check(find_start(top, Where(start=given[0], leaf=given[1])).leaf.casimirs.values())
     energy = float(top.functions.energy(x))
     by_state, by_values = lp.phase_space.bounds(top, x), lp.phase_space.bounds(top, leaf=values, energy=energy)
     for name in ("l", "alpha", "beta", "omega"):

@@ -115,7 +115,7 @@ drift = partial(frequency_drift, CHAOTIC, np.ones(9), **{"observable": "l1", "t_
         (partial(drift, observable=3), ParameterError, "one name or formula"),
         (partial(drift, n_samples=2**24), ParameterError, "at most 4 GiB"),
         (partial(drift, observable=lambda x: x), ShapeError, "Index the last axis"),
-        (partial(drift, observable=lambda x: x[..., 0] * np.nan), ParameterError, "finite values"),
+        (partial(drift, observable=lambda x: x[..., 0] * np.nan), ParameterError, "finite numbers"),
         (partial(main_frequency, np.ones(5), 1.0), ShapeError, "signal must have shape"),
         (partial(main_frequency, ["a"] * 20, 1.0), ShapeError, "signal must have shape"),
         (partial(main_frequency, np.full(20, np.nan), 1.0), ParameterError, "finite numbers"),
