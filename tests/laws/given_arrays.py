@@ -30,6 +30,13 @@ ORDINARY = np.array([0.3, -0.2, 0.5, 0.6, 0.48, 0.64, 0.0, 0.0, 0.0])
 QUATERNION = np.array([0.5, 0.5, -0.5, 0.5])
 
 
+def ensemble_fits(time, exponent):
+    """The fits of an ensemble that is taken in at once."""
+    reduction = lp.fits.EnsembleReduction(time, windows=[(5, 100)])
+    reduction.add(exponent)
+    return reduction.finite_time_fits(), reduction.mean_curve()
+
+
 @dataclass(frozen=True)
 class Case:
     """A call with arrays by name, some of them made when they are needed."""
@@ -83,13 +90,6 @@ def inside(kind: str) -> Any:
 
 
 @cache
-def ensemble_fits(time, exponent):
-    """The fits of an ensemble that is taken in at once."""
-    reduction = lp.fits.EnsembleReduction(time, windows=[(5, 100)])
-    reduction.add(exponent)
-    return reduction.finite_time_fits(), reduction.mean_curve()
-
-
 def fits() -> Any:
     return lp.fits.finite_time_fit(LONG, CURVES, window=(5, 100)), lp.fits.log_fit(LONG, CURVES, window=(5, 100))
 

@@ -12,7 +12,7 @@ is one JSON file, sorted; recorded twice on one machine it has the same bytes.
 - `analysis`: algebras, families, searches, proofs, and what else has no row in the catalog.
 - `commands`: the help of each command, and what short commands print.
 - `signatures`: every public name, how it is called, and the attributes of its class.
-- `hashes`: the cases of tests/portable/portable_cases.py, and results of orbits, exponents, sections and others of fixed starts.
+- `hashes`: the cases of tests/portable/portable_cases.py, and orbits, exponents, sections and others of fixed starts.
 - `pictures`: labels, titles, legends and data of each figure.
 - `refusals`: not of this script, since it takes as long as the tests do; refusals.py says how it is recorded.
 """

@@ -33,15 +33,21 @@ impl Worker<'_> {
         let (mut sizes, mut outcomes) = (vec![0.0; lanes], vec![StepOutcome::Taken; lanes]);
         let mut ahead = sizes.clone();
         let (stepping, precision) = (block.stepping(), block.precision());
+        let (has_series, most_repeats) = (matches!(stepping, Stepping::Series), stepping.most_repeats());
         let large = libm::scalbn(1.0, precision.range_exponent());
         let mut poll_interval = PollInterval::new();
         self.control.look_at_clock();
         while self.fill_slots(block, &mut slots, &mut observer) {
-            for (ahead, slot) in ahead.iter_mut().zip(&slots) {
-                *ahead = if slot.occupied { slot.until(ensemble.times[ensemble.times.len() - 1]) } else { 0.0 };
+            if has_series {
+                for (ahead, slot) in ahead.iter_mut().zip(&slots) {
+                    *ahead = if slot.occupied { slot.until(ensemble.times[ensemble.times.len() - 1]) } else { 0.0 };
+                }
             }
             block.prepare(&ahead, &mut sizes);
-            if let Some(series) = block.series().filter(|_| observer.looks_over()) {
+            if has_series
+                && observer.looks_over()
+                && let Some(series) = block.series()
+            {
                 for ((step, slot), &longest) in ahead.iter_mut().zip(&slots).zip(&sizes) {
                     *step = if slot.occupied { self.step_along_series(slot, longest).0 } else { 0.0 };
                 }
@@ -52,7 +58,7 @@ impl Worker<'_> {
                 sizes[lane] = self.decide(block, stepping, lane, slot, (sizes[lane], repeats), &mut observer);
             }
             block.advance(&sizes, repeats, &mut outcomes);
-            if stepping != Stepping::Series {
+            if !has_series {
                 for (lane, slot) in slots.iter_mut().enumerate().filter(|(_, slot)| slot.occupied) {
                     self.conclude(block, lane, slot, (sizes[lane], repeats), outcomes[lane], &mut observer);
                 }
@@ -63,7 +69,7 @@ impl Worker<'_> {
                     self.lead_on(block, lane, slot, &mut observer);
                 }
             }
-            if poll_interval.is_time(stepping.most_repeats()) {
+            if poll_interval.is_time(most_repeats) {
                 for slot in slots.iter_mut().filter(|slot| slot.occupied) {
                     self.report(slot, false, observer.passes());
                 }

@@ -317,12 +317,13 @@ pub(super) fn copy_lane<V: Lane>(from: &[V], to: &mut [V], lane: usize) {
     }
 }
 
-/// A register with the number of each lane.
+/// A register with the number of each lane. Lane by lane, since by way of a slice it stays in memory: 3% more instructions of a
+/// splitting.
 #[inline(always)]
 pub(super) fn spread<V: Lane>(numbers: &[f64]) -> V {
     let mut register = V::splat(0.0);
-    for (lane, &number) in register.as_scalars_mut().iter_mut().zip(numbers) {
-        *lane = V::Number::of(number);
+    for (lane, &number) in numbers[..V::WIDTH].iter().enumerate() {
+        register.set(lane, number);
     }
     register
 }
