@@ -287,3 +287,12 @@ def test_a_page_gets_the_numbers_that_are_printed_now_and_keeps_its_words():
         == "a = 0.13 ± 0.03\n...\nl3/2\n"
     )
     assert with_numbers_of("a = 1\n", "b = 2\n") == "a = 1\n"
+
+
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_a_link_that_shows_a_file_leads_to_it(document):
+    shown = re.findall(
+        r"\[`(?:[^`\]]*/)?([^`/\]]+\.(?:py|pyi|rs|ts))`\]\(([^)#]+)", document.read_text(encoding="utf-8")
+    )
+    wrong = [f"{name} -> {target}" for name, target in shown if Path(target).name != name]
+    assert not wrong, f"{document.name} shows one file and leads to another: {', '.join(wrong)}"

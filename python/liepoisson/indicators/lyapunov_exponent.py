@@ -64,7 +64,7 @@ class ExponentEstimate(Run):
         transient: Time before the first block.
         rates: Mean growth rate in each block, in inverse time, shape (trajectory, block); NaN after the end of a run.
         time: Averaging time of each trajectory, shape (trajectory,).
-        time_scale: Natural unit of time T of each trajectory (`liepoisson.time_scale`), shape (trajectory,).
+        time_scale: Natural unit of time T of each trajectory (`liepoisson.orbits.time_scale`), shape (trajectory,).
         exponent: Mean growth rate over all blocks, shape (trajectory,); NaN for a run that failed.
         error: Its standard error as an average over the time of this one orbit, from the autocorrelation of the blocks
             and from batches of them (`mean_error`), shape (trajectory,).

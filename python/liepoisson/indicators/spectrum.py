@@ -58,7 +58,7 @@ class Spectrum(IntegratedRun):
         time: Averaging times, evenly spaced, shape (time,); they count from the end of the transient.
         exponent: Running values $t^{-1}\sum\ln R_{kk}$ in inverse time, shape (trajectory, time, k); NaN from where a
             trajectory failed.
-        time_scale: Natural unit of time T of each trajectory (`liepoisson.time_scale`), shape (trajectory,).
+        time_scale: Natural unit of time T of each trajectory (`liepoisson.orbits.time_scale`), shape (trajectory,).
         error: Standard error of each last value as an average over the time of this one orbit (see `mean_error`), shape
             (trajectory, k); NaN where a trajectory failed.  It is no error over starts: that is in `mean`.  It does
             not contain the bias of order $\ln(t/T)/t$ that all finite-time exponents have, and it is too small while t

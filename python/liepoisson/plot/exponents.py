@@ -220,7 +220,7 @@ def window_scan(
         >>> plt.close(axes.figure)
 
     Args:
-        fits: Result of `liepoisson.window_scan`.
+        fits: Result of `liepoisson.fits.window_scan`.
         reference: A value to compare with, drawn as a horizontal line.
         reference_label: Its name in the legend.
         ax: Axes to draw into, by default those of a new figure.

@@ -4,7 +4,7 @@
     system = "twisted-top"                   # a name of the catalog, a system file, or tables [system.bracket], ...
     quantity = "chaotic_fraction"            # or "exponent"; "package.module:function" only if code is allowed
     n_starts = 64                            # orbits at each point
-    t_end = 1000                             # has no default: see liepoisson.time_scale
+    t_end = 1000                             # has no default: see liepoisson.orbits.time_scale
     seed = 1
     [parameters]                             # numbers, formulas in the names of the axes, lists of them
     I = [2, 2, 1]
