@@ -191,3 +191,16 @@ def test_every_command_refuses_numbers_that_no_run_can_have(here, command):
                 assert option.strip("-").replace("-", " ") in err.replace("_", " ").replace("-", " "), (name, err)
                 tried.add((name, option))
     assert len(tried) > 25
+
+
+def test_a_limit_of_a_millionth_of_a_second_ends_every_command_that_has_one(here, command):
+    from typer.main import get_command
+
+    commands = get_command(application()).commands
+    arguments = {"families": ("kovalevskaya", "--free", "a")}
+    tried = [name for name in COMMANDS if any("--time-limit" in p.opts for p in commands[name].params)]
+    for name in tried:
+        _, out, err = command(name, *arguments.get(name, ("kovalevskaya",)), "--time-limit", "1e-6")
+        said = "incomplete" if name == "families" else "time limit"
+        assert said in " ".join((out + err).split()), (name, out, err)
+    assert len(tried) > 7

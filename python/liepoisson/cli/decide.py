@@ -68,8 +68,9 @@ def decide(
         options: dict[str, Any] = {"seed": seed, "method": method, "progress": listen, **asdict(limits)}
         verdict = find_verdicts(chosen, drawn.states, t_end=t_end, **options)
     written = None if data is None else write_result(verdict, data)  # first, as nobody may read what is printed
-    lines = [*verdict_lines(chosen, drawn, verdict), *([f"wrote    {written}"] if written else [])]
-    show(verdict, format_, lambda _: record(chosen, drawn, verdict), text="\n".join(lines))
+    wrote = [f"wrote    {written}"] if written else []
+    text = lambda _: "\n".join([*verdict_lines(chosen, drawn, verdict), *wrote])  # noqa: E731
+    show(verdict, format_, lambda _: record(chosen, drawn, verdict), text=text)
     check_that_some_finished(verdict.outcome)
 
 

@@ -64,11 +64,12 @@ def equilibria(
             along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
             values=cast("Any", values or None),
             seed=seed,
+            time_limit=time_limit,
             **({} if starts is None else {"n_starts": starts}),
         )
     written = None if data is None else write_result(found, data)  # first, as nobody may read what is printed
-    lines = [*equilibrium_lines(found), *([f"wrote    {written}"] if written else [])]
-    show(found, format_, record, text="\n".join(lines))
+    wrote = [f"wrote    {written}"] if written else []
+    show(found, format_, record, text=lambda _: "\n".join([*equilibrium_lines(found), *wrote]))
 
 
 def equilibrium_lines(found: Equilibria) -> list[str]:

@@ -31,7 +31,7 @@ def inspect(
     from liepoisson.report.describe import inspect as inspect_system
 
     report = inspect_system(read_system(system, settings or ()))
-    text = report.text(terminal_style()) if format_ is ReportFormat.TEXT else None
+    text = lambda _: report.text(terminal_style())  # noqa: E731
     show(report, format_, lambda _: report.record(), lambda _: [report.latex()], text=text)
     if report.failed:
         print(f"liepoisson: {report.name}: {'; '.join(report.failed)}.", file=sys.stderr)

@@ -114,7 +114,7 @@ def show(
     record: Callable[[Any], Any],
     latex: Callable[[Any], Sequence[str]] = lambda _: (),
     *,
-    text: str | None = None,
+    text: Callable[[Any], str] = str,
 ) -> None:
     """Print what was found as text, by default its own, as lines of LaTeX, or as JSON of the record of it."""
     match how.value:
@@ -123,7 +123,7 @@ def show(
         case "latex":
             print("\n".join(latex(found)))
         case _:
-            print(found if text is None else text)
+            print(text(found))
 
 
 def flat(command: Callable[..., None]) -> Callable[..., None]:

@@ -197,9 +197,15 @@ def running(activity: str, total: float, *, quiet: bool) -> Generator[Callable[[
 
 
 def write_and_print(
-    result: Any, data: Path | None, stem: Path | None, *, draw: Callable[[], Figure], lines: Callable[[], Sequence[str]]
+    result: Any,
+    data: Path | None,
+    stem: Path | None,
+    *,
+    draw: Callable[[], Figure],
+    lines: Callable[[], Sequence[str]],
+    about: Callable[[], Sequence[str]] = tuple,
 ) -> None:
-    """Write the files that are wanted and print the lines, whatever becomes of the files."""
+    """Write the files that are wanted and print the lines, whatever becomes of the files; `about` a figure after it."""
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
         if data is not None:
@@ -208,6 +214,8 @@ def write_and_print(
             written += write_figure(draw(), stem)
     finally:
         print("\n".join(lines()), flush=True)
+    if stem is not None:
+        print("".join(f"{line}\n" for line in about()), end="")
     for path in written:
         print(f"wrote    {path}")
 

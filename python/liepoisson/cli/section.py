@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import asdict
 from enum import StrEnum
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
@@ -126,19 +127,18 @@ def section(
             progress=listen,
             **asdict(limits),
         )
-    about: list[str] = []
+    axes = cache(lambda: _axes(run, x, y, keep))
 
     def draw() -> Figure:
         from liepoisson.plot.section import titled_section
 
-        axes = _axes(run, x, y, keep)
-        drawn = titled_section(run, begin.leaf, cut, (axes.x, axes.y), begin.energy, sheets=axes.sheets)
-        if not keep and begin.leaf.rank == 4:
-            about.extend(_about_axes(run, axes, given=bool(x or y)))
-        return drawn
+        return titled_section(run, begin.leaf, cut, (axes().x, axes().y), begin.energy, sheets=axes().sheets)
 
-    lines = lambda: [*run_lines(run, begin, full=not keep), *about]  # noqa: E731
-    write_and_print(run, data, stem if len(run.time) else None, draw=draw, lines=lines)
+    def about() -> list[str]:
+        return _about_axes(run, axes(), given=bool(x or y)) if not keep and begin.leaf.rank == 4 else []
+
+    lines = lambda: run_lines(run, begin, full=not keep)  # noqa: E731
+    write_and_print(run, data, stem if len(run.time) else None, draw=draw, lines=lines, about=about)
     if not len(run.time):
         print(f"liepoisson: {why_nothing(run)}", file=sys.stderr)
         raise typer.Exit(NO_CROSSING)

@@ -141,9 +141,14 @@ def _neighbours(residual: Array) -> float:
 
 
 def _f_tail(ratio: float, p: int, q: int) -> float:
-    r"""Probability that F with p and q degrees of freedom exceeds `ratio`: $I_x(q/2, p/2)$ at $x = q/(q + p F)$."""
+    r"""Probability that F with p and q degrees of freedom exceeds `ratio`: $I_x(q/2, p/2)$ at $x = q/(q + p F)$.
+
+    Where x is near 1, it is $1 - I_{1-x}(p/2, q/2)$, since x would be 1 to all its digits.
+    """
     from flint import arb, ctx
 
     with ctx.workprec(128):
-        x = q / (q + p * arb(ratio))
-        return float(x.beta_lower(arb(q) / 2, arb(p) / 2, regularized=True))
+        first, second = p * arb(ratio), arb(q)
+        if first < second:
+            return float(1 - (first / (first + second)).beta_lower(arb(p) / 2, second / 2, regularized=True))
+        return float((second / (first + second)).beta_lower(second / 2, arb(p) / 2, regularized=True))

@@ -71,6 +71,7 @@ def time_scale(
         array([0.33333333])
 
     Args:
+        starts: States at time 0, shape (component,) or (trajectory, component).
         method: How; needed for a field that is given by its pieces, else power series are used.
         time_limit: Seconds that it may take.
 

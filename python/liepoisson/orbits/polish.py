@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.formula.scalars import as_count
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 from liepoisson.orbits.precise_flow import (
     Ball,
     Matrix,
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.level import Level
+    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 
 MOST_DIGITS = 1000
 _MOST_STEPS = 12
@@ -209,7 +209,8 @@ def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
     from flint import ctx
 
     digits = as_count(digits, "digits", least=10, most=MOST_DIGITS)
-    if not isinstance(orbit.origin, SymmetricOrbit):
+    origin = cast("SymmetricOrbit", orbit.origin)
+    if orbit.space.loop_time == 0:
         raise ParameterError(
             "polished: wanted an orbit that is homoclinic to a periodic orbit; got one to an equilibrium"
         )
@@ -219,7 +220,7 @@ def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
     # what is lost on the way from an amplitude of 10^(-digits/3) to 1
     working = digits + ceil(digits / 3) + 4
     with ctx.workprec(bits(working)):
-        start = _Start(orbit, orbit.origin, PreciseFlow(orbit.system, working), working)
+        start = _Start(orbit, origin, PreciseFlow(orbit.system, working), working)
         closing = linear.matmul(orbit.origin.last.matrix, orbit.origin.first.matrix)
         middle, a, time, moved = start.solved(n_loops, digits)
         for _ in range(n_loops):  # an odd number of loops leads to the image
