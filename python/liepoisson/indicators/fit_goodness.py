@@ -143,12 +143,11 @@ def _neighbours(residual: Array) -> float:
 def _f_tail(ratio: float, p: int, q: int) -> float:
     r"""Probability that F with p and q degrees of freedom exceeds `ratio`: $I_x(q/2, p/2)$ at $x = q/(q + p F)$.
 
-    Where x is near 1, it is $1 - I_{1-x}(p/2, q/2)$, since x would be 1 to all its digits.
+    Above 1/2 it is $1 - I_{1-x}(p/2, q/2)$, since x may be so near to 1 that it is 1 to all its digits.
     """
     from flint import arb, ctx
 
     with ctx.workprec(128):
-        first, second = p * arb(ratio), arb(q)
-        if first < second:
-            return float(1 - (first / (first + second)).beta_lower(arb(p) / 2, second / 2, regularized=True))
-        return float((second / (first + second)).beta_lower(second / 2, arb(p) / 2, regularized=True))
+        a, b, first = arb(p) / 2, arb(q) / 2, p * arb(ratio)
+        most = 1 - (first / (first + q)).beta_lower(a, b, regularized=True)
+        return float(most if most > 0.5 else (q / (first + q)).beta_lower(b, a, regularized=True))
