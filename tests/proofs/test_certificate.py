@@ -16,6 +16,7 @@ REFUSED = {
     "nan": lambda d: d["sets"][0]["center"].__setitem__(0, "nan"),
     "infinity": lambda d: d["sets"][0]["frame"][0].__setitem__(0, "inf"),
     "too large": lambda d: d["sets"][0]["frame"][0].__setitem__(0, "0x1p+5000"),
+    "more digits than a double": lambda d: d["sets"][0]["center"].__setitem__(0, "0x1.00000000000008p+0"),
     "eight components": lambda d: d["sets"][0]["center"].pop(),
     "one name twice": lambda d: d["sets"][1].update(name="p_a"),
     "an unknown set": lambda d: d["edges"][0].update(to="p_c"),
@@ -41,10 +42,18 @@ REFUSED = {
 
 def test_equations_that_lack_one_are_refused(shipped, twisted):
     equations = shipped["system"]["equations"]
+    lines = [f"d{name}/dt = {rate}" for name, rate in equations.items()]
     for name in twisted.names:
         fewer = {k: v for k, v in equations.items() if k != name}
         with pytest.raises(CertificateError, match=f"lack the rate of {name}"):
             compare_equations(fewer, twisted)
+        with pytest.raises(CertificateError, match=f"lack the rate of {name}"):
+            compare_equations([line for line in lines if not line.startswith(f"d{name}/")], twisted)
+    with pytest.raises(CertificateError, match=r"wanted an equation for each of l1, .*; got 8"):
+        compare_equations(list(equations.values())[:-1], twisted)
+    with pytest.raises(CertificateError, match="lack the rate of l1"):
+        compare_equations([lines[1], *lines[1:]], twisted)
+    assert "not compared" in compare_equations(["l' = l x omega", "alpha' = alpha x omega"], twisted)
 
 
 @pytest.mark.parametrize("change", REFUSED.values(), ids=REFUSED)
@@ -66,11 +75,15 @@ def test_what_is_no_json_is_refused(tmp_path):
         load_covering_certificate(tmp_path / "none.json")
 
 
-def test_equations_are_compared_in_any_order(shipped, twisted):
+def test_equations_are_compared_in_any_order_and_form(shipped, twisted):
     equations = shipped["system"]["equations"]
-    assert "are those of the system" in compare_equations(dict(reversed(equations.items())), twisted)
-    for other in ("l' = l x omega + alpha x a", list(equations.values()), 17, equations | {"w": "l1"}):
-        assert "not compared" in compare_equations(other, twisted)
+    assert "are those of the system" in compare_equations(equations, twisted)
+    lines = [f"d{name}/dt = {rate}" for name, rate in reversed(equations.items())]
+    assert "are those of the system" in compare_equations(lines, twisted)
+    assert "are those of the system" in compare_equations("\n".join(lines), twisted)
+    assert "are those of the system" in compare_equations(list(equations.values()), twisted)
+    assert "not compared" in compare_equations("l' = l x omega + alpha x a", twisted)
+    assert "not compared" in compare_equations(17, twisted)
 
 
 @pytest.mark.parametrize("name", ["l1", "alpha2", "beta3"])
@@ -79,3 +92,5 @@ def test_equations_of_another_system_are_refused(altered, twisted, name):
     equations[name] = f"-({equations[name]})"
     with pytest.raises(CertificateError, match=f"rate of {name}"):
         compare_equations(equations, twisted)
+    with pytest.raises(CertificateError, match="another system"):
+        compare_equations([f"{k}' = {v}" for k, v in equations.items()], twisted)

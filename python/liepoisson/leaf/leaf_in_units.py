@@ -5,8 +5,8 @@ units, like any other.  Its states are found, compared and moved in coordinates 
 each field, for which
 
 - the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
-- the terms of H are of one order, and not all smaller than an energy that is asked for, if H is a polynomial; any other
-  one says nothing;
+- the terms of H that move anything are of one order, and not all smaller than an energy that is asked for, if H is a
+  polynomial; any other one says nothing;
 - the linear part of the bracket is of the order of its constant part, if it has both.
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
@@ -33,18 +33,18 @@ from numpy.typing import ArrayLike
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.linear_algebra import nullspace
-from liepoisson.algebra.rational_polynomials import powers_of
+from liepoisson.algebra.rational_polynomials import RationalPolynomial, powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
 from liepoisson.leaf.leaf_projection import Equations
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import elementary, linear
+from liepoisson.streams import generator
 
 if TYPE_CHECKING:
     from flint import arb
     from sympy import Expr, Symbol
 
-    from liepoisson.algebra.rational_polynomials import RationalPolynomial
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
 
@@ -64,6 +64,9 @@ _LONGEST = 300.0
 
 _MOST_TERMS = 2000
 """A function with more terms is not looked at."""
+
+_STILL = 1e-10
+"""A vector field is zero if it is below this fraction of the sizes of its factors, at a random state."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +103,7 @@ def field_units(
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
         problem.add(_sizes(function, groups), value, weight=_IMPOSSIBLE)
-    problem.add(_sizes(system.functions.energy, groups), energy or 0.0, weight=_BALANCED)
+    problem.add(_moving(system, casimirs, groups), energy or 0.0, weight=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
@@ -199,12 +202,17 @@ def _sizes(function: PhaseFunction, groups: tuple[int, ...]) -> _Sizes | None:
     return _sizes_of_terms(cast("Any", Poly(expression, *function.variables)).terms(), groups)
 
 
+def _degree(monomial: tuple[int, ...], groups: tuple[int, ...]) -> tuple[int, ...]:
+    """The degree of a monomial in the coordinates of each group."""
+    return tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
+
+
 def _sizes_of_terms(terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[int, ...]) -> _Sizes | None:
     """The terms of a polynomial by their degrees in the fields, each with its largest coefficient."""
     classes: dict[tuple[int, ...], float] = {}
     is_sum_of_squares = True
     for monomial, coefficient in terms:
-        degree = tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
+        degree = _degree(monomial, groups)
         if not any(degree):
             continue
         size = float(coefficient)
@@ -213,6 +221,34 @@ def _sizes_of_terms(terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[
     if not classes or not all(0 < size < np.inf for size in classes.values()):
         return None
     return _Sizes(np.array([*classes], dtype=float), elementary.log2([*classes.values()]), is_sum_of_squares)
+
+
+def _moving(system: System, casimirs: Mapping[str, PhaseFunction], groups: tuple[int, ...]) -> _Sizes | None:
+    """The terms of H without those that move nothing, such as a large multiple of a Casimir."""
+    sizes = _sizes(system.functions.energy, groups)
+    if sizes is None:
+        return None
+    constant = [_sizes(function, groups) for function in casimirs.values()]
+    degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
+    kept = [tuple(row) not in degrees or _moves(system, row, groups) for row in sizes.degrees.tolist()]
+    return replace(sizes, degrees=sizes.degrees[kept], logarithms=sizes.logarithms[kept]) if any(kept) else None
+
+
+def _moves(system: System, degree: list[float], groups: tuple[int, ...]) -> bool:
+    """Whether the terms of H of this degree in the fields have a vector field."""
+    energy = system.functions.energy
+    if energy.polynomial is not None:
+        own = {p: c for p, c in powers_of(energy.polynomial, len(groups)) if list(_degree(p, groups)) == degree}
+        part = system.functions.of_polynomial(RationalPolynomial.of_powers(own))
+    else:
+        from sympy import Poly
+
+        terms = cast("Any", Poly(energy.expression, *energy.variables)).terms()
+        of_degree = {m: c for m, c in terms if list(_degree(m, groups)) == degree}
+        part = system.functions.of(cast("Any", Poly(of_degree, *energy.variables)).as_expr())
+    state = generator(0).standard_normal(len(groups))
+    slope, poisson = part.gradient(state), system.functions.poisson_tensor(state)
+    return bool(linear.norm(linear.matmul(poisson, slope)) > _STILL * linear.norm(poisson) * linear.norm(slope))
 
 
 _MOST = 100

@@ -190,7 +190,7 @@ def _numbers(data: object, n: int, where: str) -> tuple[float, ...]:
 
 
 def _double(value: object, where: str) -> float:
-    """A double from its hexadecimal form: what is proved is about this double."""
+    """A double from its hexadecimal form, without rounding."""
     text = _text(value, where)
     _check_length(text, where)
     try:
@@ -199,7 +199,18 @@ def _double(value: object, where: str) -> float:
         raise _FormatError(f"{where}: wanted a double in hexadecimal; got {shown(text)}") from error
     if not math.isfinite(found) or "0x" not in text.lower():
         raise _FormatError(f"{where}: wanted a finite double in hexadecimal, such as 0x1.8p+0; got {shown(text)}")
+    if _exactly(text) != Fraction(found):
+        raise _FormatError(f"{where}: {shown(text)} has more digits than a double")
     return found
+
+
+def _exactly(text: str) -> Fraction:
+    """The value of a hexadecimal number, of which `float.fromhex` has accepted the form."""
+    mantissa, _, exponent = text.strip().lower().replace("0x", "").partition("p")
+    negative = mantissa.startswith("-")
+    whole, _, part = mantissa.lstrip("+-").partition(".")
+    value = Fraction(int(whole + part or "0", 16), 16 ** len(part)) * Fraction(2) ** int(exponent or 0)
+    return -value if negative else value
 
 
 def _rational(value: object, where: str) -> Fraction:

@@ -1,18 +1,26 @@
 r"""The theorem that a top is chaotic: a certificate, checked by two arithmetics, and what follows from it.
 
+Is a level of H and the Casimirs regular? Decided exactly, over the complex numbers.
+
 A level $F = c$ is regular where the differentials of H and the Casimirs are independent. They are dependent at a point
 of it if $\sum_k m_k\nabla F_k = 0$ with some $m \ne 0$, of which one component may be taken to be 1. So a level is
 regular if, for each k, the equations $\sum_k m_k\nabla F_k = 0$, $F = c$, $m_k = 1$ have no solution: their ideal
-contains 1, which is decided exactly.
+contains 1.
+
+Is a certificate about this system? Its equations are compared with those that the system has.
+
+The theorem in words, with the margins of each check.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.resources import files
+from itertools import chain, repeat
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, cast
@@ -28,13 +36,13 @@ from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import not_a, shown
 from liepoisson.proofs.certificate import CoveringCertificate, Margins, load_covering_certificate, read_certificate
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field, rational_terms
-from liepoisson.proofs.rigorous import ARITHMETICS
 from liepoisson.proofs.search import CertificateCandidate
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
 
+ARITHMETICS = ("intervals", "balls")
 SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
 """Certificates that come with the package, by the names of systems in the catalogue."""
 _MEASURE = (
@@ -264,38 +272,78 @@ def is_regular(field: PolynomialField, level: Mapping[str, Fraction]) -> bool:
     return True
 
 
-_NOT_COMPARED = "The equations in the file are not written in this package's grammar and were not compared."
+_LEFT_SIDE = re.compile(r"^\s*(?:d\s*)?([A-Za-z]\w*?)\s*(?:'|/\s*dt|_dot|\.)?\s*=")
 
 
 def compare_equations(equations: object, field: PolynomialField) -> str:
     """Compare the equations in a certificate with those of a system; a sentence that says what was found.
 
-    The proof is about the system's own equations.  Those of the certificate are compared with them where they are
-    formulas in the grammar of system files, by the names of the coordinates.
+    The proof is about the system's own equations. Those of the certificate are compared with them where they are
+    formulas in the grammar of system files, given by the names of the coordinates, as a list or as lines.
 
     Raises:
         CertificateError: they are formulas, and another system's, or one is missing.
     """
+    formulas = _right_sides(equations, field.names)
+    if formulas is None:
+        return "The equations in the file are not written in this package's grammar and were not compared."
     from sympy import Symbol
 
-    given = cast("Mapping[Any, Any]", equations) if isinstance(equations, Mapping) else {}
-    if not given or not set(given) <= set(field.names) or not all(isinstance(text, str) for text in given.values()):
-        return _NOT_COMPARED
-    if missing := [name for name in field.names if name not in given]:
-        raise CertificateError(f"the certificate is refused: its equations lack the rate of {missing[0]}")
-    variables, scope = [Symbol(name) for name in field.names], Scope(symbols=field.names)
-    for k, (name, rate) in enumerate(zip(field.names, field.rates, strict=True)):
-        text = given[name]
+    variables = [Symbol(name) for name in field.names]
+    for name, text, rate in zip(field.names, formulas, field.rates, strict=True):
         try:
-            claimed = rational_terms(read_expression(text.replace("**", "^"), scope), variables, f"the rate of {name}")
+            given = rational_terms(
+                read_expression(text.replace("**", "^"), Scope(symbols=field.names)), variables, f"the rate of {name}"
+            )
         except ExpressionError:
-            return _NOT_COMPARED
-        if claimed != rate:
+            return "The equations in the file are not written in this package's grammar and were not compared."
+        if given != rate:
             raise CertificateError(
                 f"the certificate is about another system: its rate of {name} is {shown(text)}, that of this system "
-                f"{shown(field.equations[k].partition('=')[2].strip())}"
+                f"{shown(field.equations[field.names.index(name)].partition('=')[2].strip())}"
             )
     return "The equations in the file are those of the system."
+
+
+def _right_sides(equations: object, names: Sequence[str]) -> list[str] | None:
+    """The formulas in the order of the coordinates, or None where they are in another form.
+
+    Raises:
+        CertificateError: a coordinate has none, or another number of them is listed.
+    """
+    is_list = isinstance(equations, list)
+    if isinstance(equations, str):
+        equations = [line for line in re.split(r"[\n;]", equations) if line.strip()]
+    if isinstance(equations, Mapping):
+        given = cast("Mapping[Any, Any]", equations)
+        named = {_name(key, names): value for key, value in given.items()}
+    elif isinstance(equations, list):
+        lines = cast("list[Any]", equations)
+        if not all(isinstance(line, str) for line in lines):
+            return None
+        sides = [cast("str", line).rpartition("=") for line in lines]
+        if not any(head for head, _, _ in sides) and is_list and len(lines) != len(names):
+            raise CertificateError(
+                f"the certificate is refused: wanted an equation for each of {', '.join(names)}; got {len(lines)}"
+            )
+        heads = [_LEFT_SIDE.match(f"{head}=") if head else None for head, _, _ in sides]
+        named = {
+            (_name(head[1], names) if head else name): side[2]
+            for head, side, name in zip(heads, sides, chain(names, repeat("")), strict=False)
+        }
+    else:
+        return None
+    if (missing := [name for name in names if name not in named]) and len(missing) < len(names):
+        raise CertificateError(f"the certificate is refused: its equations lack the rate of {missing[0]}")
+    if missing or set(named) != set(names) or not all(isinstance(f, str) for f in named.values()):
+        return None
+    return [named[name] for name in names]
+
+
+def _name(text: object, names: Sequence[str]) -> str:
+    """A coordinate from the left side of an equation, such as dl1/dt, l1' or l1."""
+    plain = re.sub(r"(?:'|/\s*dt|_dot)$", "", str(text).strip())
+    return plain if plain in names else plain.removeprefix("d")
 
 
 _WIDTH = 110
