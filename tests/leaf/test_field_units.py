@@ -137,3 +137,15 @@ def test_equilibria_of_a_canonical_system(a, b):
     assert near.state / [a, a, b, b] == pytest.approx([0, 1, 0, 0], abs=1e-12)
     with pytest.raises(ParameterError, match="state must be an equilibrium"):
         lp.phase_space.equilibrium(system, [0, 0.999 * a, 0, 0])
+
+
+@pytest.mark.parametrize("size", [10**3, 10**10, 10**11])
+def test_a_multiple_of_a_casimir_in_the_hamiltonian_is_no_unit(size):
+    """H + c C2 has the equations of H, and its least energy is that of H and c C2: -0.96760024, as for c = 0."""
+    top = "(l1^2 + l2^2 + 2*l3^2)/2 + alpha3"
+    bracket, state = lp.so(3) @ lp.semidirect(2), [0.3, 0, 0, 0.6, 0, 0.8]
+    plain = lp.Leaf.through(lp.System(bracket, top), state).energy_range()[0]
+    for function in (f"{top} + {size}*dot(alpha, alpha)", f"{top} + sqrt(2)*{size}*dot(alpha, alpha)"):
+        system = lp.System(bracket, function)
+        own = float(system.functions.energy(state)) - float(lp.System(bracket, top).functions.energy(state))
+        assert lp.Leaf.through(system, state).energy_range()[0] - own == pytest.approx(plain, abs=1e-14 * size + 1e-9)

@@ -14,7 +14,7 @@ from small_study import SMALL, integrate, one_run, stored_piece
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.studies.twisted_top import integration, runs
-from liepoisson.studies.twisted_top.integration import RunStore, Tracker, complete, discard, fingerprint
+from liepoisson.studies.twisted_top.integration import RunStore, Tracker, complete, discard, fingerprint, write_text
 
 
 @pytest.mark.thorough
@@ -103,6 +103,35 @@ def test_a_fingerprint_has_all_that_determines_the_numbers_of_a_run():
     fields = {field.name for field in dataclasses.fields(one_run(SMALL, "twisted-cube"))}
     names = {"run" if name == "name" else name for name in fields - {"members"}}
     assert fingerprint(one_run(SMALL, "twisted-cube")).keys() == names | {"times", "version"}
+
+
+def test_work_without_a_record_is_never_written_over_by_another_study(tmp_path, monkeypatch):
+    """As where the manifest was removed: the same study computes a piece once more, another one is refused."""
+    store = stored_piece(tmp_path, monkeypatch)
+    piece = store.piece_path(0, 25)
+    (tmp_path / "data" / "manifest.json").unlink()
+    before = piece.read_bytes()
+    for change in ({"seed": 7}, {"end_time": 70.0}, {"tolerance": 1e-12}):
+        with pytest.raises(ParameterError, match=f"{next(iter(change))} .* instead of"):
+            integrate(tmp_path, dataclasses.replace(SMALL, **change), "twisted-unit-vectors")
+        assert piece.read_bytes() == before
+    assert (0, 25) in store.missing_pieces()
+
+
+def test_a_text_is_whole_and_no_link_is_written_through(tmp_path):
+    mine, link = tmp_path / "mine.txt", tmp_path / "claims.json.partial"
+    mine.write_text("mine")
+    link.symlink_to(mine)
+    write_text(tmp_path / "claims.json", "{}")
+    assert (mine.read_text(), (tmp_path / "claims.json").read_text()) == ("mine", "{}")
+    kept = tmp_path / "kept.json"
+    kept.symlink_to(tmp_path / "elsewhere.json")
+    write_text(kept, "[]")
+    assert kept.is_symlink()
+    assert kept.read_text() == "[]"
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "mine.txt", "claims.json.partial", "claims.json", "kept.json", "elsewhere.json"
+    }  # fmt: skip
 
 
 @pytest.mark.thorough

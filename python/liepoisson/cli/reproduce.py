@@ -53,7 +53,7 @@ def reproduce(
         threads=None if threads is None else as_threads(threads),
     )
     try:
-        with exclusive(folder), writing(folder), progress_bar(quiet=quiet) as progress:
+        with progress_bar(quiet=quiet) as progress, exclusive(folder), writing(folder):
             result = run_study(settings, folder, fresh=fresh, progress=progress)
     except KeyboardInterrupt:
         print(

@@ -98,7 +98,7 @@ def bounds(
         LeafError: the inequality has no solution: the energy is below the least possible one, or the values of the
             Casimirs belong to no state.
         ParameterError: the system is not a top, the arguments do not say which leaf and energy are meant, or squares
-            of the numbers are too large for doubles.
+            of the numbers are too large or too small for doubles.
         ShapeError: `state` is not one state.
     """
     parameters = as_system(system).top_parameters

@@ -10,7 +10,9 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import os
 import re
+import secrets
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -119,10 +121,24 @@ class RunStore:
             ParameterError: it belongs to a study with other options.
         """
         record = self._records().get(self._key(path))
-        if record is None or not path.exists():
+        if not path.exists():
+            return False
+        if record is None:  # it was written last before a run was killed, or the manifest is gone
+            self._check_unrecorded(path)
             return False
         _check_fingerprint(path, record["fingerprint"], self._fingerprint(path))
         return True
+
+    def _check_unrecorded(self, path: Path) -> None:
+        """Refuse to write over the work of a study with other options; what cannot be read is no work."""
+        try:
+            stored = lp.load(path)
+        except (lp.errors.LiePoissonError, OSError):
+            return
+        wanted = {"seed": self.run.seed, "tolerance": self.run.tolerance, "end_time": self.run.end_time}
+        if isinstance(stored, lp.results.FiniteTimeExponents):
+            own = (stored.seed, getattr(stored.method, "tol", None), float(stored.time[-1]))
+            _check_fingerprint(path, dict(zip(wanted, own, strict=True)), wanted)
 
     def save(self, path: Path, growth: lp.results.FiniteTimeExponents, seconds: float) -> None:
         """Store a piece, or the whole run, of which the pieces are then removed.
@@ -230,9 +246,16 @@ def write_json(path: Path, content: Mapping[str, object]) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write a file so that it is either whole or as it was."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f"{path.name}.partial")
-    partial.write_text(text, encoding="utf-8")
-    partial.replace(path)
+    path = path.resolve()  # a link stays one
+    partial = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.partial")
+    try:
+        with partial.open("x", encoding="utf-8") as file:  # never what a link of this name leads to
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def discard(out: Path) -> None:

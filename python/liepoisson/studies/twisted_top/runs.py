@@ -28,6 +28,7 @@ LOG_WINDOW = (50.0, 1000.0)
 ENSEMBLES = ("unit-vectors", "cube", "gaussian")
 SMALLEST_END_TIME = 60.0
 # Far above any machine; a larger number is a slip of the finger, which would end in an overflow or never.
+MOST_THREADS = 4096
 MOST_MEMBERS = 10**8
 # Measured on 1024 starts of the twisted top: the exponent at t = 20 is then right to 7e-13 (median), the energy at
 # t = 200 to 5e-12.  The statistical errors are eight orders larger.
@@ -77,6 +78,10 @@ class Settings:
             )
         if self.seed < 0:
             raise lp.errors.ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
+        if self.threads is not None and not 1 <= self.threads <= MOST_THREADS:
+            raise lp.errors.ParameterError(
+                f"threads must be from 1 to {MOST_THREADS}; got {self.threads}. Leave it out to use all cores."
+            )
 
 
 @dataclass(frozen=True)
