@@ -112,3 +112,14 @@ def test_spread_starts_are_on_the_section_and_far_from_each_other():
     # each is the farthest from those before, so that these distances can only fall
     assert (np.diff(nearest) <= 0).all()
     assert nearest[-1] > 0.3
+
+
+@pytest.mark.parametrize("spread", [False, True])
+def test_starts_are_on_the_leaf_whatever_function_of_a_casimir_is_in_the_hamiltonian(spread):
+    """H + 2 C1^2 has the equations of H on each leaf; far away in l its terms hid what was left of the Casimirs."""
+    bracket = lp.catalog.system("kovalevskaya").bracket
+    system = lp.System(bracket, "l1^2/4 + l2^2/6 + l3^2/2 - alpha1 + 2*dot(l, alpha)^2")
+    leaf = lp.Leaf(system, {"C1": 0.3, "C2": 1})
+    starts = lp.sections.section_starts(leaf, "alpha2", energy=1.18, n_starts=24, spread=spread)
+    assert leaf.contains(starts).all()
+    np.testing.assert_allclose(system.functions.energy(starts), 1.18, rtol=0, atol=1e-12)

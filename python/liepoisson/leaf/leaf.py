@@ -36,6 +36,10 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 
+_ON_LEAF = 1e-10
+"""Relative residual up to which `Leaf.contains` says that a state is on a leaf."""
+
+
 @explains_its_methods
 class Leaf:
     r"""A symplectic leaf, given by the values of the Casimirs C1, C2, ... of the open stratum.
@@ -222,6 +226,7 @@ class Leaf:
         states, view = self._points(states), self.in_units(energy)
         equations = view.constraints(energy, surface)
         found, residual = approach(equations, states.reshape(-1, states.shape[-1]) / view.units)
+        residual[~are_on(self, found * view.units, energy)] = np.inf
         if found.size and not residual.max() <= CONVERGED:
             self._refuse(equations, found, residual, energy)
         return (found * view.units).reshape(states.shape)
@@ -396,3 +401,17 @@ def _values(system: System, casimirs: Mapping[str, float | str], place: Place) -
     if not np.isfinite(values).all():
         raise ParameterError(f"casimirs must be finite; got {given}.")
     return values
+
+
+@np.errstate(all="ignore")
+def are_on(leaf: Leaf, states: Array, energy: float | None = None) -> NDArray[np.bool_]:
+    """Whether states at which Newton's method ended have the values of a leaf and an energy, as `contains` compares.
+
+    Equations in one unit are relative to the longest field: far away in one field, any values of the others would do.
+    """
+    good = leaf.residual(states) <= _ON_LEAF
+    if energy is not None:
+        function = leaf.system.functions.energy
+        size = abs(energy) + np.abs(states * function.gradient(states)).sum(axis=-1)
+        good &= np.abs(function(states) - energy) <= _ON_LEAF * size
+    return good

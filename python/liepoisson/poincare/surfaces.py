@@ -170,6 +170,8 @@ def section_starts(
             max(n, 64); the message says which share did.
         ParameterError: the energy is no finite number, the direction is none, or n or seed is no whole number.
     """
+    from liepoisson.leaf.leaf import are_on
+
     n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
     check_choice(direction, "direction", (-1, 0, 1))
     view = as_leaf(leaf).in_units(as_energy(energy))
@@ -177,6 +179,7 @@ def section_starts(
     if spread:
         guesses = _many_guesses(view, n_starts, seed)
         found = _crossed(view, surface, energy, guesses, direction)
+        found = found[are_on(leaf, found * view.units, energy)]
         if len(found) >= n_starts:
             return _farthest(found, n_starts) * view.units
         if not len(found):
@@ -190,6 +193,7 @@ def section_starts(
     for attempt in range(_ROUNDS):
         states, residual = solve(equations, draw(seeds(seed, Purpose.SECTION, attempt), size))
         states = states[residual <= CONVERGED]
+        states = states[are_on(leaf, states * view.units, energy)]
         converged, drawn = converged + len(states), drawn + size
         if direction:
             states = states[direction * _rates(view, surface, states) > 0]
@@ -289,6 +293,8 @@ def section_state(
         LeafError: no such state was found.
         ParameterError: the energy or a coordinate is no finite number.
     """
+    from liepoisson.leaf.leaf import are_on
+
     view = as_leaf(leaf).in_units(as_energy(energy))
     functions, equations = view.system.functions, view.constraints(energy, surface)
     given = by_name(coordinates, "coordinates", "values of functions of the state", '{"l3": 0.2}')
@@ -299,7 +305,7 @@ def section_state(
         equations = equations.with_function(functions.of(name), value)
     guesses = _guesses(view, guess)
     states, residual = solve(equations, guesses.copy())
-    good = np.flatnonzero(residual <= CONVERGED)
+    good = np.flatnonzero((residual <= CONVERGED) & are_on(leaf, states * view.units, energy))
     if not good.size:
         check_energy_in_reach(leaf, energy)
         raise LeafError(
