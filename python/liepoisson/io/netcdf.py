@@ -18,8 +18,10 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -28,6 +30,8 @@ from liepoisson.errors import DamagedFileError, OutputError
 if TYPE_CHECKING:
     import h5py
     from xarray import Dataset
+
+T = TypeVar("T")
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _SEAL = b"\nliepoisson sha256 "
@@ -59,7 +63,7 @@ def netcdf(dataset: Dataset) -> memoryview:
     encoding: Any = {name: {"_FillValue": None} for name in dataset.variables}
     try:
         content = io.BytesIO()
-        dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding)
+        _uninterrupted(lambda: dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding))
     except (TypeError, ValueError, KeyError, OSError, RuntimeError) as error:
         raise OutputError(
             f"could not be written as NetCDF ({error!s:.200}); look at the names of the system and its components"
@@ -102,15 +106,30 @@ def read_netcdf(path: Path, *, verify: bool = True, trial: Trial | None = None) 
 def _read(path: Path, content: bytes) -> Dataset:
     import xarray as xr
 
-    try:
+    def load() -> Dataset:
         _check_structure(path, content)
         # units and fill values of other programs are not interpreted: numbers are as they are stored
         with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False) as file:
             return file.load()
+
+    try:
+        return _uninterrupted(load)
     except DamagedFileError:
         raise
     except Exception as error:  # whatever HDF5 and its wrappers raise on a damaged or foreign file
         raise DamagedFileError(f"{path}: cannot be read as NetCDF ({error!s:.200}); make it again") from error
+
+
+def _uninterrupted(work: Callable[[], T]) -> T:
+    """What a function returns that uses HDF5; Ctrl-C is heard when it is done.
+
+    In a thread of its own, since signals come to the main thread only: an exception inside of xarray leaves its locks
+    taken, so that every later file of the process waits for ever; one inside of h5py is lost, or becomes an OSError.
+    """
+    if sys.platform == "emscripten":  # it has no threads
+        return work()
+    with ThreadPoolExecutor(1) as worker:
+        return worker.submit(work).result()
 
 
 class Trial:
