@@ -5,7 +5,7 @@ $\ell_3\,\ell_2 f$ are rounded differently by a machine.  What is left of them i
 equations do not have, and may be larger than all that they have.  The coefficients of equal terms are therefore added
 here, exactly.
 
-Quotients of exponentials, written so that none of them is infinite over infinite.
+Quotients of exponentials are written so that none of them is infinite over infinite.
 
 $e^u/(1 + e^u)^2$ tends to zero on both sides, and in doubles it is $\infty/\infty$ for $u > 710$.  With $D = \sum_i c_i
 e^{u_i}$ and all $c_i > 0$,

@@ -5,13 +5,12 @@ rotation, for a top. It is a critical point of H on its leaf, $\nabla H = \sum_k
 integral K (such as $\ell_3$ of a Lagrange top) there are critical points of H on the common level set,
 $\nabla H = \sum_k\lambda_k\nabla C_k + \Omega\nabla K$: the motion there is that of $\Omega K$ alone.
 
-All equilibria of a polynomial system on a regular leaf, proved to be all, where they are finitely many.
-
-An equilibrium is a zero of $J\nabla H$ at which the Casimirs have the values of the leaf. Where bracket, Hamiltonian
-and Casimirs are polynomials with rational coefficients, these equations are a polynomial system over the rationals
-(doubles are rational), and `liepoisson.algebra.ideals` finds all of its real solutions. There are no multipliers in
-them, so they hold at singular points of the level set, too. A solution at which J has the rank of the leaf lies on a
-leaf of this level set; where ball arithmetic does not show this rank, nothing is decided.
+**By algebra**, on a regular leaf, all are found where they are finitely many. An equilibrium is a zero of $J\nabla H$
+at which the Casimirs have the values of the leaf. Where bracket, Hamiltonian and Casimirs are polynomials with rational
+coefficients, these equations are a polynomial system over the rationals (doubles are rational), and
+`liepoisson.algebra.ideals` finds all of its real solutions. There are no multipliers in them, so they hold at singular
+points of the level set, too. A solution at which J has the rank of the leaf lies on a leaf of this level set; where
+ball arithmetic does not show this rank, nothing is decided.
 
 Families of equilibria, real or complex, are left to the search.
 """

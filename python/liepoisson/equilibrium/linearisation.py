@@ -5,11 +5,9 @@ field, both restricted to $T$. The matrix $S = J^{-1}A$ is symmetric there: it i
 Hamiltonian *along the leaf*, and the same as that of $H - \sum_k\lambda_k C_k$ restricted to $T$, whatever functions of
 the Casimirs are taken. No Casimir is needed to compute it, so it exists on every leaf, singular ones included.
 
-The linearised flow at a state where the vector field vanishes exactly, in exact numbers.
-
-What is zero in the linearisation of rounded numbers is known only relative to the largest of its entries, which says
-nothing where these differ by nine and more orders of magnitude.  A state of doubles is a state of rational numbers; if
-the field vanishes there exactly, and all coefficients are rational, then so is the linearisation.
+**In exact numbers.** What is zero in the linearisation of rounded numbers is known only relative to the largest of its
+entries, which says nothing where these differ by nine and more orders of magnitude. A state of doubles is a state of
+rational numbers; if the field vanishes there exactly, and all coefficients are rational, then so is the linearisation.
 
 Let the columns $c$ of the Poisson tensor J be a basis of its column space, and A the derivative of the field.  As $J =
 J_{\cdot c} J_{cc}^{-1} J_{c\cdot}$, in this basis of the tangent space of the leaf the symplectic form is $W =

@@ -3,7 +3,7 @@
 A parameter is a `Fraction` when it is a rational number, and a SymPy expression when it is anything else (a name kept
 symbolic, a square root).  SymPy is imported only for the latter.
 
-Values of parameters by name: numbers, vectors, matrices, and what their components are called.
+`Value` is what a parameter has by name: a number, a vector or a matrix, whose components have names, too.
 """
 
 from __future__ import annotations

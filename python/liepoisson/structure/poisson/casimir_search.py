@@ -8,7 +8,7 @@ each weight.
 
 Its columns are in the order of `leading_monomials`, so that the reduced basis has a 1 at each leading monomial.
 
-Casimirs of Leibniz extensions in closed form, from the Casimirs of the Lie algebra itself.
+Those of Leibniz extensions have a closed form, from the Casimirs of the Lie algebra itself.
 
 g (x) R[z]/(z^n) is a generalised Takiff algebra.  If F is a Casimir of g, so are the n lowest coefficients of
 
