@@ -221,7 +221,7 @@ def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
     working = digits + ceil(digits / 3) + 4
     with ctx.workprec(bits(working)):
         start = _Start(orbit, origin, PreciseFlow(orbit.system, working), working)
-        closing = linear.matmul(orbit.origin.last.matrix, orbit.origin.first.matrix)
+        closing = linear.matmul(origin.last.matrix, origin.first.matrix)
         middle, a, time, moved = start.solved(n_loops, digits)
         for _ in range(n_loops):  # an odd number of loops leads to the image
             middle = (exact_columns(closing.T) * column(middle)).entries()
