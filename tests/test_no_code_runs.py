@@ -16,7 +16,7 @@ import sympy as sp
 import liepoisson as lp
 from liepoisson.algebra.exact_numbers import as_expression
 from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
-from liepoisson.compile.private_symbols import in_private_symbols
+from liepoisson.compile.symbols import in_compiler_symbols
 from liepoisson.errors import LiePoissonError
 from liepoisson.model.canonical_system import CanonicalSystem
 
@@ -26,7 +26,7 @@ FORBIDDEN = {"sympify", "_sympify", "eval", "exec", "parse_expr", "parse_latex",
 """Names that the package uses nowhere: they run texts, or make objects of bytes."""
 
 HOMES = {
-    "lambdify": {"compile/private_symbols.py"},
+    "lambdify": {"compile/symbols.py"},
     "loads": {"sweeps/family.py", "sweeps/remote.py"},
     "Unpickler": set[str](),
     "pickle": {
@@ -198,7 +198,7 @@ DOORS = {
     "darboux on": lambda x: lp.integrability.darboux_polynomials(euler, degree=1, on=[x]),
     "integrable_families positive": lambda x: lp.integrability.integrable_families(euler, degree=1, positive=[x]),
     "polynomial system": lambda x: PolynomialSystem.of([x], ["x"]),
-    "private symbols": lambda x: in_private_symbols([l1], [x]),
+    "private symbols": lambda x: in_compiler_symbols([l1], [x]),
     "section": lambda x: lp.section(euler, [[1.0, 2.0, 3.0]], t_end=1, surface=x),
     "section, keep": lambda x: lp.section(euler, [[1.0, 2.0, 3.0]], t_end=1, surface="l1", keep=[x]),
     "enclosure of a section": lambda x: lp.proofs.enclose_section_map(euler, [1, 2, 3], surface=x),

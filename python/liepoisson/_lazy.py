@@ -3,7 +3,7 @@
 A name is written once, in the stub, as `from liepoisson.place import name as name`. Type checkers read it there, and so
 does `attach`. The package has its own loader since the stubs name their places absolutely, and to save a dependency.
 
-This module imports next to nothing: a command that Ctrl-C ends before `cli/ending.py` is there ends in a traceback.
+This module imports next to nothing: a command that Ctrl-C ends before `cli/exit.py` is there ends in a traceback.
 """
 
 from __future__ import annotations

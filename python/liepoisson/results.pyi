@@ -42,8 +42,8 @@ from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrb
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit as SymmetricOrbit
 from liepoisson.orbits.periodic_orbits import SymmetricOrbits as SymmetricOrbits
-from liepoisson.orbits.polish import PreciseMidpoint as PreciseMidpoint
-from liepoisson.orbits.polish import PreciseSegment as PreciseSegment
+from liepoisson.orbits.refine import PreciseMidpoint as PreciseMidpoint
+from liepoisson.orbits.refine import PreciseSegment as PreciseSegment
 from liepoisson.poincare.first_return import FirstReturn as FirstReturn
 from liepoisson.poincare.section import Section as Section
 from liepoisson.proofs.enclosures import FlowEnclosure as FlowEnclosure

@@ -109,5 +109,5 @@ def generator(seed: int | list[int] | np.random.SeedSequence) -> Random:
 
 
 def stream(seed: int, purpose: Purpose, *place: int) -> Random:
-    """The random numbers of a seed for a purpose, at a place: the number of a block, a member or a trial."""
+    """The random numbers of a seed for a purpose, at a place: the number of a block, a trajectory or a trial."""
     return generator(seeds(seed, purpose, *place))

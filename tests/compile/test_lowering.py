@@ -11,7 +11,7 @@ from plain_fields import derivative
 import liepoisson as lp
 from liepoisson.compile.field import QuadraticField, TapeField, TopField, field_of, record_of
 from liepoisson.compile.lowering import lower, tape_of_equations
-from liepoisson.compile.private_symbols import in_private_symbols, numpy_function
+from liepoisson.compile.symbols import in_compiler_symbols, numpy_function
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.model.system import System
 from liepoisson.structure.extensions import leibniz
@@ -123,7 +123,7 @@ def test_compiled_functions_have_the_values_of_sympy(expression):
 
 def test_variables_that_are_called_like_private_ones_are_exchanged_at_once():
     first, second = sp.symbols("_0 _1")
-    private, [expression] = in_private_symbols((first, second), [first - 2 * second])
+    private, [expression] = in_compiler_symbols((first, second), [first - 2 * second])
     assert tuple(map(str, private)) == ("_1", "_0")
     assert expression == private[0] - 2 * private[1]
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from hostile_names import FAMOUS, REFUSED
 
-from liepoisson.cli.ending import UNEXPECTED
+from liepoisson.cli.exit import UNEXPECTED
 from liepoisson.cli.main import main
 from liepoisson.numeric.methods import METHODS
 

@@ -12,7 +12,7 @@ INTEGRABLE = lp.Top.twisted_lagrange(transverse=2, axial=1)
 
 
 def decades(angle, order):
-    """Median over the members of log10 GALI_order at each time."""
+    """Median over the trajectories of log10 GALI_order at each time."""
     return np.median(angle.log_gali[..., order - 2], axis=0) / np.log(10)
 
 
@@ -58,7 +58,7 @@ def test_gali_of_a_torus_is_constant_up_to_its_dimension():
     x0 = lp.sample_states(INTEGRABLE, 16, seed=2)
     angle = alignment(INTEGRABLE, x0, times=[1e3, 1e4], n_vectors=5, within="leaf")
     slopes = [np.diff(decades(angle, k))[0] for k in (2, 3, 4, 5)]
-    # 0.3 of a decade: volumes wander on the torus, and 16 members are averaged
+    # 0.3 of a decade: volumes wander on the torus, and 16 trajectories are averaged
     assert slopes == pytest.approx([0, 0, -2, -4], abs=0.3)
 
 

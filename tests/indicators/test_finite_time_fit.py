@@ -159,14 +159,14 @@ def test_chi_squared_of_the_truth_has_mean_three():
     rng = np.random.default_rng(8)
     time, truth = np.arange(20.0, 201.0), np.array([0.12, 0.15, 0.4])
     law = np.stack([np.ones_like(time), time**-0.5, 1 / time])
-    # coefficients of single members with strong correlations
+    # coefficients of single trajectories with strong correlations
     mixing = np.array([[0.05, 0.0, 0.0], [-0.4, 0.2, 0.0], [1.0, -1.5, 0.7]])
     distances = []
     for _ in range(100):
         members = (truth + rng.standard_normal((400, 3)) @ mixing.T) @ law
         fit = finite_time_fit(time, members, n_bootstrap=2)
         distances.append(fit.chi_squared(truth))
-    # with the covariance estimated from 400 members this is Hotelling's T^2, larger by 3/400 or so
+    # with the covariance estimated from 400 trajectories this is Hotelling's T^2, larger by 3/400 or so
     assert abs(np.mean(distances) - 3) < 5 * np.sqrt(6 / 100) + 0.05
 
 

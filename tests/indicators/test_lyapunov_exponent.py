@@ -29,7 +29,7 @@ def test_error_is_the_spread_over_nearby_starts():
     x0 = lp.sample_states(TOP, 1, seed=1) + 1e-9 * np.random.default_rng(0).standard_normal((32, 9))
     estimate = lyapunov_exponent(TOP, x0, t_end=4000, transient=300, method=FAST)
     spread, predicted = estimate.exponent.std(ddof=1), np.sqrt(np.mean(estimate.error**2))
-    assert 0.6 < spread / predicted < 1.5  # 32 members know a spread to 13%, the error to some 30%; measured 0.98
+    assert 0.6 < spread / predicted < 1.5  # 32 trajectories know a spread to 13%, the error to some 30%; measured 0.98
 
 
 @pytest.mark.thorough

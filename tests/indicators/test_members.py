@@ -1,4 +1,4 @@
-"""What holds for every indicator: a member is the same in any ensemble, and one that fails is an outcome."""
+"""What holds for every indicator: a trajectory is the same in any ensemble, and one that fails is an outcome."""
 
 from functools import partial
 
@@ -28,7 +28,7 @@ VALUES = ("exponent", "megno", "mean", "log_growth", "quadrature_error", "sali",
 
 
 def values(found, n):
-    """The arrays of a result that have a row for each member."""
+    """The arrays of a result that have a row for each trajectory."""
     kept = {name: np.asarray(getattr(found, name)) for name in VALUES if hasattr(found, name)}
     return {name: array for name, array in kept.items() if array.ndim and len(array) == n}
 

@@ -53,7 +53,7 @@ REFUSED = [
     (lambda: exponents(t_end=-5.0), ParameterError, "positive finite time"),
     (lambda: exponents(times=[2.0, 1.0]), ParameterError, "positive increasing"),
     (lambda: exponents(times=[0.0, 1.0]), ParameterError, "positive increasing"),
-    (lambda: exponents(t_end=5, tangents=np.zeros(9)), ParameterError, "tangent vector of member 0"),
+    (lambda: exponents(t_end=5, tangents=np.zeros(9)), ParameterError, "tangent vector of trajectory 0"),
     (
         lambda: lp.finite_time_exponents(TOP, [X0] * 4, t_end=1, tangents=np.eye(9)[:3]),
         ShapeError,

@@ -121,7 +121,7 @@ def test_frames_are_orthonormal_and_depend_on_the_seed():
     assert np.abs(np.swapaxes(frames, 1, 2) @ frames - np.eye(9)).max() < 1e-14
     assert np.array_equal(frames[256:], orthonormal_frames(9, 9, 44, seed=1, first=256))
     assert np.abs(frames - orthonormal_frames(9, 9, 300, seed=2)).max() > 0.1
-    # blocks of 256 members have streams of their own: two planes in nine dimensions share no line
+    # blocks of 256 trajectories have streams of their own: two planes in nine dimensions share no line
     planes = orthonormal_frames(9, 2, 257, seed=1)
     assert np.linalg.svd(np.hstack([planes[0], planes[256]]), compute_uv=False)[-1] > 1e-3
 

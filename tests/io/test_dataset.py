@@ -385,7 +385,7 @@ REARRANGED = {
 @pytest.mark.parametrize("how", REARRANGED)
 @pytest.mark.parametrize("kind", ["growth", "orbit", "section", "spectrum"])
 def test_a_rearranged_dataset_has_the_same_rerun(kind, how):
-    """As many members as components: a matrix that is read the wrong way round would fit."""
+    """As many trajectories as components: a matrix that is read the wrong way round would fit."""
     x0 = lp.sample_states(TOP, 9, seed=1)
     run = {
         "growth": lambda: lp.finite_time_exponents(TOP, x0, t_end=5, first=2),
@@ -400,7 +400,7 @@ def test_a_rearranged_dataset_has_the_same_rerun(kind, how):
         if name in original:
             wanted = original[name].isel(trajectory=slice(4, 7)) if "part" in how else original[name]
             assert np.array_equal(again[name], wanted, equal_nan=True)
-    if kind in {"growth", "spectrum"}:  # whose members have numbers of their own
+    if kind in {"growth", "spectrum"}:  # whose trajectories have numbers of their own
         assert np.array_equal(again["trajectory"], changed["trajectory"])
 
 

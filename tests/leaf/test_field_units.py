@@ -10,7 +10,7 @@ from sympy import Matrix, Rational
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.leaf.leaf_in_units import field_units
+from liepoisson.leaf.leaf_in_units import scaling
 from liepoisson.phase_space import find_start
 
 UNITS = [(1e-10, 1.0), (1.0, 1e-9), (1e-30, 1e30)]
@@ -71,7 +71,7 @@ def test_a_field_that_is_strong_in_the_hamiltonian_makes_momenta_long():
     base = lp.catalog.system("clebsch")
     l, p = base.variables[:3], base.variables[3:]
     anisotropic = lp.System(base.bracket, sum(x**2 for x in l) / 2 + 10**9 * p[2] ** 2)
-    units = field_units(anisotropic, anisotropic.functions.casimirs, np.array([0.5, 1.0]))
+    units = scaling(anisotropic, anisotropic.functions.casimirs, np.array([0.5, 1.0]))
     assert units[0] / units[3] > 1e3
 
 

@@ -1,4 +1,4 @@
-"""Random starts: members do not depend on the number of members, and have the stated distribution."""
+"""Random starts: trajectories do not depend on the number of trajectories, and have the stated distribution."""
 
 import numpy as np
 import pytest

@@ -42,7 +42,7 @@ def test_a_piece_that_is_not_recorded_is_computed_again(tmp_path, monkeypatch):
 def test_pieces_of_another_number_of_members_are_not_lost(tmp_path, monkeypatch):
     store = stored_piece(tmp_path, monkeypatch)
     monkeypatch.setattr(runs, "PIECE_SIZE", 20)
-    with pytest.raises(ParameterError, match="another number of members than 40"):
+    with pytest.raises(ParameterError, match="another number of trajectories than 40"):
         integrate(tmp_path, dataclasses.replace(SMALL, members=40), "twisted-unit-vectors")
     assert store.piece_path(0, 25).exists()
 

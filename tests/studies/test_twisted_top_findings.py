@@ -42,7 +42,7 @@ def test_ordinary_top_is_regular_and_the_printed_inertia_is_not(tmp_path):
     assert regular.log_fit.floor_is_zero
     as_printed = one_run(settings, "ordinary-as-printed-unit-vectors")
     chaotic = reduce_run(as_printed, integrate(tmp_path, settings, as_printed.name), 1.0).curve.at(200.0)
-    # 20,000 members give 0.1972 with error 0.0006; four combined errors: wrong with probability 6e-5.
+    # 20,000 trajectories give 0.1972 with error 0.0006; four combined errors: wrong with probability 6e-5.
     assert abs(chaotic.value - 0.1972) < 4 * np.hypot(chaotic.standard_error, 0.0006)
     assert regular.curve.at(200.0).high < 0.03
 
@@ -90,8 +90,8 @@ def test_full_study_meets_its_acceptance(tmp_path):
     peak_megabytes = int(done.stderr.split()[-1]) / 1000
     assert peak_megabytes < 500, f"peak resident memory {peak_megabytes:.0f} MB"
     numbers = json.loads((tmp_path / "measurements.json").read_text())["runs"]
-    # Window [20, 200] and 20,000 members were fixed beforehand; three combined standard errors, each at most 0.001:
-    # a right program fails with probability 0.3 % per ensemble for a new seed.
+    # Window [20, 200] and 20,000 trajectories were fixed beforehand; three combined standard errors, each at most
+    # 0.001: a right program fails with probability 0.3 % per ensemble for a new seed.
     for ensemble, (anchor, anchor_error) in {"unit-vectors": (0.123, 0.001), "cube": (0.120, 0.001)}.items():
         estimate = numbers[f"twisted-{ensemble}"]["fit"]["lambda"]
         assert estimate["standard_error"] <= 0.001

@@ -13,7 +13,7 @@ __all__ = ["main"]
 def __getattr__(name: str) -> object:
     """The function `main`; imported late, as `python -m liepoisson.cli.main` must find its module not yet imported.
 
-    Ctrl-C while it is imported ends the process as `ending.py` does, which is not there yet.
+    Ctrl-C while it is imported ends the process as `exit.py` does, which is not there yet.
     """
     if name != "main":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

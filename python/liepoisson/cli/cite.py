@@ -28,9 +28,9 @@ def cite(
     ] = CitationFormat.TEXT,
 ) -> None:
     """Print how to cite liepoisson, and the works that describe what was used."""
-    from liepoisson.saved import citation as citing
+    from liepoisson.saved import citation as references
 
-    citation = citing.cite(*(_used(name) for name in used or ()))
+    citation = references.cite(*(_used(name) for name in used or ()))
     print(citation.text if format_ is CitationFormat.TEXT else citation.bibtex)
 
 

@@ -47,7 +47,7 @@ def equilibria(
 ) -> None:
     """Print the equilibria on a leaf, with their stability, and whether they are all.
 
-    The leaf is that of --start, or of --leaf, or of member 0 of the random states.
+    The leaf is that of --start, or of --leaf, or of trajectory 0 of the random states.
     """
     from liepoisson.equilibrium.leaf_equilibria import equilibria as find_equilibria
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.cli.ending import InterruptedCommandError, NobodyReadsError, end
+from liepoisson.cli.exit import InterruptedCommandError, NobodyReadsError, end
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import OFF
 

@@ -46,7 +46,7 @@ _HELP = {
     "on": "A function that vanishes on the level set that is searched: --on C1 --on C2-1.  "
     "[default: all of phase space]",
     "start": "Where the orbit begins: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0.",
-    "guess": "Like --start, but it is moved onto --leaf and --energy.  [default: member 0 of the seed]",
+    "guess": "Like --start, but it is moved onto --leaf and --energy.  [default: trajectory 0 of the seed]",
     "leaf": "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf l.alpha=1/5; the others keep theirs.",
     "energy": "Value of the Hamiltonian, as in --energy 1.5 or --energy 3/2.",
     "out": "Also write the result to this file: .nc (which can be rerun) or .csv (a table).",

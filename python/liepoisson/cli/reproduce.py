@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from liepoisson.cli.ending import INTERRUPTED
+from liepoisson.cli.exit import INTERRUPTED
 from liepoisson.cli.options import QuietOption, SeedOption
 from liepoisson.cli.progress import progress_bar
 from liepoisson.errors import ParameterError
@@ -30,7 +30,9 @@ def reproduce(
     out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder.  [default: results/STUDY]")] = None,
     quick: Annotated[
         bool,
-        typer.Option("--quick", help=f"{QUICK_MEMBERS} members to t = {QUICK_END_TIME:g}: seconds, coarse errors."),
+        typer.Option(
+            "--quick", help=f"{QUICK_MEMBERS} trajectories to t = {QUICK_END_TIME:g}: seconds, coarse errors."
+        ),
     ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard stored work in the output folder first.")] = False,
     quiet: QuietOption = False,

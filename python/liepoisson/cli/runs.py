@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liepoisson.cli.ending import INTERRUPTED
+from liepoisson.cli.exit import INTERRUPTED
 from liepoisson.cli.output import write_figure, write_result
 from liepoisson.cli.progress import listening
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean

@@ -87,7 +87,7 @@ def section(
     """Print where orbits cross a surface.
 
     Several orbits of one leaf and one energy: those of --start or, moved there, of --guess, of --leaf and --energy,
-    or else of member 0 of the random states.  With --start, this orbit alone.
+    or else of trajectory 0 of the random states.  With --start, this orbit alone.
 
     The exit code is 1 where no crossing is found.
     """

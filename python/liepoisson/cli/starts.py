@@ -106,7 +106,7 @@ class Starts:
 def find_starts(
     system: System, where: Where, *, starts: int | None, default: int, ensemble: str | None = None, seed: int = 0
 ) -> Starts:
-    """One orbit with --start; with --guess, --leaf or --energy random starts there; else members of an ensemble.
+    """One orbit with --start; with --guess, --leaf or --energy random starts there; else trajectories of an ensemble.
 
     Raises:
         ParameterError: options that contradict each other or cannot be read.

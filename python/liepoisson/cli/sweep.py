@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from liepoisson.cli.ending import INTERRUPTED, TERMINATED, TerminatedError, ends_on_sigterm
+from liepoisson.cli.exit import INTERRUPTED, TERMINATED, TerminatedError, ends_on_sigterm
 from liepoisson.cli.options import Files, QuietOption
 from liepoisson.cli.output import data_file, figure_stem, write_figure, write_result
 from liepoisson.cli.progress import progress_bar

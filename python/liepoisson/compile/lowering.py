@@ -21,7 +21,7 @@ from liepoisson.algebra.rounded import ONE, ZERO, Rounded, rational, rounded
 from liepoisson.compile.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped, without_overflow
 from liepoisson.compile.field import Instruction, QuadraticField, TapeField, TapeFunction
 from liepoisson.compile.polynomial_dynamics import of_degree_two
-from liepoisson.compile.private_symbols import in_private_symbols, name_of_function
+from liepoisson.compile.symbols import in_compiler_symbols, name_of_function
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
     """
     from sympy import S
 
-    private, [energy] = in_private_symbols(bracket.variables, [hamiltonian])
+    private, [energy] = in_compiler_symbols(bracket.variables, [hamiltonian])
     slopes = [energy.diff(variable) for variable in private]
     writer = _TapeWriter(private)
     gradient = writer.write_all(slopes)  # refuses what has no tape
@@ -309,7 +309,7 @@ def tape_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) 
         UnsupportedFieldError: a function is not smooth or not known.
         ParameterError: a symbol is not among the variables.
     """
-    private, rates = in_private_symbols(variables, derivatives)
+    private, rates = in_compiler_symbols(variables, derivatives)
     writer = _TapeWriter(private)
     registers = writer.write_all(rates)
     return TapeField(
@@ -324,7 +324,7 @@ def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) ->
         UnsupportedFieldError: a function is not smooth or not known.
         ParameterError: a symbol is not among the variables.
     """
-    private, expressions = in_private_symbols(variables, [_without_pairs(function) for function in functions])
+    private, expressions = in_compiler_symbols(variables, [_without_pairs(function) for function in functions])
     writer = _TapeWriter(private)
     registers = [writer.linear([], ZERO) if r is None else r for r in writer.write_all(expressions)]
     return TapeFunction(*writer.parts(registers))

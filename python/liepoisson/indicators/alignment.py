@@ -177,7 +177,7 @@ def alignment(
         **options.given(system, states.copy(), field),
         **options.drawn, "within": within, "unit": size, "time": wanted,
     }  # fmt: skip
-    if options.is_late:  # before vectors are drawn: of many members this takes seconds
+    if options.is_late:  # before vectors are drawn: of many trajectories this takes seconds
         outcome[outcome == "finished"] = "time limit"
         return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
     drawn = sample_alignment_vectors(n, len(states), k, seed=options.seed, first=first)
@@ -286,7 +286,7 @@ def _refuse_dependent(vectors: Array, good: NDArray[np.int64], within: Within) -
     if len(flat):
         space = "leaf" if within == "leaf" else "energy surface on its leaf"
         raise ParameterError(
-            f"n_vectors: wanted at most as many as there are independent directions; the {space} through member "
+            f"n_vectors: wanted at most as many as there are independent directions; the {space} through trajectory "
             f"{int(flat[0])} has fewer than {k}; take fewer vectors, or within='space'"
         )
 

@@ -30,7 +30,7 @@ _PART = 0.6
 """The first and the last part of the run are this long: they share a third, and more tori have settled in 0.6 of a run
 than in a half of it (of 24 regular orbits of a weakly perturbed top 20 instead of 19, of 80 of another 53 and 49)."""
 
-# Numbers in the states of all members that are in memory at once: 19 MB.
+# Numbers in the states of all trajectories that are in memory at once: 19 MB.
 _AT_ONCE = 64 * _LEAST_SAMPLES * 9
 # A component below this part of the largest one, and a square that varies by less than this part of its size, is
 # round-off: its averages would be those of noise.

@@ -216,7 +216,7 @@ def _rows(matrices: Array) -> NDArray[np.float64]:
 
 
 def _random_triangles(n: int, n_members: int, *, seed: int, first: int) -> Array:
-    """Upper triangular matrices with unit columns; those of a member depend on the seed and on its number only."""
+    """Upper triangular matrices with unit columns; those of a trajectory depend on the seed and on its number only."""
     triangles = np.empty((n_members, n, n))
     for k in range(n_members):
         triangles[k] = np.triu(stream(seed, Purpose.TRIANGLES, first + k).standard_normal((n, n)))

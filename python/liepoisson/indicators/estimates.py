@@ -23,8 +23,8 @@ Window: TypeAlias = tuple[float, float]
 class Estimate(NamedTuple):
     """A number with its standard error and its confidence interval [low, high].
 
-    The error is that of this number as an estimate of what it stands for.  What was averaged, the starts, the members
-    of an ensemble or the time of one orbit, is said by what returns it.
+    The error is that of this number as an estimate of what it stands for.  What was averaged, the starts, the
+    trajectories of an ensemble or the time of one orbit, is said by what returns it.
 
     Example:
         >>> top = lp.Top.twisted_kovalevskaya()
@@ -56,7 +56,7 @@ class Estimate(NamedTuple):
 @explains_its_methods
 @dataclass(frozen=True)
 class Resampling:
-    """How the errors of an estimate were made: by resampling whole members, with replacement.
+    """How the errors of an estimate were made: by resampling whole trajectories, with replacement.
 
     Example:
         >>> lp.fits.Resampling(n_bootstrap=200, seed=1)
@@ -93,8 +93,8 @@ class FiniteTimeFit(ReadOnlyArrays):
         estimates: `lambda`, `c1` and `c0`, each with standard error and confidence interval.
         window: First and last time used.
         n_times: Sample times inside the window.
-        n_members: Members averaged.
-        n_excluded: Members left out because they did not finish.
+        n_members: Trajectories averaged.
+        n_excluded: Trajectories left out because they did not finish.
         rms_residual: Root mean square of mean curve minus fit over the window.
         resampling: How the errors were made.
         covariance: Covariance of `lambda`, `c1`, `c0` from the spread of the members: the three are strongly
@@ -152,7 +152,7 @@ class FiniteTimeFit(ReadOnlyArrays):
         low, high = self.window
         terms = ", ".join(f"{name} = {estimate}" for name, estimate in self.estimates.items())
         left_out = f", {self.n_excluded} left out" if self.n_excluded else ""
-        return f"{terms}  (t in [{low:g}, {high:g}], {self.n_members} members{left_out})"
+        return f"{terms}  (t in [{low:g}, {high:g}], {self.n_members} trajectories{left_out})"
 
 
 @dataclass(frozen=True)
@@ -164,11 +164,11 @@ class LogFit(ReadOnlyArrays):
     $|u + w\,t|$ the next term is $E/t$, and if the window starts so early that it matters, a fit without it bends
     $D$ away from zero by many of its statistical errors.  So the floor is fitted with and without that term.
 
-    The statistical error is not the only one of the floor: terms beyond $E/t$ bend it, too, and of members with a small
-    $w$ there may be few.  `floor_bias`, by how much a term $F/t^2$ moves it, measures this, and `floor_is_zero` allows
-    for it.  Of 20 ensembles of curves $\ln|u + w\,t|/t$, t from 50 to 1,000, the interval of the floor alone holds
-    zero in 10 (300 members, log-normal $|w|$), 18 (1,000 of them) and none (300 with $|w|$ from 0.5 to 2, where the
-    floors are $-8\cdot10^{-8}$); with the bias it is 20, 19 and 20.
+    The statistical error is not the only one of the floor: terms beyond $E/t$ bend it, too, and of trajectories with a
+    small $w$ there may be few.  `floor_bias`, by how much a term $F/t^2$ moves it, measures this, and `floor_is_zero`
+    allows for it.  Of 20 ensembles of curves $\ln|u + w\,t|/t$, t from 50 to 1,000, the interval of the floor alone
+    holds zero in 10 (300 trajectories, log-normal $|w|$), 18 (1,000 of them) and none (300 with $|w|$ from 0.5 to 2,
+    where the floors are $-8\cdot10^{-8}$); with the bias it is 20, 19 and 20.
 
     Example:
         >>> top = lp.Top.lagrange()
@@ -184,8 +184,8 @@ class LogFit(ReadOnlyArrays):
         with_two_terms: `A`, `B`, `D`, `E` and `F` of the fit to $A + B\ln t + D\,t + E/t + F/t^2$.
         window: First and last time used.
         n_times: Sample times inside the window.
-        n_members: Members averaged.
-        n_excluded: Members left out because they did not finish.
+        n_members: Trajectories averaged.
+        n_excluded: Trajectories left out because they did not finish.
         rms_residual: Root mean square of t times the mean curve minus the fit without linear term.
         resampling: How the errors were made.
     """
@@ -255,7 +255,7 @@ class LogFit(ReadOnlyArrays):
         )
         return (
             f"A = {self.estimates['A']}, B = {self.estimates['B']}; {floors}  "
-            f"(t in [{low:g}, {high:g}], {self.n_members} members)"
+            f"(t in [{low:g}, {high:g}], {self.n_members} trajectories)"
         )
 
 
@@ -263,8 +263,8 @@ class LogFit(ReadOnlyArrays):
 class MeanCurve(ReadOnlyArrays):
     r"""The ensemble mean with a pointwise confidence band, $\bar\lambda(t) \pm z\,s(t)/\sqrt n$.
 
-    The band is that of the normal distribution ($z = 1.96$ at 95%), good from some tens of members on.  It holds
-    time by time; values at different times are correlated, because each member keeps its own exponent.
+    The band is that of the normal distribution ($z = 1.96$ at 95%), good from some tens of trajectories on.  It holds
+    time by time; values at different times are correlated, because each trajectory keeps its own exponent.
 
     Example:
         >>> top = lp.Top.twisted_kovalevskaya()
@@ -280,8 +280,8 @@ class MeanCurve(ReadOnlyArrays):
         low: Lower edge of the band, shape (time,).
         high: Upper edge of the band, shape (time,).
         confidence: Pointwise coverage of the band.
-        n_members: Members averaged.
-        n_excluded: Members left out because they did not finish.
+        n_members: Trajectories averaged.
+        n_excluded: Trajectories left out because they did not finish.
     """
 
     time: FloatArray
@@ -304,7 +304,8 @@ class MeanCurve(ReadOnlyArrays):
     def __repr__(self) -> str:
         last = self.at(float(self.time[-1]))
         return (
-            f"<MeanCurve: {self.n_members} members, {len(self.time)} times, exponent {last} at t = {self.time[-1]:g}>"
+            f"<MeanCurve: {self.n_members} trajectories, {len(self.time)} times, exponent {last} at t = "
+            f"{self.time[-1]:g}>"
         )
 
 

@@ -109,8 +109,10 @@ class EnergyProfile(Run):
     def arguments(self) -> dict[str, Any]:
         """What `exponents_by_energy` was called with: the leaf as the starts that were drawn on it."""
         n = len(self.member)
-        if not np.array_equal(self.member, np.arange(n)):  # what is drawn for a member follows from its number
-            raise ParameterError(f"member: wanted members from 0 on, one after the other; got {shown(self.member)}")
+        if not np.array_equal(self.member, np.arange(n)):  # what is drawn for a trajectory follows from its number
+            raise ParameterError(
+                f"member: wanted trajectories from 0 on, one after the other; got {shown(self.member)}"
+            )
         names = ("t_end", "seed", "rule", "confidence", "method")
         own = {name: getattr(self, name) for name in names}
         leaf = DrawnLeaf(self.casimirs, dict(zip(self.energy.tolist(), self.start, strict=True)))

@@ -1,10 +1,10 @@
 r"""What an ensemble of finite-time exponents says about its long-time limit, with error bars.
 
 Every estimate here is linear in the curves: least squares on the ensemble mean is the mean of the least-squares
-coefficients of the members.  A member therefore enters only through a few numbers, and an ensemble of any size
+coefficients of the trajectories.  A trajectory therefore enters only through a few numbers, and an ensemble of any size
 can be reduced piece by piece (`EnsembleReduction`) and resampled at the cost of resampling those few numbers.
 
-References: the asymptotic form is that of Tang and Boozer, Physica D 95, 283 (1996); the bootstrap over members
+References: the asymptotic form is that of Tang and Boozer, Physica D 95, 283 (1996); the bootstrap over trajectories
 is Efron's, Ann. Statist. 7, 1 (1979).
 """
 
@@ -112,7 +112,7 @@ class EnsembleReduction:
     """Growth curves of an ensemble, reduced as they come to what the fits need.
 
     Give the windows first, then the curves in pieces of any size, then ask for the fits.  What is kept is the
-    running mean and variance at each time and three numbers per member and window: for 20,000 members and 20
+    running mean and variance at each time and three numbers per trajectory and window: for 20,000 trajectories and 20
     windows 10 MB, whatever the number of sample times.
 
     Example:
@@ -150,9 +150,9 @@ class EnsembleReduction:
         self.n_excluded = 0
 
     def add(self, exponent: ArrayLike) -> None:
-        """Take in the curves of some members, shape (trajectory, time).
+        """Take in the curves of some trajectories, shape (trajectory, time).
 
-        A member with a value that is not finite did not finish: it is left out of everything and counted.
+        A trajectory with a value that is not finite did not finish: it is left out of everything and counted.
 
         Raises:
             ShapeError: the last axis does not match the sample times.
@@ -183,10 +183,10 @@ class EnsembleReduction:
         self.n_members = n
 
     def mean_curve(self, *, confidence: float = 0.95) -> MeanCurve:
-        """The mean of all members taken in so far, with its pointwise confidence band.
+        """The mean of all trajectories taken in so far, with its pointwise confidence band.
 
         Raises:
-            ParameterError: fewer than two members finished, or a confidence outside (0, 1).
+            ParameterError: fewer than two trajectories finished, or a confidence outside (0, 1).
         """
         confidence = as_confidence(confidence)
         self._require_members()
@@ -201,7 +201,7 @@ class EnsembleReduction:
         """One fit per window, all from the same bootstrap replicates, so that their differences are meaningful.
 
         Raises:
-            ParameterError: fewer than two members finished.
+            ParameterError: fewer than two trajectories finished.
         """
         resampling = resampling or Resampling()
         n_coefficients = len(_FINITE_TIME.names)
@@ -221,7 +221,7 @@ class EnsembleReduction:
         """One logarithmic fit, plain and with further terms, per logarithmic window.
 
         Raises:
-            ParameterError: fewer than two members finished.
+            ParameterError: fewer than two trajectories finished.
         """
         resampling = resampling or Resampling()
         columns = self._estimates(resampling)[len(_FINITE_TIME.names) * len(self.windows) :]
@@ -251,13 +251,13 @@ class EnsembleReduction:
         return self._estimated[resampling]
 
     def _covariance(self, columns: slice) -> tuple[tuple[float, ...], ...]:
-        """Covariance of the mean of some coefficients over the members."""
+        """Covariance of the mean of some coefficients over the trajectories."""
         coefficients = np.concatenate([piece[:, columns] for piece in self._coefficients])
         covariance = linear.cov(coefficients) / self.n_members
         return tuple(tuple(map(float, row)) for row in covariance)
 
     def _fit_facts(self, law: _Law, window: Window) -> tuple[int, int, int, float]:
-        """Number of times, of members and of members left out, and the residual of the mean curve."""
+        """Number of times, of trajectories and of trajectories left out, and the residual of the mean curve."""
         inside = _inside(window, self.time)
         target = self._mean[inside] * elementary.power(self.time[inside], law.power)
         design = law.design(self.time[inside])
@@ -268,8 +268,8 @@ class EnsembleReduction:
     def _require_members(self) -> None:
         if self.n_members < 2:
             raise ParameterError(
-                f"an average with an error needs at least 2 members that finished; got {self.n_members} "
-                f"({self.n_excluded} did not finish). Look at their outcomes, or take more members."
+                f"an average with an error needs at least 2 trajectories that finished; got {self.n_members} "
+                f"({self.n_excluded} did not finish). Look at their outcomes, or take more trajectories."
             )
 
 
@@ -283,7 +283,7 @@ def finite_time_fit(
     seed: int = 0,
     confidence: float = 0.95,
 ) -> FiniteTimeFit:
-    r"""Fit of the mean finite-time exponent to $\lambda + c_1/\sqrt t + c_0/t$, with bootstrap errors over members.
+    r"""Fit of the mean finite-time exponent to $\lambda + c_1/\sqrt t + c_0/t$, with a bootstrap over trajectories.
 
     Unweighted least squares on the sample times inside the window.  The result depends on the window (the law is
     asymptotic) and on the ensemble (a mean over regular and chaotic orbits of many energies): quote both, and see
@@ -299,8 +299,8 @@ def finite_time_fit(
     Args:
         time: Sample times, shape (time,), positive and increasing.
         exponent: Finite-time exponents, shape (trajectory, time), in inverse time; where its axis has times as
-            labels, they bring it into the order of `time`.  Members with a value that is not finite are left out and
-            counted.
+            labels, they bring it into the order of `time`.  Trajectories with a value that is not finite are left out
+            and counted.
         window: First and last time used; it must hold at least 5 sample times.  By default the last decade of the
             sample times, which may begin too early: see `window_scan`.
         n_bootstrap: Number of bootstrap replicates.
@@ -312,7 +312,7 @@ def finite_time_fit(
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
-        ParameterError: bad times or window, or fewer than two members that finished.
+        ParameterError: bad times or window, or fewer than two trajectories that finished.
 
     References: Tang and Boozer, Physica D 95, 283 (1996); Thiffeault and Morrison (2001), figure of the exponents.
     """
@@ -341,7 +341,7 @@ def window_scan(
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
-        ParameterError: bad times, a bad window or none, or fewer than two members that finished.
+        ParameterError: bad times, a bad window or none, or fewer than two trajectories that finished.
     """
     time = as_array(time, "time")
     wanted = window_grid(time) if windows is None else _checked_windows(windows, "windows")
@@ -375,7 +375,7 @@ def log_fit(
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
-        ParameterError: bad times or window, or fewer than two members that finished.
+        ParameterError: bad times or window, or fewer than two trajectories that finished.
     """
     window = last_decade(time) if window is None else window
     reduction = EnsembleReduction(time, log_windows=[window])
@@ -395,7 +395,7 @@ def mean_curve(time: ArrayLike, exponent: ArrayLike, *, confidence: float = 0.95
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
-        ParameterError: bad times, or fewer than two members that finished.
+        ParameterError: bad times, or fewer than two trajectories that finished.
     """
     reduction = EnsembleReduction(time)
     reduction.add(exponent)
@@ -456,7 +456,7 @@ def _times(values: Sequence[float], name: str) -> list[float]:
 
 
 def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
-    """Means of members drawn with replacement; `values` is (trajectory, quantity), result (replicate, quantity)."""
+    """Means of trajectories drawn with replacement, shape (replicate, quantity), from (trajectory, quantity)."""
     n = values.shape[0]
     random = generator(np.random.SeedSequence(resampling.seed))
     blocks: list[FloatArray] = []

@@ -1,14 +1,14 @@
 r"""Whether the mean of an ensemble follows the law that `finite_time_fit` fits, with its correlations in time.
 
-The curves of all members are correlated in time, so residuals of the mean curve are not independent and their size over
-the error band tells nothing.  Combinations of p + 3 sample times that vanish for every $\lambda + c_1/\sqrt t + c_0/t$
-make p numbers of each member.  Hotelling's statistic of their means,
+The curves of all trajectories are correlated in time, so residuals of the mean curve are not independent and their size
+over the error band tells nothing.  Combinations of p + 3 sample times that vanish for every $\lambda + c_1/\sqrt t +
+c_0/t$ make p numbers of each trajectory.  Hotelling's statistic of their means,
 
 $$ T^2 = n\,\bar z^T S^{-1}\bar z, \qquad F = \frac{n - p}{p (n - 1)}\,T^2, $$
 
 has the F distribution with p and n - p degrees of freedom if the mean curve is of that form, whatever its coefficients,
-and the numbers of the members are normally distributed; if they are not, it has it nearly, for many members, and less
-and less so in the tail.
+and the numbers of the trajectories are normally distributed; if they are not, it has it nearly, for many trajectories,
+and less and less so in the tail.
 
 References: Hotelling, Ann. Math. Statist. 2 (1931) 360.
 """
@@ -35,8 +35,8 @@ _COEFFICIENTS = 3
 # below are round-off.  Those of ensembles of tops differ by factors of up to 60.
 _ROUND_OFF = 1e-14
 _SINGULAR = 1e-7
-# So far into its tail the statistic of members that are not normally distributed does not follow F; the figures of a
-# smaller probability would say nothing.
+# So far into its tail the statistic of trajectories that are not normally distributed does not follow F; the figures of
+# a smaller probability would say nothing.
 _SMALLEST = 1e-6
 
 
@@ -52,13 +52,13 @@ class FitGoodness(ReadOnlyArrays):
         (200, 6, True)
 
     Attributes:
-        chi_squared: Hotelling's T^2: chi squared with `n_degrees` degrees of freedom for very many members.
+        chi_squared: Hotelling's T^2: chi squared with `n_degrees` degrees of freedom for very many trajectories.
         n_degrees: Degrees of freedom p.
         p_value: Probability of a larger value if the law holds, from the F distribution.  Below some 1e-6 its size says
-            no more than that: members are not normally distributed so far out.
+            no more than that: trajectories are not normally distributed so far out.
         autocorrelation: Correlation of neighbouring residuals of the mean curve: near 1, the residuals are a smooth
-            curve, which may be the correlations of the members or a law that does not fit; `p_value` tells which.
-        n_members: Members that finished.
+            curve, which may be the correlations of the trajectories or a law that does not fit; `p_value` tells which.
+        n_members: Trajectories that finished.
     """
 
     chi_squared: float
@@ -92,15 +92,15 @@ def fit_goodness(
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
-        exponent: Finite-time exponents, shape (trajectory, time).  Members that did not finish are left out.
+        exponent: Finite-time exponents, shape (trajectory, time).  Trajectories that did not finish are left out.
         window: First and last time used; by default the last decade of the sample times.
         n_degrees: Degrees of freedom p: p + 3 of the sample times, evenly spread in order, are used.  The p-value
             depends on it: more degrees see finer structure and dilute what is coarse.  Choose it before looking.
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
-        ParameterError: bad times or window, fewer than p + 3 sample times in it, fewer than 10 p members, or
-            members whose differences from the law do not vary independently, as where all are the same.
+        ParameterError: bad times or window, fewer than p + 3 sample times in it, fewer than 10 p trajectories, or
+            trajectories whose differences from the law do not vary independently, as where all are the same.
     """
     times = as_array(time, "time")
     curves = as_array(at_times(exponent, "exponent", times.ravel().tolist()), "exponent")
@@ -112,7 +112,7 @@ def fit_goodness(
     curves = curves[np.isfinite(curves).all(axis=1)]
     if len(curves) < 10 * p:
         raise ParameterError(
-            f"goodness: wanted at least {10 * p} members for {p} degrees; got {len(curves)}; take more"
+            f"goodness: wanted at least {10 * p} trajectories for {p} degrees; got {len(curves)}; take more"
         )
     picked = inside[np.round(np.linspace(0, len(inside) - 1, p + _COEFFICIENTS)).astype(int)]
     contrasts = linear.matmul(curves[:, picked], _contrasts(times[picked]))
@@ -121,8 +121,8 @@ def fit_goodness(
     spread = np.sqrt(np.maximum(linear.eigvalsh(covariance), 0.0))
     if spread[0] <= max(_ROUND_OFF * np.abs(curves[:, picked]).max(), _SINGULAR * spread[-1]):
         raise ParameterError(
-            f"goodness: wanted members that differ from each other in all {p} degrees; got (nearly) the same curve, or "
-            "curves of too few kinds; take other members, or a smaller n_degrees"
+            f"goodness: wanted trajectories that differ from each other in all {p} degrees; got (nearly) the same "
+            "curve, or curves of too few kinds; take other trajectories, or a smaller n_degrees"
         )
     squared = float(linear.matmul(len(curves) * mean, linear.solve(covariance, mean)))
     ratio = squared * (len(curves) - p) / (p * (len(curves) - 1))

@@ -6,7 +6,7 @@ decrease for a reversible process; it ends where they are not positive, and they
 mean of the run lowers every $c_j$ by the wanted variance: with $c_0$ to $c_K$ in the sum the result is divided by
 $1 - (2K + 1)/n$.
 
-Fractions of members have Wilson's interval, one fraction as well as arrays of them.
+Fractions of trajectories have Wilson's interval, one fraction as well as arrays of them.
 
 References: Geyer, Statistical Science 7 (1992) 473; Flyvbjerg and Petersen, J. Chem. Phys. 91 (1989) 461, for batches.
 """

@@ -23,7 +23,7 @@ from liepoisson.numeric.starts import StartsLike, as_starts, as_states
 from liepoisson.numeric.systems import HasField, component_names
 
 _N_TIMES = 200
-# Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
+# Trajectories whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
 _CHUNK = 256
 # Arrays of doubles of that size at once: exponents, logarithms, Y, its mean, and what they are made from.  Measured: 45
 # bytes for each sample.

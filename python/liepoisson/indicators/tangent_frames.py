@@ -298,7 +298,7 @@ def positive_qr(matrices: Array) -> tuple[Array, Array]:
 
 
 def orthonormal_frames(n_components: int, n_vectors: int, n: int, *, seed: int, first: int = 0) -> Array:
-    """Random orthonormal frames, shape (trajectory, component, vector); a member is the same whatever `n` and `first`.
+    """Random orthonormal frames, shape (trajectory, component, vector); each is the same whatever `n` and `first`.
 
     The first vector has the direction of `sample_tangents`, the others are normal random vectors made orthonormal.
     """

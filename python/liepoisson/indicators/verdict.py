@@ -353,7 +353,7 @@ def _growth_power(growth: Megno) -> Array:
 
 
 class Disagreement(NamedTuple):
-    """A member on which the indicators do not all say the same."""
+    """A trajectory on which the indicators do not all say the same."""
 
     member: int
     verdict: str
@@ -378,10 +378,10 @@ class Agreement(ReadOnlyArrays):
 
     Attributes:
         indicators: Their names.
-        same: Members on which two indicators say the same, shape (indicator, indicator).
-        contrary: Members that one of them calls regular and the other chaotic, shape (indicator, indicator).
-        n: Members that finished.
-        disagreements: Every member on which the first three do not all say the same, in order.
+        same: Trajectories on which two indicators say the same, shape (indicator, indicator).
+        contrary: Trajectories that one of them calls regular and the other chaotic, shape (indicator, indicator).
+        n: Trajectories that finished.
+        disagreements: Every trajectory on which the first three do not all say the same, in order.
     """
 
     indicators: tuple[str, ...]
@@ -396,13 +396,15 @@ class Agreement(ReadOnlyArrays):
         for i, name in enumerate(self.indicators):
             cells = (f"{self.same[i, j]} / {self.contrary[i, j]}" for j in range(len(self.indicators)))
             lines.append(f"{name:{width + 4}}" + "".join(f"{cell:>{width + 2}}" for cell in cells))
-        lines.append(f"{len(self.disagreements)} of {self.n} members without a unanimous vote of the tangent vectors")
+        lines.append(
+            f"{len(self.disagreements)} of {self.n} trajectories without a unanimous vote of the tangent vectors"
+        )
         return "\n".join([*lines, *map(str, self.disagreements)])
 
 
 @explains_its_arguments
 def agreement(verdict: Verdict) -> Agreement:
-    """Agreement matrix of the indicators, and every member on which they disagree, with the values.
+    """Agreement matrix of the indicators, and every trajectory on which they disagree, with the values.
 
     Example:
         >>> top = lp.Top.twisted_kovalevskaya()

@@ -51,7 +51,7 @@ def dataset_of(result: Result) -> Dataset:
             data = np.frombuffer(attributes.pop(name).encode(), dtype=np.uint8)
             writer.variables[name] = (f"{name}_byte", data, {"long_name": f"{name}, as text in UTF-8"})
     first = getattr(result, "first", None)
-    if first is not None:  # members have numbers, from which what is drawn for them follows
+    if first is not None:  # trajectories have numbers, from which what is drawn for them follows
         writer.coordinates["trajectory"] = np.arange(first, first + len(writer.variables["outcome"][1]))
     dataset = xr.Dataset(writer.variables, writer.coordinates, attributes)
     unnumbered = [dim for dim in writer.numbered if dim in dataset.dims and dim not in dataset.coords]
@@ -329,11 +329,11 @@ def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
 
 
 def _first_member(dataset: Dataset) -> int:
-    """The number of the first member; what is drawn for a member follows from its number."""
+    """The number of the first trajectory; what is drawn for a trajectory follows from its number."""
     members = stored(dataset, "trajectory").to_numpy()
     first = int(members[0]) if len(members) else 0
     if not np.array_equal(members, np.arange(first, first + len(members))):
-        raise ValueError(f"trajectory: wanted members one after the other; got {shown(members.tolist())}")
+        raise ValueError(f"trajectory: wanted trajectories one after the other; got {shown(members.tolist())}")
     return first
 
 

@@ -108,7 +108,7 @@ def page_of(
 
     Args:
         system: A `System`, a `Top`, anything that has a field.
-        start: Where the orbit begins, shape (component,); by default member 0 of the random unit vectors.
+        start: Where the orbit begins, shape (component,); by default trajectory 0 of the random unit vectors.
         surfaces: Functions whose zeros can be chosen as surface of section, besides the components: formulas, as
             `lp.section` takes them.  The page begins with the first; by default with `lp.sections.default_surface`.
         result: A saved orbit or section of this system, which the page computes again and compares.  Its first start

@@ -55,8 +55,8 @@ class Family:
 
     Attributes:
         name: How the family is called.
-        top: A member with its parameters left open; it knows the invariants.
-        conditions: What vanishes for the members.
+        top: A trajectory with its parameters left open; it knows the invariants.
+        conditions: What vanishes for the trajectories.
     """
 
     name: str
@@ -109,7 +109,7 @@ def description_of_tops() -> dict[str, Any]:
         - `moving`: state, attitude, position and parameters as one field;
         - `ellipsoid`: functions of state and parameters: the squares of the three half axes of the ellipsoid of angular
           momenta that have the kinetic energy of the state, and the square of the angular momentum;
-        - `families`: each with `name`, `conditions` (functions of state and parameters, all zero for a member),
+        - `families`: each with `name`, `conditions` (functions of state and parameters, all zero for a trajectory),
           `names` and `functions` of invariants.  The last
           family that a top belongs to has all of its known invariants.
     """

@@ -23,7 +23,7 @@ from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import as_line, as_table
 from liepoisson.leaf._checks import as_energy, as_system, by_name, formulas
-from liepoisson.leaf.leaf_in_units import LeafInUnits, field_units, unit_groups
+from liepoisson.leaf.leaf_in_units import LeafInUnits, scaling, unit_groups
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach, mixing_of
 from liepoisson.leaf.leaf_stratum import Place, open_place, place_of
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
@@ -172,14 +172,14 @@ class Leaf:
         return self._divided(None)
 
     def _divided(self, energy: float | None) -> LeafInUnits:
-        units = field_units(self.system, self.place.casimirs, self._values, energy, self.state)
+        units = scaling(self.system, self.place.casimirs, self._values, energy, self.state)
         return LeafInUnits(repr(self), self.system, self.rank, self.state, self.constraints, units)
 
     def residual(self, states: ArrayLike) -> Array:
         r"""The largest relative violation of the equations, shape (...).
 
         That of $f = c$ is $|f - c| / (|c| + \sum_b(|x_b| + 2^{-52}u_b)|\nabla_b f|)$ with the fields $x_b$, whose units
-        do not matter, and their units $u_b$ on the leaf (see `field_units`): what is left of a field that vanishes is
+        do not matter, and their units $u_b$ on the leaf (see `scaling`): what is left of a field that vanishes is
         no violation.
         On a stratum that is not listed, and where not all Casimirs are known, only the known ones are compared:
         necessary, not sufficient.

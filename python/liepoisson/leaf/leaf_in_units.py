@@ -78,7 +78,7 @@ class _Sizes:
     is_sum_of_squares: bool
 
 
-def field_units(
+def scaling(
     system: System,
     casimirs: Mapping[str, PhaseFunction],
     values: Array,

@@ -12,7 +12,7 @@ from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
 from liepoisson.leaf._checks import formulas
-from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units, field_units, unit_length
+from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units, scaling, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_stratum import Place, place_of
 from liepoisson.model.phase_functions import PhaseFunction
@@ -60,7 +60,7 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     """
     _refuse_impossible(system, place, values)
     equations = Equations(place.pinned, tuple(place.casimirs.values()), values, np.eye(len(values)))
-    rng, units = generator(0), field_units(system, place.casimirs, values)
+    rng, units = generator(0), scaling(system, place.casimirs, values)
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
     size = 1.0 if (units != 1.0).any() else size
     starts = rng.standard_normal((_STARTS, n)) * elementary.geomspace(0.1, 10.0, _STARTS)[:, None] * size

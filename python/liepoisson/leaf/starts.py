@@ -75,8 +75,8 @@ def find_start(
     r"""A state on a leaf and at an energy: one that is given, or moved there, or random.
 
     A given `start` is never moved: it must lie on the leaf and at the energy asked for.  A `guess` is moved there by
-    Newton steps of minimum norm.  Without both, the guess is member 0 of `sample_states(system, ..., seed=seed)`, or
-    the first member that can be moved.
+    Newton steps of minimum norm.  Without both, the guess is trajectory 0 of `sample_states(system, ..., seed=seed)`,
+    or the first trajectory that can be moved.
 
     Example:
         >>> start = lp.phase_space.find_start(lp.Top.kovalevskaya(), leaf={"C1": 1, "C2": 0}, energy=1)
@@ -178,12 +178,12 @@ def _violation(system: System, function: PhaseFunction, value: float, x: Array) 
 
 
 def _random(system: System, wanted: Leaf | Mapping[str, float] | None, energy: float | None, seed: int) -> Start:
-    """On the leaf of member 0 of unit vectors, with the wanted values; reached from the first member that can be."""
+    """On the leaf of trajectory 0 of unit vectors, with the wanted values; from the first one that can be moved."""
     from liepoisson.numeric.sampling import sample_states
 
     members = sample_states(system, _GUESSES, seed=seed)
     if not wanted and energy is None:
-        return _start_at(system, members[0], f"member 0 of unit-vectors, seed {seed}")
+        return _start_at(system, members[0], f"trajectory 0 of unit-vectors, seed {seed}")
     leaf, failure = _leaf(system, members[0], wanted), None
     # In units in which states of the leaf are of order one, and of their length if that leads nowhere.
     view = leaf.in_units(energy)

@@ -1,7 +1,7 @@
 r"""Functions on phase space as functions of arrays: the Hamiltonian, Casimirs, any expression, with derivatives.
 
 The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated
-(`liepoisson.compile.private_symbols`).
+(`liepoisson.compile.symbols`).
 
 `BallFunctions` evaluates them in ball arithmetic, with exponents of any size and errors that are known.  In doubles
 $e^{-\cosh q}$ is zero from q = 7.3 on, and so is $1-\tanh^2q$ from q = 19. Arb's balls have as many digits as are asked
@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.algebra.rational_polynomials import expression_of, values_of
-from liepoisson.compile.private_symbols import evaluated, first_of_equal, name_of_function
+from liepoisson.compile.symbols import evaluated, first_of_equal, name_of_function
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.arrays import Array

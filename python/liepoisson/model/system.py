@@ -394,7 +394,7 @@ class System:
             UnsupportedFieldError: the Hamiltonian is not a polynomial, or has too many pieces.
             ParameterError: a parameter is symbolic.
         """
-        from liepoisson.compile.pieces import pieces_of
+        from liepoisson.compile.split_terms import pieces_of
 
         return pieces_of(self.bracket, self.hamiltonian)
 
@@ -605,7 +605,7 @@ class System:
         return as_phase_points(x, self.component_names, self.parts_of_state)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
-        from liepoisson.compile.private_symbols import evaluated
+        from liepoisson.compile.symbols import evaluated
 
         states = self._states(x)
         free = {s for e in expressions for s in e.free_symbols} - set(self.variables)

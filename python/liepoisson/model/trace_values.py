@@ -159,7 +159,7 @@ class TraceSum:
         return total
 
     def _of_rest(self, order: int, x: Array) -> Array:
-        from liepoisson.compile.private_symbols import evaluated
+        from liepoisson.compile.symbols import evaluated
 
         n = len(self._variables)
         shape = (*x.shape[:-1], *(n,) * order)

@@ -1,4 +1,4 @@
-"""Random starts and tangent vectors: named ensembles, one stream of numbers per block of members."""
+"""Random starts and tangent vectors: named ensembles, one stream of numbers per block of trajectories."""
 
 from __future__ import annotations
 
@@ -81,10 +81,10 @@ def sample_states(
         n_starts: Number of states.
         seed: Root of the random numbers (numpy's `SeedSequence`).
         ensemble: One of the names above.
-        first: Number of the first member: members `first .. first + n - 1` of one infinite ensemble.
+        first: Number of the first trajectory: trajectories `first .. first + n - 1` of one infinite ensemble.
 
     Returns:
-        States, shape (trajectory, component), dimensionless.  A member is the same whatever `n_starts` and `first`.
+        States, shape (trajectory, component), dimensionless.  A trajectory is the same whatever `n_starts` and `first`.
 
     Raises:
         UnknownNameError: No such ensemble.
@@ -106,7 +106,7 @@ def as_seed(seed: int) -> int:
 
 
 def as_first(first: int, n: int) -> int:
-    """The number of the first of n members as a plain int; the number of the last one fits into 64 bits."""
+    """The number of the first of n trajectories as a plain int; the number of the last one fits into 64 bits."""
     return as_count(first, "first", most=MOST - n)
 
 

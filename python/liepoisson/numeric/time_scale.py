@@ -190,7 +190,7 @@ class _Run:
         return self._field
 
     def states(self, starts: Array, times: Array) -> Array:
-        """States of each member at its own times, shape (trajectory, time); NaN at times that it did not reach."""
+        """States of each trajectory at its own times, shape (trajectory, time); NaN at times that it did not reach."""
         every, places = np.unique(np.concatenate([[0.0], times.ravel()]), return_inverse=True)
         state = self._integrated(starts, every, None).state
         return state[np.arange(len(starts))[:, None], places[1:].reshape(times.shape)]
@@ -241,7 +241,7 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
     rates, sizes, slopes = first.copy(), np.abs(starts), np.abs(at_start)
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
-    # A few members with stretches of about the same length run together, each seen at times of its own.
+    # A few trajectories with stretches of about the same length run together, each seen at times of its own.
     octave = np.floor(elementary.log2(lengths))
     for which in sorted({*octave.tolist()}):
         alike = np.flatnonzero(octave == which)

@@ -30,7 +30,7 @@ from liepoisson.portable import elementary, linear
 if TYPE_CHECKING:
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.model.system import System
-    from liepoisson.orbits.polish import PreciseMidpoint
+    from liepoisson.orbits.refine import PreciseMidpoint
 
 AMPLITUDE = 1e-4
 """Where orbits begin on the linear unstable space, in units of the level (see above)."""
@@ -226,7 +226,7 @@ class HomoclinicOrbit(ReadOnlyArrays):
             ParameterError: it is homoclinic to an equilibrium, or the equations are no polynomials.
             OrbitError: Newton's method does not converge.
         """
-        from liepoisson.orbits.polish import polished_midpoint
+        from liepoisson.orbits.refine import polished_midpoint
 
         return polished_midpoint(self, digits)
 

@@ -31,7 +31,7 @@ from liepoisson.portable import elementary, linear
 if TYPE_CHECKING:
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.model.system import System
-    from liepoisson.orbits.polish import PreciseSegment
+    from liepoisson.orbits.refine import PreciseSegment
 
 ComplexArray = NDArray[np.complex128]
 
@@ -217,9 +217,9 @@ class SymmetricOrbit(ReadOnlyArrays):
             ParameterError: the equations are no polynomials.
             OrbitError: Newton's method does not converge.
         """
-        from liepoisson.orbits.polish import polished_segment
+        from liepoisson.orbits.refine import refined_segment
 
-        return polished_segment(self, digits)
+        return refined_segment(self, digits)
 
     def __repr__(self) -> str:
         loop = "" if self.period == self.return_time else f" in 2T = {self.return_time:.8g}"

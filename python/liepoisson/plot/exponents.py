@@ -39,8 +39,8 @@ def convergence(
 ) -> Axes:
     r"""Mean finite-time exponent of an ensemble against time, with its confidence band and a fit.
 
-    The dark band is the confidence of the mean; for thousands of members it is about as wide as the line.  When
-    the curves of all members are given, a light band holds the middle 90% of them.  A fit is drawn solid inside
+    The dark band is the confidence of the mean; for thousands of trajectories it is about as wide as the line.  When
+    the curves of all trajectories are given, a light band holds the middle 90% of them.  A fit is drawn solid inside
     its window and dotted outside.  Of one orbit there is one curve and no band.
 
     Example:
@@ -65,7 +65,7 @@ def convergence(
 
     Raises:
         ShapeError: exponents not (trajectory, time).
-        ParameterError: no member finished, or fewer than two where a fit is to be drawn.
+        ParameterError: no trajectory finished, or fewer than two where a fit is to be drawn.
     """
     colour = as_colour(colour)
     with house_style():
@@ -90,7 +90,7 @@ def convergence(
 
 
 def _finished(growth: GrowthLike) -> FloatArray:
-    """The curves of the members that finished; none where there are no curves of members."""
+    """The curves of the trajectories that finished; none where there are no curves of trajectories."""
     curves = np.asarray(growth.exponent, np.float64)
     return curves[np.isfinite(curves).all(axis=1)] if curves.ndim == 2 else curves[:0]
 
@@ -149,7 +149,7 @@ def exponent_distribution(
     filled: bool = True,
     ax: Axes | None = None,
 ) -> Axes:
-    r"""Probability density of the exponents of the members at one time.
+    r"""Probability density of the exponents of the trajectories at one time.
 
     An ensemble of random starts mixes regular and chaotic orbits of many energies: its mean is not one exponent.
 
@@ -163,7 +163,7 @@ def exponent_distribution(
         >>> plt.close(axes.figure)
 
     Args:
-        exponents: One exponent per member, shape (trajectory,), in inverse time; those not finite are left out.  Of
+        exponents: One exponent per trajectory, shape (trajectory,), in inverse time; those not finite are left out.  Of
             what `finite_time_exponents` returns, the exponents at the last time.
         label: Name in the legend.
         colour: Of the histogram.
@@ -172,13 +172,13 @@ def exponent_distribution(
         ax: Axes to draw into, by default those of a new figure.
 
     Raises:
-        ShapeError: not one number per member.
+        ShapeError: not one number per trajectory.
     """
     curves = getattr(exponents, "exponent", None)
     values = as_array(cast("ArrayLike", exponents), "exponents") if curves is None else np.asarray(curves)[:, -1]
     if values.ndim != 1:
         raise ShapeError(
-            f"exponents must have shape (trajectory,), one number per member; got {values.shape}. "
+            f"exponents must have shape (trajectory,), one number per trajectory; got {values.shape}. "
             "Take the last time, exponent[:, -1]?"
         )
     values = values[np.isfinite(values)]

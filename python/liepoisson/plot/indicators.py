@@ -69,7 +69,7 @@ def indicators(
 
     Raises:
         ShapeError: not three axes, or results for different numbers of trajectories.
-        ParameterError: other objects than such results, a member that is not there, or not one label for each.
+        ParameterError: other objects than such results, a trajectory that is not there, or not one label for each.
     """
     _check_results(growth, angle)
     log_growth, mean, sali = (np.asarray(values) for values in (growth.log_growth, growth.mean, angle.sali))
@@ -79,7 +79,7 @@ def indicators(
     chosen = [as_count(k, "members", most=len(mean) - 1) for k in given]
     labels = None if labels is None else texts(labels, "labels", "texts", 'labels=["regular", "chaotic"]')
     if labels is not None and len(labels) != len(chosen):
-        raise ParameterError(f"labels: wanted one for each of {len(chosen)} members; got {len(labels)}")
+        raise ParameterError(f"labels: wanted one for each of {len(chosen)} trajectories; got {len(labels)}")
     mark = None if decided_at is None else as_number(decided_at, "decided_at", "a time")
     from matplotlib.ticker import FixedLocator
 

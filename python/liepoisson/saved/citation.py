@@ -1,6 +1,6 @@
 """How to cite the package and the works that describe what was used, as text and as BibTeX.
 
-The data are in `citing.toml`, of which CITATION.cff is made; the sources of systems are those of the catalog.
+The data are in `citation.toml`, of which CITATION.cff is made; the sources of systems are those of the catalog.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def _is_twisted(system: Any) -> bool:
 
 @cache
 def data() -> dict[str, Any]:
-    """What `citing.toml` says."""
+    """What `citation.toml` says."""
     import tomllib
 
     return tomllib.loads(DATA.read_text(encoding="utf-8"))

@@ -123,7 +123,7 @@ def rerun(
     Raises:
         DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
             components in another order, or be a part of the trajectories; an orbit without its first time, a part of
-            the components, and of a growth or spectrum members that do not follow each other have no run.
+            the components, and of a growth or spectrum trajectories that do not follow each other have no run.
         ParameterError: It is a sweep that names a function, and code is not allowed.
 
     Warns:
@@ -245,7 +245,7 @@ def _check_sweep(found: Any) -> None:
     n, spec = len(found.points), found.spec
     complete = spec.refine is not None or n == math.prod(spec.shape)
     if not complete or found.value.shape != (n, spec.n_starts) or len(found.places) != n or len(found.level) != n:
-        raise ValueError(f"sweep: wanted all points and members of its description; got {found.value.shape}")
+        raise ValueError(f"sweep: wanted all points and trajectories of its description; got {found.value.shape}")
     from liepoisson.sweeps.lattice import Lattice
 
     if not np.array_equal(found.points, Lattice(spec).coordinates(found.places)):

@@ -75,7 +75,7 @@ class Threads:
         available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         wanted = threads or available
         self.workers = max(1, min(wanted, n_pieces))
-        # Fewer pieces than threads: the core shares out the members of each.
+        # Fewer pieces than threads: the core shares out the trajectories of each.
         self._inner = max(1, wanted // self.workers)
         self._pieces: queue.SimpleQueue[Piece | None] = queue.SimpleQueue()
         self._events: queue.SimpleQueue[Event] = queue.SimpleQueue()

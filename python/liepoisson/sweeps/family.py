@@ -156,7 +156,7 @@ class FileFamily(Family):
         from sympy import Symbol
 
         from liepoisson.algebra.exact_numbers import to_sympy
-        from liepoisson.compile.private_symbols import numpy_function
+        from liepoisson.compile.symbols import numpy_function
         from liepoisson.formula.parameters import component_name
 
         with _SYMPY:

@@ -406,7 +406,7 @@ class SweepSpec:
         if prescribed or self._axes_of_starts():
             lines.append(f"of the starts: {', '.join(held) or 'nothing but what the axes say'}")
         else:
-            lines.append(f"the starts: member k of {self.starts.ensemble!r} is the same state at every point")
+            lines.append(f"the starts: trajectory k of {self.starts.ensemble!r} is the same state at every point")
         if any(axis.name == "epsilon" for axis in self.axes) or _varies(self.parameters.get("epsilon", 0), self.axes):
             lines.append("epsilon by itself is a scale: what varies is epsilon |beta|, at the |beta| of the starts")
         return lines

@@ -108,7 +108,7 @@ def _values(value: Value, columns: Mapping[str, Array], name: str, used: set[str
 def _formula(text: str, columns: Mapping[str, Array], name: str, used: set[str]) -> Array:
     from sympy import Symbol
 
-    from liepoisson.compile.private_symbols import numpy_function
+    from liepoisson.compile.symbols import numpy_function
     from liepoisson.formula.expression import read_expression
     from liepoisson.formula.scope import Scope
 

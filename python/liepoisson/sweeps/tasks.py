@@ -259,7 +259,7 @@ class _Points:
 
 
 def system_and_starts(piece: Piece) -> tuple[Any, Array]:
-    """The system of the only point of a piece, and its starts, shape (member, component), as `run_piece` has them.
+    """The system of the only point of a piece, and its starts, shape (trajectory, component), as `run_piece` has them.
 
     Raises:
         Exception: what the making of the system raises.
@@ -402,13 +402,13 @@ def _exponents(
 def _verdicts(
     piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_], listen: Listener
 ) -> tuple[Array, NDArray[np.int8]]:
-    """Verdicts of one point as numbers, -1 regular, 0 undecided, +1 chaotic, and outcomes, shape (member,)."""
+    """Verdicts of one point as numbers, -1 regular, 0 undecided, +1 chaotic, and outcomes, shape (trajectory,)."""
     value, outcome = np.full(piece.n, np.nan), np.full(piece.n, NO_START, np.int8)
     if not found.any():
         return value, outcome
     verdict = decide(
         system,
-        # member k keeps its tangent vectors; rows without a start end at once
+        # trajectory k keeps its tangent vectors; rows without a start end at once
         np.where(found[:, None], x0, np.nan),
         t_end=piece.t_end,
         seed=piece.seed,

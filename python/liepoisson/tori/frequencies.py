@@ -28,7 +28,7 @@ from liepoisson.portable import elementary, linear
 Signal: TypeAlias = NDArray[np.complex128]
 Observable: TypeAlias = str | Sequence[str] | Callable[[Array], ArrayLike]
 
-# Members whose samples are in memory at once: 64 x 4,097 states of nine numbers are 19 MB.
+# Trajectories whose samples are in memory at once: 64 x 4,097 states of nine numbers are 19 MB.
 _CHUNK = 64
 _MOST_ORDER = 8
 # Bytes for each sample of a window: states of two windows, twice, and signals, spectra on the finer grid, squares.

@@ -157,7 +157,7 @@ def _limit_to_precise(ax: Axes, fits: Sequence[lp.results.FiniteTimeFit]) -> Non
 
 
 def distribution(results: Results) -> Figure:
-    """Exponents of the members at the end: their density for the three ensembles, and against the energy."""
+    """Exponents of the trajectories at the end: their density for the three ensembles, and against the energy."""
     twisted, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
     highest = max(float(results[f"twisted-{name}"].final_exponent.max()) for name in ENSEMBLES)
     bins = np.linspace(0.0, 1.02 * highest, 90)

@@ -26,7 +26,7 @@ import liepoisson as lp
 from liepoisson.studies.twisted_top.runs import Run, Settings, plan
 
 _PIECE = re.compile(r"\d{6,}-\d{6,}\.nc")
-# What a growth has for each member; the rest is the same for the whole run.
+# What a growth has for each trajectory; the rest is the same for the whole run.
 _MEMBER_ARRAYS = ("exponent", "outcome", "end_time", "n_steps", "start", "start_tangent", "end_state")
 # What an interrupted write leaves behind.
 _PARTIAL = re.compile(r"(\.[0-9]+-[0-9a-f]+)?\.partial")
@@ -47,7 +47,7 @@ class Tracker:
         self._done = 0.0
 
     def piece(self, run: Run, count: int) -> Callable[[float], None]:
-        """A listener for the fraction done of a piece with `count` members."""
+        """A listener for the fraction done of a piece with `count` trajectories."""
         before, work = self._done, count * run.end_time
 
         def listen(fraction: float) -> None:
@@ -63,7 +63,7 @@ class Tracker:
 
 
 def fingerprint(run: Run) -> dict[str, object]:
-    """Everything that determines the numbers of a run, as plain data; not the number of members."""
+    """Everything that determines the numbers of a run, as plain data; not the number of trajectories."""
     return {
         "run": run.name,
         "inertia": [str(moment) for moment in run.inertia],
@@ -87,7 +87,7 @@ class RunStore:
         self._manifest = out / "data" / "manifest.json"
 
     def piece_path(self, first: int, count: int) -> Path:
-        """File of the piece with members first .. first + count - 1."""
+        """File of the piece with trajectories first .. first + count - 1."""
         return self.folder / f"{first:06d}-{first + count - 1:06d}.nc"
 
     def missing_pieces(self) -> list[tuple[int, int]]:
@@ -104,8 +104,9 @@ class RunStore:
         for foreign in sorted(path for path in stored if _PIECE.fullmatch(path.name) and path not in own):
             if self.is_stored(foreign):  # finished work of another study, which must not be lost here
                 raise lp.errors.ParameterError(
-                    f"{foreign} holds work of a study with another number of members than {self.run.members}. Use the "
-                    "same options to go on with it, choose another folder with --out, or discard it with --fresh."
+                    f"{foreign} holds work of a study with another number of trajectories "
+                    f"than {self.run.members}. "
+                    "Use the same options to go on with it, choose another folder with --out, or discard it by --fresh."
                 )
         return [piece for piece in self.run.pieces() if not self.is_stored(self.piece_path(*piece))]
 
@@ -195,7 +196,7 @@ class RunStore:
 
 
 def complete(store: RunStore, threads: int | None, tracker: Tracker) -> tuple[lp.results.FiniteTimeExponents, float]:
-    """All members of a run, read if they are stored, else integrated and stored; and the seconds that it took.
+    """All trajectories of a run, read if they are stored, else integrated and stored; and the seconds that it took.
 
     Raises:
         DamagedFileError: a stored file is truncated or altered.
@@ -213,7 +214,7 @@ def complete(store: RunStore, threads: int | None, tracker: Tracker) -> tuple[lp
 
 
 def integrate_piece(store: RunStore, first: int, count: int, threads: int | None, tracker: Tracker) -> None:
-    """Integrate some members of a run and store them."""
+    """Integrate some trajectories of a run and store them."""
     run, top = store.run, store.run.top()
     listen = tracker.piece(run, count)
     started = time.perf_counter()

@@ -9,8 +9,8 @@ The schema (version 1).  Every estimate is `{"value", "standard_error", "low", "
                      ordinary-unit-vectors, ordinary-cube, ordinary-gaussian, twisted-halved-unit-vectors,
                      twisted-halved-cube, twisted-as-printed-unit-vectors, ordinary-as-printed-unit-vectors; each with
         inertia, a, b, epsilon, ensemble, members, end_time, seed, tolerance
-        outcomes     how many members ended how, e.g. {"finished": 20000}
-        n_averaged   members in the averages (those that finished)
+        outcomes     how many trajectories ended how, e.g. {"finished": 20000}
+        n_averaged   trajectories in the averages (those that finished)
         mean_at      {"20": estimate, "50": ..., "100", "200", "500", "1000"} of the mean exponent, as far as run
         final        {"time", "mean", "standard_deviation", "quantiles": {"0.05", "0.25", "0.5", "0.75", "0.95"}}
         by_energy    mean final exponent in eighths of the ensemble ordered by energy:
@@ -24,7 +24,7 @@ The schema (version 1).  Every estimate is `{"value", "standard_error", "low", "
                      "with_next_term": {"A", "B", "D", "E"}, "floor_is_zero"}: the fits to A + B ln t + D t and to
                      A + B ln t + D t + E/t, and whether the interval of D contains zero in each
         log_windows  the same from later starts
-        steps        Taylor steps of all members
+        steps        Taylor steps of all trajectories
         seconds      wall time of the integration
         order        order of the Taylor series
         kernel       instruction set that computed it
@@ -64,15 +64,15 @@ class RunResult:
     Attributes:
         run: What was run.
         curve: Mean exponent with confidence band.
-        spread: Exponents that 5% and 95% of the members do not exceed, shape (2, time).
+        spread: Exponents that 5% and 95% of the trajectories do not exceed, shape (2, time).
         fit: Finite-time fit over the main window.
         scan: The same over other windows.
         log_fit: Logarithmic fit over the main window.
         log_scan: The same from later starts.
-        final_exponent: Exponent of each finished member at the end, shape (trajectory,).
-        energy: Energy of the same members, shape (trajectory,).
-        outcomes: Number of members by outcome.
-        steps: Taylor steps of all members.
+        final_exponent: Exponent of each finished trajectory at the end, shape (trajectory,).
+        energy: Energy of the same trajectories, shape (trajectory,).
+        outcomes: Number of trajectories by outcome.
+        steps: Taylor steps of all trajectories.
         seconds: Wall time of the integration.
         order: Order of the Taylor series.
         kernel: Instruction set that computed it.
@@ -98,7 +98,7 @@ def reduce_run(run: Run, growth: lp.results.FiniteTimeExponents, seconds: float)
     """Averages, fits and final exponents of a run, after which its curves can be let go.
 
     Raises:
-        ParameterError: fewer than two members finished.
+        ParameterError: fewer than two trajectories finished.
     """
     reduction = lp.fits.EnsembleReduction(
         run.time, windows=[run.window, *scan_windows(run)], log_windows=[run.log_window, *log_scan_windows(run)]
@@ -219,7 +219,7 @@ def _run_entry(result: RunResult) -> dict[str, Any]:
 
 
 def by_energy(result: RunResult) -> list[dict[str, float | int]]:
-    """Mean final exponent in groups of equally many members of neighbouring energy."""
+    """Mean final exponent in groups of equally many trajectories of neighbouring energy."""
     order = np.argsort(result.energy)
     groups = [group for group in np.array_split(order, ENERGY_GROUPS) if len(group) > 1]
     return [

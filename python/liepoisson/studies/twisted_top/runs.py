@@ -39,7 +39,7 @@ KOVALEVSKAYA: Moments = (Fraction(2), Fraction(2), Fraction(1))
 KOVALEVSKAYA_HALVED: Moments = (Fraction(1), Fraction(1), Fraction(1, 2))
 AS_PRINTED: Moments = (Fraction(1), Fraction(1), Fraction(2))
 
-# Members per stored piece: two seconds of work at t = 1000 on two cores, so an interruption loses little.
+# Trajectories per stored piece: two seconds of work at t = 1000 on two cores, so an interruption loses little.
 PIECE_SIZE = 2000
 
 
@@ -128,7 +128,7 @@ class Run:
         return lp.Top(inertia=self.inertia, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=self.epsilon)
 
     def pieces(self) -> Iterator[tuple[int, int]]:
-        """(first member, number of members) of each piece that is computed and stored by itself."""
+        """(first trajectory, number of trajectories) of each piece that is computed and stored by itself."""
         for first in range(0, self.members, PIECE_SIZE):
             yield first, min(PIECE_SIZE, self.members - first)
 

@@ -52,7 +52,7 @@ def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: P
     may work in the folder; the command line sees to that.
 
     Args:
-        settings: Members, end time, seed, threads.
+        settings: Trajectories, end time, seed, threads.
         out: Output folder, made if it does not exist.
         fresh: Discard what is stored there first.
         progress: Hears how far the study is.

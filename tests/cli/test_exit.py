@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import liepoisson
-from liepoisson.cli import ending
+from liepoisson.cli import exit as exit_
 from liepoisson.errors import OutputError, ParameterError
 
 MAIN = "from liepoisson.cli.main import main; main()"
@@ -67,7 +67,7 @@ def fails(error):
 def test_every_end_is_a_sentence_and_a_code(error, code, said, capsys):
     before = signal.getsignal(signal.SIGINT), sys.unraisablehook
     with pytest.raises(SystemExit) as left:
-        ending.end(fails(error))
+        exit_.end(fails(error))
     printed = capsys.readouterr()
     assert (left.value.code, printed.out) == (code, "")
     assert said in printed.err
@@ -79,9 +79,9 @@ def test_every_end_is_a_sentence_and_a_code(error, code, said, capsys):
 
 
 def test_a_traceback_is_printed_for_those_who_ask_for_it(capsys, monkeypatch):
-    monkeypatch.setenv(ending.TRACEBACK, "1")
+    monkeypatch.setenv(exit_.TRACEBACK, "1")
     with pytest.raises(SystemExit) as left:
-        ending.end(fails(ValueError("inside")))
+        exit_.end(fails(ValueError("inside")))
     assert left.value.code == 2
     assert "Traceback (most recent call last)" in capsys.readouterr().err
 
@@ -136,7 +136,7 @@ def test_files_are_written_though_nobody_reads_the_result(here, monkeypatch, arg
     monkeypatch.setenv("MPLBACKEND", "junk")
     process = subprocess.Popen([sys.executable, "-c", MAIN, *arguments], stdout=subprocess.PIPE)
     process.stdout.close()
-    assert process.wait(120) == ending.BROKEN_PIPE
+    assert process.wait(120) == exit_.BROKEN_PIPE
     assert {path.name for path in here.iterdir()} == files
 
 
@@ -223,7 +223,7 @@ def test_an_interruption_that_an_import_drops_is_repeated(tmp_path):
     )
     code = (
         "import sys, time\n"
-        "from liepoisson.cli.ending import end\n"
+        "from liepoisson.cli.exit import end\n"
         "def command():\n"
         f"    sys.path.insert(0, {str(tmp_path)!r})\n"
         "    import dropping\n"
@@ -237,7 +237,7 @@ def test_an_interruption_that_an_import_drops_is_repeated(tmp_path):
     assert (done.stdout, done.returncode, done.stderr) == ("went on\n", 130, "interrupted.\n")
 
 
-@pytest.mark.parametrize("module", ["liepoisson.inputs.calls", "liepoisson.cli.ending", "liepoisson.errors"])
+@pytest.mark.parametrize("module", ["liepoisson.inputs.calls", "liepoisson.cli.exit", "liepoisson.errors"])
 def test_an_interruption_while_the_command_is_imported_ends_with_a_word(module):
     """Before the handler of `ending` is there: the module that Ctrl-C meets is the first one that is imported late."""
     code = (

@@ -22,7 +22,7 @@ NumpyFunction: TypeAlias = Callable[..., list[Any]]
 """Takes one array for each variable and returns a list of one value for each expression."""
 
 
-def in_private_symbols(
+def in_compiler_symbols(
     variables: Sequence[Symbol], expressions: Sequence[Expr]
 ) -> tuple[tuple[Symbol, ...], list[Expr]]:
     """Private symbols for the variables, in their order, and the expressions in them.
@@ -100,7 +100,7 @@ def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]
                 return super()._print_Pow(expr, rational)
             return f"power({self._print(base)}, {self._print(exponent)})"
 
-    symbols, private = in_private_symbols(variables, expressions)
+    symbols, private = in_compiler_symbols(variables, expressions)
     printer = Printer(
         {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": False, "user_functions": {}}
     )

@@ -72,7 +72,7 @@ def text_of(value: Ball, digits: int) -> str:
     return "0" if value == 0 else value.mid().str(digits, radius=False)
 
 
-def polished_segment(orbit: SymmetricOrbit, digits: int) -> PreciseSegment:
+def refined_segment(orbit: SymmetricOrbit, digits: int) -> PreciseSegment:
     """The segment of an orbit to so many digits.
 
     Raises:
