@@ -9,29 +9,24 @@ References: [lyapunov1907]; [seydel2010], multiple shooting; [munozalmaraz2003],
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
-from liepoisson.errors import OrbitError, ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
-from liepoisson.inputs.calls import explains_its_methods, shows_progress
+from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
-from liepoisson.inputs.refusals import shown
-from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.phase_functions import PhaseFunction
-from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import ComplexArray, SymmetricOrbit, kind_of, loop_spectrum
+from liepoisson.orbits.periodic_orbits import ComplexArray, kind_of, loop_spectrum
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.equilibrium.stability import Equilibrium
-from liepoisson.errors import OrbitError, ParameterError
+from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
+from liepoisson.io.display import Found
+from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_system
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.numeric.integrate import Orbit
@@ -20,8 +24,12 @@ from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at
 from liepoisson.orbits.closing import Loops
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+from liepoisson.orbits.level import Level, level_of
+from liepoisson.orbits.periodic_orbits import CUT_SHORT, SymmetricOrbit
+from liepoisson.orbits.shooting import Flow, n_times_of
+from liepoisson.orbits.symmetric_orbits import natural_time
 from liepoisson.portable import linear
+from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.leaf.leaf import Leaf
@@ -33,8 +41,13 @@ Guess: TypeAlias = "StartsLike | PeriodicOrbit | SymmetricOrbit | Orbit"
 _SAME = 1e-6
 _LARGEST_PART = 12
 """An orbit is looked for whose period is a part of the one that was found, up to this one."""
-_RETURNS = 8
-"""How many of the nearest returns of a trajectory are tried."""
+_RETURNS, _OTHER_PERIOD = 8, 0.05
+"""How many of the nearest returns of a trajectory are tried, and how much their times differ, relative."""
+_NEAR_PERIOD = 0.2
+"""How much a return's time may differ from a period that is given."""
+_UNITS, _TIMES_PER_UNIT, _GUESSES, _TOGETHER = 30.0, 12.0, 2, 64
+_LOOKS = 1000
+"""Times of a trajectory at which returns are looked for; all pairs of them are compared."""
 
 
 @shows_progress
@@ -137,10 +150,8 @@ def _guesses(system: System, guess: Any, period: object) -> tuple[Array, Array, 
         own = guess.time if isinstance(guess, PeriodicOrbit) else guess.period
         return guess.start[None], np.array([own if period is None else as_time(period, "period", example=own)]), angles
     if isinstance(guess, Orbit):
-        return (
-            *_returns(system, guess, None if period is None else as_time(period, "period", example=1.0)),
-            np.zeros((_RETURNS, 0)),
-        )
+        states, times = _returns(guess, None if period is None else as_time(period, "period", example=1.0))
+        return states, times, np.zeros((len(times), 0))
     if period is None:
         raise ParameterError("period: wanted the time after which the orbit closes, about; got none; write period=6.3")
     state = given_starts(system, cast("StartsLike", guess), "guess")
@@ -149,9 +160,35 @@ def _guesses(system: System, guess: Any, period: object) -> tuple[Array, Array, 
     return state.reshape(1, -1), np.array([as_time(period, "period", example=6.3)]), np.zeros((1, 0))
 
 
-def _returns(system: System, orbit: Orbit, period: float | None) -> tuple[Array, Array]:
-    """The nearest returns of trajectories to themselves: states and times between; at least a tenth of the run apart."""
-    raise NotImplementedError
+def _returns(orbit: Orbit, period: float | None) -> tuple[Array, Array]:
+    """The nearest returns of a trajectory to itself: states, and the times after which they come back.
+
+    Raises:
+        ParameterError: there is none, or the orbit has more than one trajectory.
+    """
+    if len(orbit.state) != 1:
+        raise ParameterError(f"guess: wanted one trajectory; got {len(orbit.state)}; take orbit.isel(trajectory=[0])")
+    keep = np.unique(np.linspace(0, len(orbit.time) - 1, min(len(orbit.time), _LOOKS)).astype(int))
+    time, state = orbit.time[keep], orbit.state[0, keep]
+    known = np.isfinite(state).all(axis=1)
+    time, state = time[known], state[known]
+    scale = np.maximum(np.abs(state - state.mean(axis=0)).max(axis=0, initial=0.0), np.finfo(float).tiny)
+    gaps = linear.norm((state[:, None] - state[None]) / scale.max(initial=1.0), axis=2)
+    found: list[tuple[float, float, int]] = []
+    for i in range(len(time) - 2):
+        row = gaps[i, i:]
+        places = 1 + np.nonzero((row[1:-1] <= row[:-2]) & (row[1:-1] < row[2:]))[0]
+        found += [(float(row[k]), abs(float(time[i + k] - time[i])), i) for k in places.tolist()]
+    found = sorted(one for one in found if period is None or abs(one[1] / period - 1) < _NEAR_PERIOD)
+    chosen: list[tuple[float, float, int]] = []
+    for one in found:
+        if all(abs(one[1] / other[1] - 1) > _OTHER_PERIOD for other in chosen):
+            chosen.append(one)
+        if len(chosen) == _RETURNS:
+            break
+    if not chosen:
+        raise ParameterError("guess: wanted a trajectory that comes back near to itself; this one does not; follow it longer")
+    return state[[i for _, _, i in chosen]], np.array([T for _, T, _ in chosen])
 
 
 def shortest(problem: Problem, loops: Loops) -> Loops:
@@ -168,3 +205,138 @@ def shortest(problem: Problem, loops: Loops) -> Loops:
             if part.residual[0] <= CLOSES and abs(part.time[0] * n / T - 1) < _SAME:
                 return part
     return loops
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
+    """Periodic orbits of a level, those with the largest growth rate first.
+
+    Attributes:
+        level: The level.
+        found: The orbits; of those with the same period and multipliers, as symmetries map to one another, one.
+        t_end: How long starts were followed.
+        n_starts: How many starts were followed.
+        n_families: How many orbits were left out since they belong to families on the level.
+        is_cut_short: Whether the time limit ended the search.
+    """
+
+    titles = ("period", "rate", "stability", "multipliers", "residual", "pairs")
+
+    level: Level
+    found: tuple[PeriodicOrbit, ...]
+    t_end: float
+    n_starts: int
+    n_families: int
+    is_cut_short: bool = False
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each orbit its period, stability, start and multipliers."""
+        return orbit_columns(self.found, self.level.system.component_names)
+
+    def _head(self) -> str:
+        n = len(self.found)
+        families = f"; {self.n_families} that belong to families are left out" if self.n_families else ""
+        return (
+            f"{n or 'No'} periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on {self.level.text}, found "
+            f"from the returns of {self.n_starts} orbits up to t = {self.t_end:g}{families}"
+            f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
+        )
+
+    def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
+        half = ", ".join(f"{m:.5g}" for m in one.multipliers[: len(one.multipliers) // 2])
+        return f"{one.period:.8f}", f"{one.rate:.4f}", one.stability, half, f"{one.residual:.0e}", f"{one.pair_defect:.0e}"
+
+
+@shows_progress
+def periodic_orbits(
+    system: System,
+    leaf: Leaf | Mapping[str, float | str],
+    energy: float | str,
+    *,
+    momenta: Momenta = (),
+    n_starts: int = 200,
+    t_end: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> PeriodicOrbits:
+    r"""Periodic orbits of a level, symmetric or not: the nearest returns of random orbits, improved by Newton's method.
+
+    Args:
+        system: A system whose parameters are all numbers.
+        leaf: A regular leaf, or the values of the Casimirs by name.
+        energy: The value of the Hamiltonian; a text is exact.
+        momenta: Linear integrals that are held, as for `periodic_orbit`.
+        n_starts: How many random states of the level are followed.
+        t_end: How long; by default 30 times $1/\rho(Df)$, with the median of the spectral radius along them.
+        seed: Draws the states.
+
+    Returns:
+        The orbits by decreasing growth rate; that there are no others is not proved.
+
+    Raises:
+        LeafError: the leaf is not regular, or no state of it has this energy.
+        TimeLimitError: the time limit has passed before anything was found.
+    """
+    run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
+    n_starts = as_count(n_starts, "n_starts", least=1)
+    level = level_of(as_system(system), leaf, energy)
+    with run.deadline.running():
+        draw = stream(run.seed, Purpose.PERIODIC_ORBITS)
+        guesses = draw.standard_normal((n_starts, len(level.units))) * level.units
+        states, arrived = level.projected(guesses, np.eye(len(level.units)))
+        if not arrived.any():
+            raise LeafError(
+                f"an orbit must lie on its level; of {n_starts} random states none could be moved to {level.text}. The "
+                f"energies of the leaf are {level.leaf.energy_range()}."
+            )
+        starts = states[arrived]
+        problem = problem_at(level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads)
+        unit = natural_time(level, run.seed)
+        longest = _UNITS * unit if t_end is None else as_time(t_end, "t_end", example=_UNITS * unit)
+        n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
+        grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, run.left)
+        gaps = linear.norm((states - starts[:, None]) / level.units, axis=2)
+        inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
+        rows, places = np.nonzero(inner)
+        best = np.argsort(gaps[rows, places + 1], kind="stable")[: _GUESSES * n_starts]
+        rows, times = rows[best], grid[places[best] + 1]
+        found: list[PeriodicOrbit] = []
+        n_families, cut = 0, False
+        for k in range(0, len(rows), _TOGETHER):
+            some = slice(k, k + _TOGETHER)
+            try:
+                loops = problem.closing.solved(problem.loops(starts[rows[some]], times[some]))
+            except TimeLimitError:
+                cut = True
+                break
+            for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
+                one = problem.described(shortest(problem, loops.of(np.array([j]))))
+                if not one.is_isolated:
+                    n_families += 1
+                elif not any(_is_same(one, other) for other in found):
+                    found.append(one)
+            run.tell(min(1.0, (k + _TOGETHER) / len(rows)))
+    found.sort(key=lambda one: (-round(one.rate, 9), one.period))
+    return PeriodicOrbits(level, tuple(found), float(longest), n_starts, n_families, cut)
+
+
+def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:
+    """The columns of a table of orbits: period, stability, start and multipliers of each."""
+    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+    starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
+    multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
+    return {
+        **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
+        **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
+        **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
+        **{f"multiplier_imaginary_{k}": column for k, column in enumerate(multipliers.imag.T, start=1)},
+    }
+
+
+def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
+    """Whether the periods and multipliers are the same."""
+    near = abs(one.period - other.period) <= _SAME * one.period
+    sums = [np.sum(orbit.multipliers) for orbit in (one, other)]
+    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * _SAME * (abs(sums[0]) + 1))

@@ -15,10 +15,10 @@ References: [doedel2003]; [munozalmaraz2003]; [howard1987], the multipliers.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, problem_at
 from liepoisson.orbits.closing import GROWTH, Loops, guessed
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit
