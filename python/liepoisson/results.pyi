@@ -40,8 +40,8 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetries as DiscreteS
 from liepoisson.numeric.integrate import Orbit as Orbit
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrbit
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit as SymmetricOrbit
-from liepoisson.orbits.periodic_orbits import SymmetricOrbits as SymmetricOrbits
+from liepoisson.orbits.multipliers import SymmetricOrbit as SymmetricOrbit
+from liepoisson.orbits.multipliers import SymmetricOrbits as SymmetricOrbits
 from liepoisson.orbits.refine import PreciseMidpoint as PreciseMidpoint
 from liepoisson.orbits.refine import PreciseSegment as PreciseSegment
 from liepoisson.poincare.first_return import FirstReturn as FirstReturn

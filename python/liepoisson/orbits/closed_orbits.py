@@ -26,7 +26,7 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import ComplexArray, kind_of, loop_spectrum
+from liepoisson.orbits.multipliers import ComplexArray, kind_of, loop_spectrum
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
@@ -56,7 +56,7 @@ class PeriodicOrbit(ReadOnlyArrays):
         >>> pendulum = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
         >>> orbit = lp.orbits.periodic_orbit(pendulum, [1, 0], period=7)
         >>> round(orbit.period, 9)  # 4 K(sin(1/2))
-        6.699978765
+        6.699975664
 
     Attributes:
         level: The energy and the leaf.

@@ -80,7 +80,8 @@ class Closing:
         held: Functions that have given values, by name: the function and its value.
         symmetry: P, an orthogonal matrix.
         rotations: The matrices $G_k$, shape (k, N, N).
-        holds_period: Whether the time is given, too.
+        holds_period: Whether the time is given and does not change: its column is zero, and no step of least norm moves
+            it.
     """
 
     level: Level
@@ -133,7 +134,7 @@ class Closing:
             matrix = np.where(go[:, None, None], rows, 0.0)
             sizes = linear.svd(matrix, compute_uv=False)
             with np.errstate(all="ignore"):
-                best.regularity[chosen] = (sizes[:, -1] / sizes[:, 0])[better]
+                best.regularity[chosen] = (sizes[:, -2 if self.holds_period else -1] / sizes[:, 0])[better]
             step = -linear.einsum("nij,nj->ni", linear.pinv(matrix, rcond=_RANK), np.where(go[:, None], values, 0.0))
             moves, delay, turned = found.moves(step)
             with np.errstate(all="ignore"):
@@ -178,6 +179,7 @@ class Closing:
         x, time, angle = here
         n, N, k = x.shape[0], x.shape[2], angle.shape[1]
         matrix, late, rest = found.condensed()
+        late = np.zeros_like(late) if self.holds_period else late
         rows = [np.concatenate([matrix - found.closing, late[..., None], -found.along], axis=2)]
         rows.append(np.concatenate([found.slopes, np.zeros((n, found.slopes.shape[1], 1 + k))], axis=2))
         values = [rest, found.deviations]
@@ -186,25 +188,20 @@ class Closing:
             unit = direction / np.maximum(linear.norm(direction, axis=1, keepdims=True), np.finfo(float).tiny)
             rows.append(np.concatenate([unit, np.zeros((n, 1 + k))], axis=1)[:, None])
             values.append(linear.einsum("ni,ni->n", unit, off)[:, None])
-        if self.holds_period:
-            rows.append(np.broadcast_to(np.eye(N + 1 + k)[N], (n, 1, N + 1 + k)))
-            values.append(np.zeros((n, 1)))
         if extra is not None:
             rows.append(np.broadcast_to(extra, (n, 1, N + 1 + k)))
             moved = np.concatenate([off, time[:, None] / anchors[1][:, None] - 1.0, angle - anchors[2]], axis=1)
             values.append(linear.einsum("ni,i->n", moved, extra)[:, None])
         return np.concatenate(rows, axis=1), np.concatenate(values, axis=1)
 
-    def tangents(self, loops: Loops) -> tuple[Array, Array]:
-        """The unit vector (state, relative time, angles) along the family of each loop, and the singular values.
+    def null_space(self, loops: Loops, n: int) -> Array:
+        """The n directions (state, relative time, angles) in which one loop moves most nearly along loops.
 
-        The equations hold one function less than fixes the loop, so that loops form a curve.
+        The equations hold one function less than fixes the loop, so that loops form a curve, or several that cross.
         """
         here = loops.state, loops.time, loops.angle
-        found = self.linearised(*here)
-        rows, _ = self._equations(found, here, (loops.state[:, 0], loops.time, loops.angle), None)
-        _, sizes, right = linear.svd(rows)
-        return right[:, -1], sizes
+        rows, _ = self._equations(self.linearised(*here), here, (loops.state[:, 0], loops.time, loops.angle), None)
+        return linear.svd(rows)[2][0, -n:]
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at
 from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import CUT_SHORT, SymmetricOrbit
+from liepoisson.orbits.multipliers import CUT_SHORT, SymmetricOrbit
 from liepoisson.orbits.shooting import Flow, n_times_of
 from liepoisson.orbits.symmetric_orbits import natural_time
 from liepoisson.portable import linear
@@ -119,6 +119,14 @@ def periodic_orbit(
         rest = linear.norm(system.vector_field(states) / problem.closing.level.units, axis=1) * times
         if not (rest > _SAME).any():
             raise ParameterError(f"guess: wanted a state on an orbit; got {shown(states[0])}, which is at rest")
+        if not holds_period:
+            states, arrived = problem.closing.level.projected(states, np.eye(states.shape[1]))
+            if not arrived.any():
+                raise LeafError(
+                    f"an orbit must lie on its level; no state of {problem.closing.level.text} was found near the guess. "
+                    f"The energies of the leaf are {problem.closing.level.leaf.energy_range()}."
+                )
+            states, times, angles = states[arrived], times[arrived], angles[arrived]
         k = len(problem.closing.rotations)
         loops = problem.closing.solved(
             problem.loops(states, times, angles if angles.shape[1] == k else None, n_segments=count)
@@ -187,7 +195,9 @@ def _returns(orbit: Orbit, period: float | None) -> tuple[Array, Array]:
         if len(chosen) == _RETURNS:
             break
     if not chosen:
-        raise ParameterError("guess: wanted a trajectory that comes back near to itself; this one does not; follow it longer")
+        raise ParameterError(
+            "guess: wanted a trajectory that comes back near to itself; this one does not; follow it longer"
+        )
     return state[[i for _, _, i in chosen]], np.array([T for _, T, _ in chosen])
 
 
@@ -210,6 +220,12 @@ def shortest(problem: Problem, loops: Loops) -> Loops:
 @dataclass(frozen=True, eq=False, repr=False)
 class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
     """Periodic orbits of a level, those with the largest growth rate first.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.orbits.periodic_orbits(system, {}, energy="1/10", n_starts=30)
+        >>> [(round(orbit.period, 3), orbit.stability) for orbit in found[:1]]
+        [(6.794, 'hyperbolic')]
 
     Attributes:
         level: The level.
@@ -244,7 +260,14 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
         half = ", ".join(f"{m:.5g}" for m in one.multipliers[: len(one.multipliers) // 2])
-        return f"{one.period:.8f}", f"{one.rate:.4f}", one.stability, half, f"{one.residual:.0e}", f"{one.pair_defect:.0e}"
+        return (
+            f"{one.period:.8f}",
+            f"{one.rate:.4f}",
+            one.stability,
+            half,
+            f"{one.residual:.0e}",
+            f"{one.pair_defect:.0e}",
+        )
 
 
 @shows_progress
@@ -262,6 +285,12 @@ def periodic_orbits(
     progress: Callable[[float], Any] | None = None,
 ) -> PeriodicOrbits:
     r"""Periodic orbits of a level, symmetric or not: the nearest returns of random orbits, improved by Newton's method.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> found = lp.orbits.periodic_orbits(top, {"C1": 1, "C2": "1/2", "C3": 1}, energy="1/2", n_starts=30)
+        >>> len(found) > 3, bool(max(orbit.residual for orbit in found) <= 1e-12)
+        (True, True)
 
     Args:
         system: A system whose parameters are all numbers.

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,8 @@ from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, problem_at
 from liepoisson.orbits.closing import GROWTH, Loops, guessed
 from liepoisson.orbits.level import level_of
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit
-from liepoisson.portable import linear
+from liepoisson.orbits.multipliers import SymmetricOrbit
+from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -50,7 +50,9 @@ _GOOD, _BAD = 0.2, 0.5
 """The step grows where its tangents differ by less than the first angle, and is made again above the second."""
 
 _SAME = 1e-6
-_SECANTS = 20
+_SECANTS, _TRIALS = 20, 8
+_LEAVES = ("branch", "double period")
+"""Points at which another family begins."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +63,14 @@ class FamilyPoint:
         kind: "fold", "branch", "double period" or "collision".
         orbit: The orbit there.
         after: The number of the orbit of the family before it.
+        tangent: The direction of the family there: of the start, in units of the level, of the relative time, and of
+            the angles.
     """
 
     kind: str
     orbit: PeriodicOrbit
     after: int
+    tangent: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,8 +78,10 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
     """Periodic orbits of a family, in their order along it.
 
     Example:
-        >>> system = lp.catalog.system("henon-heiles")
-        >>> rest = lp.phase_space.equilibrium(system, [0, 0, 0, 0])
+        >>> pendulum = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
+        >>> family = lp.orbits.orbit_family(pendulum, lp.phase_space.equilibrium(pendulum, [0, 0]), until=0.5)
+        >>> family.end, round(float(family.period[-1]), 8)
+        ('the wanted value', 8.62606259)
 
     Attributes:
         along: What was set free: "energy", or the name of a Casimir.
@@ -142,6 +149,14 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         )
 
 
+FamilyStart: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium | FamilyPoint"
+"""An orbit; an equilibrium, around which orbits are small; or a point of a family where a branch leaves it."""
+
+
+FamilyStart: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium | FamilyPoint"
+"""An orbit; an equilibrium, around which orbits are small; or a point of a family where a branch leaves it."""
+
+
 def value_of(orbit: PeriodicOrbit, along: str) -> float:
     """The energy of an orbit, or a Casimir."""
     functions = orbit.system.functions
@@ -151,7 +166,7 @@ def value_of(orbit: PeriodicOrbit, along: str) -> float:
 @shows_progress
 def orbit_family(
     system: System,
-    start: PeriodicOrbit | SymmetricOrbit | Equilibrium,
+    start: FamilyStart,
     *,
     along: str = "energy",
     until: float | str | None = None,
@@ -166,9 +181,19 @@ def orbit_family(
 ) -> OrbitFamily:
     r"""The family of periodic orbits that an orbit belongs to, or that begins at an equilibrium, at fixed parameters.
 
+    Example:
+        >>> henon = lp.catalog.system("henon-heiles")
+        >>> straight = lp.orbits.periodic_orbit(henon, [0, 0, 0, 0.2], period=6.3)
+        >>> family = lp.orbits.orbit_family(henon, straight, until=0.14)
+        >>> [(point.kind, round(point.orbit.energy, 9)) for point in family.points]
+        [('double period', 0.135285919)]
+        >>> lp.orbits.orbit_family(henon, family.points[0], n_orbits=2)[0].stability
+        'elliptic'
+
     Args:
         system: A system whose parameters are all numbers.
-        start: An orbit, or an equilibrium with imaginary eigenvalues.
+        start: An orbit; an equilibrium with imaginary eigenvalues, around which orbits are small; or one of the `points`
+            of a family, where a branch or orbits of the double period leave it.
         along: "energy", or the name of the Casimir that varies; everything else is held.
         until: The value at which the family ends; the last orbit has it to round-off.
         increasing: Whether the value increases at the beginning.
@@ -219,13 +244,15 @@ class _Follower:
         self.system, self.name, self.momenta, self.longest, self.run = system, name, momenta, longest, run
         self.step = min(_FIRST, longest)
 
-    def begin(self, start: PeriodicOrbit | SymmetricOrbit | Equilibrium, mode: int, *, increasing: bool) -> None:
+    def begin(self, start: FamilyStart, mode: int, *, increasing: bool) -> None:
         """The first loop, and the direction in which it goes on.
 
         Raises:
             OrbitError: Newton's method does not come to an orbit.
             ParameterError: the equilibrium has no such frequency, or the start is neither of these.
         """
+        if isinstance(start, FamilyPoint):
+            return self._begin_a_branch(start)
         if isinstance(start, Equilibrium):
             self._begin_at_rest(start, mode)
         elif isinstance(start, (PeriodicOrbit, SymmetricOrbit)):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -240,7 +267,7 @@ class _Follower:
                 )
         else:
             raise ParameterError(f"start: wanted a periodic orbit or an equilibrium; got {shown(start)}")
-        self.tangent = self.closing.tangents(self.loops)[0][0]
+        self.tangent = self.closing.null_space(self.loops, 1)[0]
         slope = self._slope()
         if (slope < 0) == increasing and slope != 0:
             self.tangent = -self.tangent
@@ -250,6 +277,30 @@ class _Follower:
         self.held = self.problem.closing
         self.closing = self.held.without(self.name)
         self.units = self.closing.level.units
+
+    def _begin_a_branch(self, point: FamilyPoint) -> None:
+        """The first orbit of the branch that leaves a family at a point: across the family in the null space."""
+        if point.kind not in _LEAVES:
+            raise ParameterError(f"start: wanted a point of the kinds {' or '.join(_LEAVES)}; got a {point.kind}")
+        orbit, loops_of = point.orbit, 2 if point.kind == "double period" else 1
+        if loops_of == 2 and orbit.symmetry is not None:
+            raise ParameterError("start: wanted an orbit that closes without a symmetry, to be run through twice")
+        self._problem(orbit.start, self.momenta or dict(orbit.momenta), orbit.symmetry)
+        angles = loops_of * orbit.angles[None]
+        self.loops = self.problem.loops(orbit.start[None], np.array([loops_of * orbit.time]), angles)
+        across = self.closing.null_space(self.loops, 2)
+        along = linear.matmul(across, point.tangent)
+        self.tangent = linear.matmul(np.array([-along[1], along[0]]) / linear.norm(along), across)
+        for _ in range(_TRIALS):
+            new = self.moved(self.step)
+            if new.residual[0] <= CLOSES:
+                break
+            self.step /= 2
+        else:
+            raise OrbitError("start: no branch was found beside the family; it may be tangent to it")
+        before, self.loops = self.tangent, new
+        tangent = self.closing.null_space(new, 1)[0]
+        self.tangent = tangent if linear.matmul(tangent, before) > 0 else -tangent
 
     def _begin_at_rest(self, rest: Equilibrium, mode: int) -> None:
         """An orbit of small amplitude around an equilibrium."""
@@ -307,28 +358,32 @@ class _Follower:
 
     def advance(self, bound: float | None) -> str:
         """Go on by one orbit; why the family ends there, or nothing."""
+        function = self.held.held[self.name][0]
         while self.step > _SHORTEST * self.longest:
-            new = self.moved(self.step)
+            new, length, is_last = self.moved(self.step), self.step, False
+            old, value = (float(function(one.state[0, 0])) for one in (self.loops, new))
+            if (
+                bound is not None
+                and new.residual[0] <= CLOSES
+                and old != bound
+                and (old - bound) * (value - bound) <= 0
+            ):
+                closing = replace(self.held, held={**self.held.held, self.name: (function, bound)})
+                length *= (bound - old) / (value - old)
+                new, is_last = closing.solved(self.moved(length)), True
             if new.residual[0] <= CLOSES:
-                tangent = self.closing.tangents(new)[0][0]
+                tangent = self.closing.null_space(new, 1)[0]
                 cosine = float(linear.matmul(tangent, self.tangent))
-                angle = float(np.arccos(min(1.0, abs(cosine))))
+                angle = float(elementary.arccos(min(1.0, abs(cosine))))
                 if angle < _BAD:
                     break
             self.step /= 2
         else:
             return "the steps became too short"
-        self.before = self.loops, self.tangent, self.step
-        function = self.held.held[self.name][0]
-        old, value = (float(function(one.state[0, 0])) for one in (self.loops, new))
-        if bound is not None and min(old, value) <= bound <= max(old, value) and old != bound:
-            closing = replace(self.held, held={**self.held.held, self.name: (function, bound)})
-            last = closing.solved(self.moved(self.step * (bound - old) / (value - old)))
-            if last.residual[0] <= CLOSES:
-                self.loops = last
-                self.tangent = tangent if cosine > 0 else -tangent
-                return "the wanted value"
+        self.before = self.loops, self.tangent, length
         self.loops, self.tangent = new, tangent if cosine > 0 else -tangent
+        if is_last:
+            return "the wanted value"
         if angle < _GOOD:
             self.step = min(self.longest, 1.5 * self.step)
         if self._extent() < _SAME:
@@ -360,8 +415,7 @@ class _Follower:
                     continue
                 is_fold = kind == "branch" and tests[0]["fold"] * tests[1]["fold"] < 0
                 if kind != "fold" or orbit.multipliers.size == 0:
-                    found.append(FamilyPoint("fold" if is_fold else kind, orbit, number))
-                del tangent
+                    found.append(FamilyPoint("fold" if is_fold else kind, orbit, number, tangent))
         return found
 
     def _tests(self, orbit: PeriodicOrbit, tangent: Array) -> dict[str, float]:
@@ -389,7 +443,7 @@ class _Follower:
                 loops = self.moved(middle)
                 if not loops.residual[0] <= CLOSES:
                     break
-                tangent = self.closing.tangents(loops)[0][0]
+                tangent = self.closing.null_space(loops, 1)[0]
                 tangent = tangent if linear.matmul(tangent, self.tangent) > 0 else -tangent
                 best = self.orbit(loops)
                 value = self._tests(best, tangent)[kind]

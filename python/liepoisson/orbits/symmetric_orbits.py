@@ -27,7 +27,7 @@ from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.time_scale import natural_duration
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits, loop_spectrum
+from liepoisson.orbits.multipliers import SymmetricOrbit, SymmetricOrbits, loop_spectrum
 from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis, n_times_of
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream

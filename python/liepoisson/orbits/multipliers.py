@@ -148,7 +148,7 @@ class SymmetricOrbit(ReadOnlyArrays):
             reciprocals in the same order, shape (2m - 2,).  Where the period is 4T and $P^2 = 1$, those over the period
             are their squares.
         pair_defect: A check of the multipliers: how far they are from reciprocal pairs (see
-            `liepoisson.orbits.periodic_orbits`); round-off.
+            `liepoisson.orbits.multipliers`); round-off.
         trivial_defect: Another: how far the flow, H and the Casimirs are from the multiplier 1; round-off.
     """
 
