@@ -2,13 +2,13 @@ r"""Closed orbits by Newton's method: multiple shooting on a level, for many gue
 
 A loop is a chain of states $x_0, \dots, x_{m-1}$, a time T and angles $\theta_k$ with
 
-$$ \varphi_{T/m}(x_i) = x_{i+1}, \qquad \varphi_{T/m}(x_{m-1}) = P\,e^{\sum_k\theta_k G_k}x_0, \qquad F_j(x_0) = c_j . $$
+$$ \varphi_{T/m}(x_i) = x_{i+1},\quad \varphi_{T/m}(x_{m-1}) = P\,e^{\sum_k\theta_k G_k}x_0,\quad F_j(x_0) = c_j . $$
 
 The $F_j$ are H, the Casimirs and, where asked, further integrals; P is a discrete symmetry, and $G_k$ generates the
-rotations that a linear integral belongs to.  The flow keeps the $F_j$, so there are more equations than are independent:
-with the state held across the flow and the rotations, steps of least squares converge quadratically to a loop that is
-isolated on its level, and nothing has to be unfolded.  The corrections of all states but the first are eliminated, so
-that the linear equations have the size of one state; residuals are those of the short segments.
+rotations that a linear integral belongs to.  The flow keeps the $F_j$, so there are more equations than are
+independent: with the state held across the flow and the rotations, steps of least squares converge quadratically to a
+loop that is isolated on its level, and nothing has to be unfolded.  The corrections of all states but the first are
+eliminated, so that the linear equations have the size of one state; residuals are those of the short segments.
 """
 
 from __future__ import annotations
@@ -108,8 +108,8 @@ class Closing:
 
         Args:
             guesses: States, times and angles.
-            extra: A direction in (state, time, angle), in units, along which the first state does not move from the guess,
-                shape (N + 1 + k,): a step along a family is corrected across it.
+            extra: A direction in (state, time, angle), in units, along which the first state does not move from the
+                guess, shape (N + 1 + k,): a step along a family is corrected across it.
 
         Raises:
             TimeLimitError: the deadline of the call has passed.

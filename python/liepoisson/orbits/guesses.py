@@ -123,8 +123,8 @@ def periodic_orbit(
             states, arrived = problem.closing.level.projected(states, np.eye(states.shape[1]))
             if not arrived.any():
                 raise LeafError(
-                    f"an orbit must lie on its level; no state of {problem.closing.level.text} was found near the guess. "
-                    f"The energies of the leaf are {problem.closing.level.leaf.energy_range()}."
+                    f"an orbit must lie on its level; no state of {problem.closing.level.text} was found near the "
+                    f"guess. The energies of the leaf are {problem.closing.level.leaf.energy_range()}."
                 )
             states, times, angles = states[arrived], times[arrived], angles[arrived]
         k = len(problem.closing.rotations)
@@ -134,9 +134,9 @@ def periodic_orbit(
         best = int(np.argmin(loops.residual))
         if not loops.residual[best] <= CLOSES:
             raise OrbitError(
-                f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to {loops.residual[best]:.1e} "
-                f"at the period {loops.time[best]:.6g} on {problem.closing.level.text}. Give a nearer guess, or one of "
-                "lp.orbits.symmetric_periodic_orbits"
+                f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to "
+                f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g} on {problem.closing.level.text}. "
+                "Give a nearer guess, or one of lp.orbits.symmetric_periodic_orbits"
             )
         run.tell(0.5)
         return problem.described(shortest(problem, loops.of(np.array([best]))))
@@ -253,8 +253,8 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
         n = len(self.found)
         families = f"; {self.n_families} that belong to families are left out" if self.n_families else ""
         return (
-            f"{n or 'No'} periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on {self.level.text}, found "
-            f"from the returns of {self.n_starts} orbits up to t = {self.t_end:g}{families}"
+            f"{n or 'No'} periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on {self.level.text}, "
+            f"found from the returns of {self.n_starts} orbits up to t = {self.t_end:g}{families}"
             f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 

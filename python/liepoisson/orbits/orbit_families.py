@@ -192,8 +192,8 @@ def orbit_family(
 
     Args:
         system: A system whose parameters are all numbers.
-        start: An orbit; an equilibrium with imaginary eigenvalues, around which orbits are small; or one of the `points`
-            of a family, where a branch or orbits of the double period leave it.
+        start: An orbit; an equilibrium with imaginary eigenvalues, around which orbits are small; or one of the
+            `points` of a family, where a branch or orbits of the double period leave it.
         along: "energy", or the name of the Casimir that varies; everything else is held.
         until: The value at which the family ends; the last orbit has it to round-off.
         increasing: Whether the value increases at the beginning.
@@ -326,8 +326,8 @@ class _Follower:
         self.loops = self.closing.solved(self.problem.loops(state[None], time), extra=extra)
         if not self.loops.residual[0] <= CLOSES:
             raise OrbitError(
-                f"an orbit around the equilibrium must close to {CLOSES:g}; it does to {self.loops.residual[0]:.1e}. Another "
-                "frequency may be a multiple of this one"
+                f"an orbit around the equilibrium must close to {CLOSES:g}; it does to {self.loops.residual[0]:.1e}. "
+                "Another frequency may be a multiple of this one"
             )
 
     def orbit(self, loops: Loops | None = None) -> PeriodicOrbit:
