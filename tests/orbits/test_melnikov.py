@@ -1,8 +1,8 @@
-r"""Melnikov's integrals of sleeping tops, ordinary and twisted, against closed forms and against the splitting itself.
+r"""Melnikov's integrals of sleeping tops, ordinary and twisted, against closed forms and the splitting itself.
 
-With $M(\lambda) = \lambda^3e_3 + \lambda^2\ell + \lambda\alpha + \epsilon\beta$ ($I_1 = a_3 = 1$) a leaf's sleeping top is
-$M = Q e_3$, $Q = (\lambda - \mu)(\lambda^2 + l\lambda + A_0)$, with $\kappa^2 = A_0 - l^2/4 > 0$; $\mu = 0$ is the ordinary
-top.  On its homoclinic surface $\ell_1 + i\ell_2 = 2\kappa\,\mathrm{sech}(\kappa t)\,e^{i(\psi - \Omega t)}$ with
+With $M(\lambda) = \lambda^3e_3 + \lambda^2\ell + \lambda\alpha + \epsilon\beta$ ($I_1 = a_3 = 1$) the sleeping top is
+$M = Q e_3$ with $Q = (\lambda - \mu)(\lambda^2 + l\lambda + A_0)$ and $\kappa^2 = A_0 - l^2/4 > 0$; $\mu = 0$ is the
+ordinary top.  On its homoclinic surface $\ell_1 + i\ell_2 = 2\kappa\,\mathrm{sech}(\kappa t)\,e^{i(\psi - \Omega t)}$,
 $\Omega = \ell_3(1/I_3 - 1/2) - \mu/2$.
 """
 
@@ -31,7 +31,7 @@ def sleeping(inertia, l, mu, height):
 
 @pytest.mark.parametrize("case", TOPS)
 def test_closed_forms(case):
-    r"""$-4\pi\kappa k/\sinh(\pi k/2)\sin2\psi$, $k = 2\Omega/\kappa$, and $2\pi\ell_3(1/I_3 - 1)\sin\psi/\cosh(\pi\Omega/2\kappa)$."""
+    r"""Of inertia, $-4\pi\kappa k/\sinh(\pi k/2)\sin2\psi$ with $k = 2\Omega/\kappa$; of tilt, with a cosh below."""
     inertia, l, mu, height = case
     top, rest, middle = sleeping(*case)
     limit = lp.phase_space.equilibrium(top, rest)
