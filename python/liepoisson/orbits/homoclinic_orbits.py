@@ -23,7 +23,7 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import CUT_SHORT, HYPERBOLIC, SymmetricOrbit, transversal_basis
+from liepoisson.orbits.multipliers import CUT_SHORT, HYPERBOLIC, SymmetricOrbit, transversal_basis
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
