@@ -153,10 +153,6 @@ FamilyStart: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium | FamilyP
 """An orbit; an equilibrium, around which orbits are small; or a point of a family where a branch leaves it."""
 
 
-FamilyStart: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium | FamilyPoint"
-"""An orbit; an equilibrium, around which orbits are small; or a point of a family where a branch leaves it."""
-
-
 def value_of(orbit: PeriodicOrbit, along: str) -> float:
     """The energy of an orbit, or a Casimir."""
     functions = orbit.system.functions
