@@ -30,7 +30,7 @@ REFUSED = (
     ("inspect twisted-top --set epsilon=1 --set epsilon=2", "must give each parameter once; epsilon comes twice"),
     ("""inspect twisted-top --set 'epsilon=__import__("os")'""", "__import__"),
     ("inspect matrix.toml --set A=1,2,3", "A is a matrix. Write it into a system file"),
-    ("orbit twisted-top", "must have numbers for all parameters; epsilon, I[3], a[3], b[3] have none"),
+    ("orbit twisted-top", "must have numbers for all parameters; got none for epsilon, I[3], a[3], b[3]"),
     ("orbit twisted-kovalevskaya --set epsilon=1e-400", "epsilon must be zero or at least 4.9e-324"),
     ("cite todda", "Did you mean toda"),
     ("cite no.nc", "no.nc"),
