@@ -218,6 +218,28 @@ def test_several_values_in_the_place_of_one_end_in_no_foreign_error(name):
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [*several(), *CALLED])
+@pytest.mark.filterwarnings("ignore")
+def test_values_are_read_once_whatever_else_is_given(name):
+    """What an argument that is left out is made of, such as the window of a fit, may be another one that was read."""
+    wrong = []
+    for key, row in rows().items():
+        if key.split(":")[0] != name:
+            continue
+        parameters = inspect.signature(row.function).parameters
+        for argument, kind in row.kinds.items():
+            plain = row.arguments[argument]
+            if isinstance(kind, ByName) or np.ndim(plain) == 0:
+                continue
+            needed = {other for other, one in parameters.items() if one.default is one.empty or other not in row.kinds}
+            given = {other: value for other, value in row.arguments.items() if other in {*needed, argument}}
+            wanted, found = outcome(row.function, given), outcome(row.function, given | {argument: iter(list(plain))})
+            if found != wanted:
+                wrong.append(f"{key}({argument}=a generator): wanted {wanted!s:.200}\n  got {found!s:.300}")
+    assert not wrong, "\n".join(wrong)
+
+
 STATE = dict(zip(lp.Top.kovalevskaya().component_names, [0.5, -0.25, 1, 0.75, 0.5, -0.5, 0.1, 0.2, 0.3], strict=True))
 SORTED = sorted(STATE)
 

@@ -242,8 +242,8 @@ def _joined(pieces: Sequence[lp.results.FiniteTimeExponents]) -> lp.results.Fini
 def alone_in(out: Path) -> Generator[None]:
     """Make a folder if there is none, and keep other studies from working in it, of this process too.
 
-    The lock is advisory, on the file `.lock`, which stays; it ends with the process.  Where the system has no such locks
-    there is none.
+    The lock is advisory, on the file `.lock`, which stays; it ends with the process.  Where the system has no such
+    locks there is none.
 
     Raises:
         OutputError: another study holds the folder, or it cannot be made.
