@@ -188,6 +188,8 @@ def test_the_arrays_of_a_result_are_read_only(kind):
     # copies of a plain tuple are NumPy's, and a leaf has its own arrays
     copies = copy.deepcopy(result), copy.copy(result), pickle.loads(pickle.dumps(result))
     assert all((type(each), repr(each), str(each)) == (type(result), repr(result), str(result)) for each in copies)
+    assert result in {result}
+    assert all(each != result or hash(each) == hash(result) for each in copies)
     for each in (result, *(() if isinstance(result, tuple) else copies)):
         for path, array in arrays_in(each):
             if array.ndim and ".leaf" not in path:

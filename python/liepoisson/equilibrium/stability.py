@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium(ReadOnlyArrays):
     r"""An equilibrium of a leaf, or a relative equilibrium with respect to integrals, and its stability.
 

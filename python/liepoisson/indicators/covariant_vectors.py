@@ -30,7 +30,7 @@ from liepoisson.streams import Purpose, stream
 MOST_BYTES = 4 * 2**30
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CovariantVectors(ReadOnlyArrays):
     """Covariant Lyapunov vectors along trajectories.
 

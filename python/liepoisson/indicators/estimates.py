@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -101,7 +101,7 @@ class FiniteTimeFit(ReadOnlyArrays):
             correlated, so they must not be compared with other values one by one.
     """
 
-    estimates: dict[str, Estimate]
+    estimates: dict[str, Estimate] = field(hash=False)
     window: Window
     n_times: int
     n_members: int
@@ -190,10 +190,10 @@ class LogFit(ReadOnlyArrays):
         resampling: How the errors were made.
     """
 
-    estimates: dict[str, Estimate]
-    with_linear_term: dict[str, Estimate]
-    with_next_term: dict[str, Estimate]
-    with_two_terms: dict[str, Estimate]
+    estimates: dict[str, Estimate] = field(hash=False)
+    with_linear_term: dict[str, Estimate] = field(hash=False)
+    with_next_term: dict[str, Estimate] = field(hash=False)
+    with_two_terms: dict[str, Estimate] = field(hash=False)
     window: Window
     n_times: int
     n_members: int
@@ -259,7 +259,7 @@ class LogFit(ReadOnlyArrays):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeanCurve(ReadOnlyArrays):
     r"""The ensemble mean with a pointwise confidence band, $\bar\lambda(t) \pm z\,s(t)/\sqrt n$.
 

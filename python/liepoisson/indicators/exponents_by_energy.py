@@ -55,7 +55,7 @@ def read_estimates(record: list[list[float]]) -> tuple[Estimate, ...]:
     return tuple(Estimate(*item) for item in record)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EnergyProfile(Run):
     """Finite-time exponents at several energies of one leaf.
 

@@ -8,7 +8,7 @@ counts if not all integrals in it are polynomials in H and the Casimirs (`liepoi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
@@ -63,7 +63,7 @@ class ParameterCase:
 
     conditions: tuple[Expr, ...]
     nonzero: tuple[Expr, ...]
-    example: dict[Symbol, Expr] | None
+    example: dict[Symbol, Expr] | None = field(hash=False)
     integrals: tuple[Expr, ...]
     is_independent: bool = True
     is_real: bool = True

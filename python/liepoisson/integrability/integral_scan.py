@@ -54,7 +54,7 @@ _PIECES_OF_A_PROCESS = 4
 """Of small scans: fewer pieces are not worth the second in which another process begins."""
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class IntegralScan(Result):
     """How many further integrals there are at the points of a grid of parameters.
 

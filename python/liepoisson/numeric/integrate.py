@@ -28,7 +28,7 @@ _N_TIMES = 1001
 """Times of a run of which only the end is given."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Orbit(IntegratedRun, KeepsInvariants):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
 

@@ -18,7 +18,7 @@ from liepoisson.numeric.methods import Method, method_of, method_record
 from liepoisson.numeric.systems import HasField
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Run(Result):
     """Trajectories of one system: what they were given and how they ended."""
 
@@ -35,7 +35,7 @@ class Run(Result):
         return {"starts": self.start, "method": self.method}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class IntegratedRun(Run):
     """Trajectories that were integrated by one call of the core."""
 

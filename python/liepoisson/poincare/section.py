@@ -39,7 +39,7 @@ _PIECE = 2**16
 """Points that are looked at together."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Section(IntegratedRun):
     """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
 

@@ -49,7 +49,7 @@ def _carried(orbit: Orbit, system: System) -> Orbit:
     return replace(orbit, system=FrameSystem(system, centre_line=centre_line))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Attitude(Result, KeepsInvariants):
     r"""Orbits with the attitude of the body along them.
 

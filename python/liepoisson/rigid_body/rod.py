@@ -48,7 +48,7 @@ _POINTS = 401
 """Points along a rod that is given by its length: enough for a smooth picture of some twenty turns."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Rod(Result):
     """Shapes of rods; vectors are in the space frame unless they are called strain.
 

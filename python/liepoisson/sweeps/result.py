@@ -53,7 +53,7 @@ def _spec_of(record: dict[str, Any]) -> SweepSpec:
     return SweepSpec.of_record(record["record"], record["description"])
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep(Result):
     """The values of a sweep at its points.
 

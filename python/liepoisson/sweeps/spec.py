@@ -147,7 +147,7 @@ class Starts:
 
     ensemble: str = "unit-vectors"
     energy: Value | None = None
-    casimirs: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    casimirs: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     sampling: Literal["projection", "liouville"] = "projection"
 
     def __post_init__(self) -> None:
@@ -229,10 +229,10 @@ class SweepSpec:
         ParameterError: a value outside its range; what a formula or a system says wrong comes from `sweep`.
     """
 
-    system: Any
+    system: Any = field(hash=False)
     axes: tuple[Axis, ...]
     t_end: float
-    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     starts: Starts = field(default_factory=Starts)
     n_starts: int = 64
     quantity: str | Callable[..., Any] = "exponent"

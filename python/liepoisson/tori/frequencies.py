@@ -51,7 +51,7 @@ def _observable_of(record: Any) -> Any:
     return _Forgotten(str(record["function"])) if isinstance(record, dict) else tuple(map(str, record))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrequencyDrift(Run):
     r"""The main frequency along trajectories, in two windows of the same length, one after the other.
 
