@@ -171,7 +171,7 @@ def _read_value(value: object, name: str) -> Value:
     if is_sympy(value) and hasattr(value, "tolist"):  # a SymPy matrix; one column is a vector
         rows = cast("Any", value).tolist()
         value = [row[0] for row in rows] if all(len(row) == 1 for row in rows) else rows
-    items = listed(value, name, _names_of_places(value, name))
+    items = listed(value, name, names_of_places(value, name))
     if items is None:
         return read_parameter(value, name)
     rows = [listed(item, name) for item in items]
@@ -188,7 +188,7 @@ def _read_value(value: object, name: str) -> Value:
     return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
 
 
-def _names_of_places(value: object, name: str) -> list[str]:
+def names_of_places(value: object, name: str) -> list[str]:
     """What the components of a vector are called: I1, I2, ..."""
     found = labelled(value, name)
     is_vector = found is not None and not any(getattr(column, "ndim", 0) for column in found.columns)

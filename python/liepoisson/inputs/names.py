@@ -48,6 +48,11 @@ MAX_TITLE = 200
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
+def is_identifier(name: str) -> bool:
+    """Whether formulas can have this name, as far as its characters go."""
+    return _IDENTIFIER.fullmatch(name) is not None
+
+
 def check_name(name: object, what: str = "a name") -> str:
     """The name, if a user may choose it.
 

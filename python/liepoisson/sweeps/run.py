@@ -17,7 +17,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import MOST_THREADS, as_count, as_positive
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.given import labelled
+from liepoisson.inputs.given import labelled, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import exclusive
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
@@ -182,10 +182,10 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of `SweepSpec`, made of the plain mappings that `sweep` takes for them."""
     made = dict(settings)
     axes = made.get("axes")
-    if (columns := axes if isinstance(axes, Mapping) else _columns(axes)) is not None:
+    if (columns := named(axes, "axes") if isinstance(axes, Mapping) else _columns(axes)) is not None:
         made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", columns).items())
     if isinstance(starts := made.get("starts"), Mapping):
-        given = dict(cast("Mapping[str, Any]", starts))
+        given = named(cast("Mapping[str, Any]", starts), "starts") or {}
         known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}
         nested = given.pop("casimirs", {})
         if given and nested:

@@ -19,6 +19,7 @@ import numpy as np
 from liepoisson import __version__
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.parameters import names_of_places
 from liepoisson.formula.scalars import as_count, as_number, as_time
 from liepoisson.indicators.verdict import Rule, as_rule, rule_of
 from liepoisson.inputs.calls import explains_its_methods
@@ -162,7 +163,7 @@ class Starts:
             if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
             _check_value(value, name, is_one=True)
-        object.__setattr__(self, "casimirs", _owned(casimirs))
+        object.__setattr__(self, "casimirs", _all_owned(casimirs))
 
 
 @explains_its_methods
@@ -247,7 +248,7 @@ class SweepSpec:
         if (axes := listed(self.axes, "axes")) is not None:
             object.__setattr__(self, "axes", tuple(axes))
         if (parameters := named(self.parameters, "parameters")) is not None:
-            object.__setattr__(self, "parameters", _owned(parameters))
+            object.__setattr__(self, "parameters", _all_owned(parameters))
         self._check_types()
         if self.name is not None:
             check_title(self.name, "the name of a sweep")
@@ -451,16 +452,16 @@ def _check_value(value: Any, name: str, *, is_one: bool = False) -> None:
             raise ParameterError(f"{name}: wanted finite numbers; got {shown(value)}. Correct it.")
 
 
-def _owned(value: Any) -> Any:
+def _all_owned(values: Mapping[Any, Any]) -> dict[Any, Any]:
+    return {name: _owned(value, str(name)) for name, value in values.items()}
+
+
+def _owned(value: Any, name: str) -> Any:
     """A copy in plain numbers and tuples: an array would be recorded by its text, which has eight digits."""
-    if isinstance(value, Mapping):
-        return {name: _owned(item) for name, item in cast("Mapping[Any, Any]", value).items()}
     value = as_scalar(value)
-    if isinstance(value, (np.ndarray, np.generic)):
-        return _owned(cast("Any", value).tolist())
-    if (items := listed(value)) is not None:
-        return tuple(map(_owned, items))
-    return value
+    if (items := listed(value, name, names_of_places(value, name))) is not None:
+        return tuple(_owned(item, name) for item in items)
+    return cast("Any", value).item() if isinstance(value, np.generic) else value
 
 
 def _varies(value: Value, axes: Sequence[Axis]) -> bool:

@@ -14,7 +14,7 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_tim
 from liepoisson.indicators.alignment import bound_memory
 from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.given import at_interval, listed, ordered
+from liepoisson.inputs.given import as_name, at_interval, listed_names, ordered
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.integrate import integrate
@@ -302,8 +302,8 @@ def _texts_of(observable: Any) -> Any:
     """One or several texts as a tuple; a function as it is."""
     if callable(observable):
         return observable
-    found = listed(observable, "observable")
-    return (observable,) if found is None else tuple(found)
+    found = listed_names(observable, "observable")
+    return (as_name(observable),) if found is None else tuple(found)
 
 
 def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Array], tuple[Signal, bool]]:
