@@ -238,7 +238,7 @@ class CanonicalSystem(System):
         free = {str(symbol) for expression in expressions for symbol in expression.free_symbols}
         if missing := sorted(free - set(self.component_names)):
             raise ParameterError(
-                f"every parameter must be a number for numerical work; {', '.join(missing)} has none. Give values."
+                f"every parameter must be a number for numerical work; got none for {', '.join(missing)}. Give values."
             )
 
 
