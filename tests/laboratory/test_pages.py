@@ -166,9 +166,3 @@ def test_a_page_that_is_too_large_or_has_no_place_is_refused(tmp_path):
     with pytest.raises(OutputError, match="folder"):
         write_page(page, tmp_path)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("surface", ["l3", "l3^2 - 1", "dot(alpha, alpha) - 1"])
-def test_a_surface_that_no_orbit_crosses_is_refused(surface):
-    with pytest.raises(ParameterError, match="surfaces: wanted a function that changes along orbits"):
-        page_of(lp.catalog.system("lagrange"), surfaces=["l1", surface])

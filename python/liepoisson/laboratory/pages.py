@@ -25,7 +25,6 @@ from liepoisson.io.files import write_atomically
 from liepoisson.laboratory.description import description_of, picture_of, record_of_functions
 from liepoisson.laboratory.saved import saved_of
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
-from liepoisson.poincare.section_arguments import as_formula, check_that_it_varies
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -240,9 +239,6 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
     if not chosen:
         name, formula = _default_surface(system, start)
         chosen = {name: formula}
-    elif reads_formulas(system):
-        for formula in chosen.values():
-            check_that_it_varies(system, as_formula(formula, "surfaces"), "surfaces")
     first = next(iter(chosen))
     listed = {name: formula for name, formula in chosen.items() if name not in names}
     if not listed:
