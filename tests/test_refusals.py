@@ -220,8 +220,9 @@ ADVICE = (
      lambda: lp.integrability.search_lax_pairs(FREE)),
     (lambda: lp.integrability.general_system(SO3, degree=2), "so(3) @ semidirect(2)",
      lambda: lp.integrability.general_system(PAIR, degree=2)),
-    (lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"x": [1]}), 'such as {"A": [1, "3/2"]}',
-     lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"A": [1, "3/2"], "B": [2], "C": [3]})),
+    (lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"A": [1, 2]}),
+     'such as {"A": [1, "3/2"], "B": 1, "C": 1}',
+     lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"A": [1, "3/2"], "B": 1, "C": 1})),
     # proofs
     (lambda: lp.proofs.Box([1], [0]), "got 1.0 and 0.0 at (0,), an empty box; exchange them?",
      lambda: lp.proofs.Box([0], [1])),

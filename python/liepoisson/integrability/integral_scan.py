@@ -258,9 +258,8 @@ def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str,
 
     given = named(axes, "axes")
     if given is None or set(given) != set(names):
-        raise ParameterError(
-            f'axes: wanted values of {", ".join(names)}, such as {{"{names[0]}": [1, "3/2"]}}; got {shown(axes)}'
-        )
+        example = ", ".join([f'"{names[0]}": [1, "3/2"]', *(f'"{name}": 1' for name in names[1:])])
+        raise ParameterError(f"axes: wanted values of {', '.join(names)}, such as {{{example}}}; got {shown(axes)}")
     lists = {name: listed(v, f"axes: {name}") for name, v in given.items()}
     items = {name: [given[name]] if values is None else values for name, values in lists.items()}
     if (n := math.prod(map(len, items.values()))) > MOST_POINTS:
