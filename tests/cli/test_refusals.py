@@ -103,7 +103,7 @@ REFUSED = (
     ("sweep twist.toml --threads 1 --processes 1", "one of scheduler, processes and threads"),
     ("sweep bogus.toml", "there is no file bogus.toml"),
     ("sweep many.toml", "wanted at most 16777216 points; got 16384 x 16384"),
-    ("sweep large.toml", "results of at most 16 GiB; 1 points with n_starts = 2147483648 take"),
+    ("sweep large.toml", "results of at most 16 GiB; a grid of 1 with n_starts = 2147483648 takes"),
     # exact commands
     ("darboux toda", "wanted a polynomial"),
     ("darboux rattleback --degree 2 --weight 2", "got both"),

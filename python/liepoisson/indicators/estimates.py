@@ -14,6 +14,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.refusals import counted
 from liepoisson.portable import elementary, linear
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -304,7 +305,7 @@ class MeanCurve(ReadOnlyArrays):
     def __repr__(self) -> str:
         last = self.at(float(self.time[-1]))
         return (
-            f"<MeanCurve: {self.n_members} trajectories, {len(self.time)} times, exponent {last} at t = "
+            f"<MeanCurve: {self.n_members} trajectories, {counted(len(self.time), 'time')}, exponent {last} at t = "
             f"{self.time[-1]:g}>"
         )
 

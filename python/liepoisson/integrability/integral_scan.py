@@ -134,7 +134,7 @@ class IntegralScan(Result):
     def __repr__(self) -> str:
         axes = " x ".join(f"{name} ({len(values)})" for name, values in self.axes.items())
         n, missing = int((self.n_further > 0).sum()), int((~np.isin(self.outcome, ("finished", "no system"))).sum())
-        state = f", incomplete: {missing} points are left" if missing else ""
+        state = f", incomplete: {missing} left" if missing else ""
         return (
             f"<IntegralScan of {self.system.name} over {axes}, degree {self.degree}: further integrals at {n} of "
             f"{len(self.n_further)} points{state}>"

@@ -18,7 +18,7 @@ from liepoisson.formula.scalars import MOST_THREADS, as_count, as_positive
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import labelled, named
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.files import exclusive
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
@@ -293,7 +293,9 @@ class _Run:
         for lack in ("no system", "no start"):
             absent = [why for k, why in sorted(told.items()) if k not in report.points and why.startswith(lack)]
             if absent:
-                report.remarks.append(f"{activity}: {len(absent)} points have {lack}; the first of them: {absent[0]}")
+                report.remarks.append(
+                    f"{activity}: {lack} at {counted(len(absent), 'point')}; the first of them: {absent[0]}"
+                )
         if self.store is not None:
             self.store.save_facts(number, level)
         return report

@@ -266,8 +266,9 @@ class SweepSpec:
         n = as_count(self.n_starts, "n_starts", least=1, most=2**31, hint="try 64")
         if (size := 9 * n * math.prod(self.shape)) > MOST_BYTES:
             raise ParameterError(
-                f"a sweep must have results of at most {MOST_BYTES / 2**30:g} GiB; {' x '.join(map(str, self.shape))} "
-                f"points with n_starts = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
+                f"a sweep must have results of at most {MOST_BYTES / 2**30:g} GiB; a grid of "
+                f"{' x '.join(map(str, self.shape))} with n_starts = {n} takes {size / 2**30:.4g} GiB. Take fewer "
+                "orbits, or parts of the grid."
             )
         as_seed(self.seed)
         as_time(self.t_end, "t_end", example=1000)
