@@ -96,14 +96,12 @@ def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Exact]
         ParameterError: not a mapping, a name is none of them or comes twice, or a value is not exact.
     """
     known, values = {*symbols}, dict[str, Exact]()
-    for key, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
-        if (name := str(key)) not in known:
+    for name, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
+        if name not in known:
             raise ParameterError(
                 f"values: wanted the names of symbols, {', '.join(sorted(known)) or 'of which there are none'}; got "
                 f"{name!r:.60}. {did_you_mean(name, known)}Correct the name or leave it out."
             )
-        if name in values:
-            raise ParameterError(f"values: wanted each symbol once; {name} comes twice. Leave one out.")
         values[name] = read_parameter(value, name)
     return values
 

@@ -15,7 +15,7 @@ from liepoisson.formula.scalars import as_time
 from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown
-from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
+from liepoisson.numeric.systems import has_bracket, reads_formulas
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -63,7 +63,7 @@ def check_that_it_varies(system: Any, function: str | Expr, what: str = "surface
     """
     if (reason := why_constant(system, function)) is None:
         return
-    names = component_names(system, len(system.variables))
+    names = system.component_names
     moves = next((name for name in names if why_constant(system, name) is None), None)
     hint = "nothing moves here" if moves is None else f'try a component such as "{moves}"'
     raise ParameterError(
@@ -78,10 +78,11 @@ def why_constant(system: Any, function: str | Expr) -> str | None:
     """
     if not has_bracket(system):
         return None
-    occurs = system.expression(function).free_symbols
-    if occurs & {*system.variables[system.bracket.dimension :]}:
+    n = system.bracket.dimension
+    if n < len(system.component_names) and system.expression(function).free_symbols & {*system.variables[n:]}:
         return None
     if system.is_casimir(function):
+        occurs = system.expression(function).free_symbols
         kind = "its bracket with every component is zero" if occurs else "no component occurs in it"
         return f"which is constant on each leaf: {kind}"
     if _is_constant_of_motion(system, function):
