@@ -38,7 +38,7 @@ AMPLITUDE = 1e-4
 _STEPS_TO_LEVEL = 6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class UnstableSpace(ReadOnlyArrays):
     r"""The linear unstable space at a state of a periodic orbit, or at an equilibrium.
 
