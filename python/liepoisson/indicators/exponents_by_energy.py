@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.indicators.estimates import Estimate, as_confidence
 from liepoisson.indicators.mean_error import mean_interval
@@ -174,8 +174,8 @@ def exponents_by_energy(
         rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.
         confidence: Coverage of the intervals.
-        time_limit: Seconds that it may take.  Each energy has an equal share of what is left, so that each has some;
-            the sampling counts, too, but is not cut.  Energies that come too late have the outcome "time limit".
+        time_limit: Seconds that it may take.  Each energy has an equal share of what is left, so that each has some,
+            the sampling included.  Energies whose states come too late have the outcome "time limit".
 
     Raises:
         LeafError: an energy does not occur on the leaf, or its energy surface has infinite volume.
@@ -203,9 +203,12 @@ def exponents_by_energy(
         own = replace(
             options.part(k / len(values), 1 / len(values)), deadline=Deadline(options.left / (len(values) - k))
         )
-        starts = leaf.sample(n_starts, seed=options.seed, energy=float(energy))
-        drawn[k] = starts
-        decided = decide(system, starts, t_end=t_end, rule=rule, seed=options.seed, **own.inner())
+        try:
+            with own.deadline.running():
+                drawn[k] = leaf.sample(n_starts, seed=options.seed, energy=float(energy))
+        except TimeLimitError:
+            continue
+        decided = decide(system, drawn[k], t_end=t_end, rule=rule, seed=options.seed, **own.inner())
         outcome[k], verdict[k] = decided.outcome, decided.verdict
         exponent[k] = np.where(decided.outcome == "finished", decided.exponent, np.nan)
         if (decided.outcome == "finished").any():

@@ -230,7 +230,7 @@ def lyapunov_spectrum(
     frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=n_exponents)
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
-        structure = poisson_structure(system, start, frames.unit)
+        structure = poisson_structure(system, start, frames.unit, options.deadline)
     else:
         check_kind(structure, PoissonStructure, "structure", "a PoissonStructure", "leave it out")
         fits = structure.shape == (len(start),)
