@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 
@@ -43,7 +44,7 @@ class Equilibria(Found["Equilibrium"], Tabular):
         euler_found: The sum over the list that must be equal to it if nothing is missing: $(-1)^{\rm index}$ for
             each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None
             where a degenerate equilibrium has no known share.
-        n_starts: How many starts the search took, at most where the time limit ended it; 0 if the algebra gave the list.
+        n_starts: How many starts the search took, at most where the time limit ended it; 0 if algebra gave the list.
         is_cut_short: Whether the time limit ended the search.
         n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
@@ -80,7 +81,7 @@ class Equilibria(Found["Equilibrium"], Tabular):
                 "on the distance to a zero"
             )
         if self.is_cut_short:
-            return f"{searched}; the time limit ended the search"
+            return searched + CUT_SHORT
         if self.euler_characteristic is None:
             return f"{searched}, and no check is known"
         if self.euler_found is None:

@@ -16,6 +16,9 @@ from liepoisson.errors import TimeLimitError
 BLOCK = 2048
 """Starts that a search works on together, before it looks at the clock again."""
 
+CUT_SHORT = "; the time limit ended the search"
+"""What the text of a result ends with, whose search was ended so."""
+
 _current: ContextVar[Deadline | None] = ContextVar("deadline of the call", default=None)
 
 

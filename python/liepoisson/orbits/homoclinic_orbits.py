@@ -20,10 +20,11 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import CUT_SHORT, HYPERBOLIC, SymmetricOrbit, transversal_basis
+from liepoisson.orbits.periodic_orbits import HYPERBOLIC, SymmetricOrbit, transversal_basis
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 

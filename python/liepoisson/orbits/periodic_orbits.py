@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level
@@ -118,7 +119,6 @@ def kind_of(values: ComplexArray) -> str:
 
 
 _CLOSED = 1e-9
-CUT_SHORT = "; the time limit ended the search"
 
 
 @explains_its_methods
