@@ -118,11 +118,16 @@ class EnergyProfile(Run):
         leaf = DrawnLeaf(self.casimirs, dict(zip(self.energy.tolist(), self.start, strict=True)))
         return own | {"leaf": leaf, "energies": self.energy, "n_starts": self.start.shape[1]}
 
+    @property
+    def _starts(self) -> str:
+        """How many starts there are at each energy, and how many runs failed at all of them together."""
+        failed = int(np.sum(self.outcome != "finished"))
+        return f"{self.exponent.shape[1]} starts" + (f" ({failed} of {self.outcome.size} failed)" if failed else "")
+
     def __str__(self) -> str:
         leaf = ", ".join(f"{name} = {value:.4g}" for name, value in self.casimirs.items())
         lines = [
-            f"{self.system.name}, {leaf}; {self.exponent.shape[1]} starts per energy, t = {self.t_end:g}, "
-            "errors over the starts",
+            f"{self.system.name}, {leaf}; {self._starts} per energy, t = {self.t_end:g}, errors over the starts",
             "  energy  mean exponent      chaotic            undecided",
         ]
         for energy, mean, *shares in zip(self.energy, self.mean, self.chaotic, self.undecided, strict=True):
@@ -131,10 +136,9 @@ class EnergyProfile(Run):
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        n_energies, n = self.exponent.shape
-        energies = f"{n_energies} energies from {self.energy.min():.4g} to {self.energy.max():.4g}"
+        energies = f"{len(self.energy)} energies from {self.energy.min():.4g} to {self.energy.max():.4g}"
         value = typical("exponent", self.exponent.ravel())
-        return f"<EnergyProfile of {self.system.name}: {energies}, {n} starts each, {value} at t = {self.t_end:g}>"
+        return f"<EnergyProfile of {self.system.name}: {energies}, {self._starts} each, {value} at t = {self.t_end:g}>"
 
 
 @shows_progress

@@ -18,7 +18,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.io.result import labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.run import IntegratedRun, outcome_names
+from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, component_names, core_field
@@ -211,10 +211,10 @@ class Section(IntegratedRun):
         return self.state[first:end]
 
     def __repr__(self) -> str:
-        n, of = len(self.time), self.n_trajectories
+        n, of = len(self.time), trajectories(self.outcome)
         gap = f", not followed in {as_percent(self.unresolved_share)} of the time" if self.unresolved_share else ""
         short = f", {self.n_short} ended by t = {self.t_end:g} before {self.n_crossings}" if self.n_short else ""
-        return f"<Section {self.surface} = 0 of {self.system.name}: {n} crossings of {of} trajectories{short}{gap}>"
+        return f"<Section {self.surface} = 0 of {self.system.name}: {n} crossings of {of}{short}{gap}>"
 
     def __str__(self) -> str:
         """What was found and what not, and whether the figure of it folds the section, in a few lines."""
