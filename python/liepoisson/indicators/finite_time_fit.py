@@ -346,7 +346,12 @@ def window_scan(
         [((20.0, 200.0), 0.129), ((50.0, 500.0), 0.128)]
 
     Args:
+        time: Sample times, shape (time,), positive and increasing.
+        exponent: Finite-time exponents, shape (trajectory, time), in inverse time.
+        windows: First and last times, at least 5 sample times in each.
+        n_bootstrap: Number of bootstrap replicates.
         seed: Draws the replicates.
+        confidence: Coverage of the intervals.
         time_limit: Seconds that it may take.
 
     Raises:
@@ -388,7 +393,12 @@ def log_fit(
         (1.0, True)
 
     Args:
+        time: Sample times, shape (time,), positive and increasing.
+        exponent: Finite-time exponents, shape (trajectory, time), in inverse time.
+        window: First and last time used; by default the last decade of the sample times.
+        n_bootstrap: Number of bootstrap replicates.
         seed: Draws the replicates.
+        confidence: Coverage of the intervals.
         time_limit: Seconds that it may take.
 
     Raises:
