@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import level_of_the_caller
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf.leaf_in_units import LeafInUnits, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import energy_scale, representative
@@ -117,6 +118,7 @@ class _Chain:
 
         Move along the tangent space, come back along the old normals, and check that the way back exists.
         """
+        checkpoint("sampling a leaf")
         normals = self._normals(x)
         noise = size * rng.standard_normal(x.shape)
         there = noise - _along(normals, noise)

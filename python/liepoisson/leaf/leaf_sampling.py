@@ -17,6 +17,7 @@ import numpy as np
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, check_memory
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf._checks import as_energy
 from liepoisson.leaf.chain_sampling import infinite_volume, sample_by_chains
 from liepoisson.leaf.leaf_search import check_energy_in_reach
@@ -56,6 +57,7 @@ def _independent(leaf: Leaf, draw: Draw, n: int, seed: int, shell: Shell | None)
     """States by rejection, block by block; the first ones do not depend on n."""
     kept, count, block = [np.zeros((0, len(leaf.state)))], 0, 0
     while count < n:
+        checkpoint("sampling a leaf")
         rng = stream(seed, Purpose.LEAF, block)
         kept.append(draw(rng, _PROPOSALS))
         count, block = count + len(kept[-1]), block + 1

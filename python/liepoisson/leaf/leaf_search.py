@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf._checks import formulas
 from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units, scaling, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
@@ -232,6 +233,7 @@ def _lowest(leaf: LeafInUnits, sign: float) -> float:
     deep = _DEEP * (float(np.median(np.abs(lowest))) or np.inf)
     active, start = np.arange(len(x)), time.process_time()
     for _ in range(_STEPS):
+        checkpoint("the range of the energy")
         moved, reached = _descend(leaf, x[active], lowest[active], sign)
         gain = lowest[active] - reached
         x[active], lowest[active] = moved, reached

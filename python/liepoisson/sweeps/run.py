@@ -99,6 +99,7 @@ def sweep(
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience)
+    where = _Where(scheduler, processes, threads, patience)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     _check_code(spec, allow_code=allow_code)
@@ -115,7 +116,6 @@ def sweep(
         spec.fingerprint()
     with nullcontext() if path is None else exclusive(path):
         kept = None if path is None else SweepStore(path, spec, fresh=fresh)
-        where = _Where(scheduler, processes, threads, patience)
         with closing(where):
             return _Run(spec, family, lattice, kept, where, points_per_piece, progress, meaning).result()
 
