@@ -82,11 +82,12 @@ def casimir_part(bracket: Bracket, hamiltonian: RationalPolynomial | Expr) -> Ca
     return CasimirPart(energy, weights, cast("Any", sum(still)) if still else None)
 
 
-def normal_form(bracket: Bracket, function: Expr) -> Expr:
-    """A function modulo polynomials in the Casimirs: the same for all that differ by one."""
+def normal_form(bracket: Bracket, function: Expr) -> tuple[Expr, CasimirPart]:
+    """A function modulo polynomials in the Casimirs, the same for all that differ by one; and what was taken out."""
     terms, rest = _read(bracket, function)
     left, weights = _without(bracket, terms, always=True)
-    return sum(rest, start=_expression(left, bracket)) if weights else function
+    form = sum(rest, start=_expression(left, bracket)) if weights else function
+    return form, CasimirPart(form, weights, None)
 
 
 def _read(bracket: Bracket, function: Any) -> tuple[_Terms, list[Any]]:
