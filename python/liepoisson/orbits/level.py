@@ -60,6 +60,10 @@ class Level(ReadOnlyArrays):
         still = part.value(casimirs, other)
         return self.values if still == 0 else {**self.values, "H": difference(self.values["H"], still)}
 
+    def number(self, name: str) -> float:
+        """The value of H or of a Casimir as a double."""
+        return float(cast("Any", to_sympy(self.values[name])))
+
     @property
     def dimension(self) -> int:
         """The dimension of the level, rank J - 1."""
