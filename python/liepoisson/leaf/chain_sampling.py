@@ -359,6 +359,7 @@ def _reaches_far(equations: Equations, size: float, rng: Random) -> bool:
 
 def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str:
     """What is wrong with a set of infinite volume."""
+    at = "" if shell is None else f" at the energy {shell.energy + leaf.still_energy:.6g}"
     advice = (
         "Give an energy, if the energy bounds the set."
         if shell is None
@@ -366,7 +367,7 @@ def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str
         "start from them."
     )
     return (
-        f"the set to sample on {leaf!r}{'' if shell is None else f' at the energy {shell.energy:.6g}'} is not bounded, "
+        f"the set to sample on {leaf!r}{at} is not bounded, "
         f"so that its Liouville volume is infinite and no state is typical. {advice}"
     )
 

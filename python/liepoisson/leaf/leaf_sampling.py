@@ -34,7 +34,7 @@ _TRIAL_BLOCKS = 16
 
 
 def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:
-    """Random states on a leaf; see `Leaf.sample`."""
+    """Random states on a leaf whose Hamiltonian is all moving, see `Leaf.moving`; see `Leaf.sample`."""
     n_starts, seed = as_count(n_starts, "n_starts"), as_seed(seed)
     check_memory(8 * n_starts * len(leaf.state), "n_starts")
     shell = _shell(energy, energy_below)
