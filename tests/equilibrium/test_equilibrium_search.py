@@ -200,3 +200,13 @@ def test_while_the_check_fails_more_starts_are_taken():
     assert more.n_starts > 3
     assert more.euler_found == more.euler_characteristic == 4
     assert not more.proved
+
+
+@pytest.mark.parametrize("name", ["clebsch", "kirchhoff"])
+def test_components_below_round_off_are_zero(name):
+    """Newton's method converges to zero through ever smaller numbers, and ends at some 1e-323."""
+    system = lp.catalog.system(name)
+    found = lp.equilibria(system, lp.phase_space.find_start(system).leaf)
+    sizes = np.abs([one.state for one in found])
+    assert (sizes == 0).sum() > 4
+    assert sizes[sizes > 0].min() > np.finfo(float).eps
