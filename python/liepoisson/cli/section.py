@@ -101,6 +101,8 @@ def section(
     data, stem = result_files(files, chosen, common.values, "section")
     if stem is not None:
         _check_axes(chosen, x, y, keep)
+    elif x is not None or y is not None:
+        raise ParameterError("--x and --y belong to a figure; add --plot or --figure FILE, or leave them out.")
     begin = find_start(chosen, where, seed)
     cut, reason = _surface(begin, surface, direction, seed, alone=alone)
     _check_formulas(chosen, (cut, *(keep or ())))
