@@ -21,7 +21,14 @@ from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.labels import formula, label, name_of_system, number, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
-from liepoisson.poincare.section_coordinates import component_axes, default_axes, figure_axes, levels_of
+from liepoisson.poincare.section_coordinates import (
+    Levels,
+    component_axes,
+    default_axes,
+    figure_axes,
+    levels_of,
+    levels_through,
+)
 from liepoisson.poincare.section_sheets import DIRECTION
 
 if TYPE_CHECKING:
@@ -110,7 +117,9 @@ def section(
         sign: Only crossings with this sign of the change of the surface function; 0: all.
         trajectories: Only these.
         colour: Of all points, or of the trajectories in turn; by default the six colours of the style, so that the
-            seventh trajectory has that of the first.
+            seventh trajectory has that of the first.  By verdict: `colour=[hue[kind] for kind in
+            decide(system, starts, t_end=...).verdict]` with `hue = {"regular": "C0", "chaotic": "C1", "undecided":
+            "gray"}`.
         size: Diameter of a point in printer's points; by default it follows from their number.
         window: Where the turn of an angle begins, in radians; by default as above.
         ax: Axes to draw into, by default those of a new figure.
@@ -488,11 +497,28 @@ def _heading(points: SectionLike, trajectories: NDArray[np.int64]) -> str | None
 def _about_levels(points: SectionLike, trajectories: NDArray[np.int64]) -> str:
     """The energy and the Casimirs of the orbits that are shown, or that they have several."""
     levels = levels_of(points, trajectories) if hasattr(points, "start") else None  # pyright: ignore[reportArgumentType]
+    return _shown_levels(levels) + (": their curves cross" if levels is not None and len(levels) > 1 else "")
+
+
+def _shown_levels(levels: Levels | None) -> str:
+    """The values of a level, or how many levels there are; nothing where they are not known."""
     if levels is None or not len(levels):
         return ""
     if len(levels) > 1:
-        return f"{len(levels)} levels of {', '.join(map(label, levels.names))}: their curves cross"
+        return f"{len(levels)} levels of {', '.join(map(label, levels.names))}"
     return _shown_values(dict(zip(levels.names, levels.values[0].tolist(), strict=True)))
+
+
+def heading_of(run: object, trajectory: int | None = None) -> str:
+    """The system of a run, and below it energy and Casimirs of its orbits, or of one of them, as far as they are known.
+
+    Where the orbits do not share them, it is said how many levels there are.
+    """
+    name, start = name_of_system(run), getattr(run, "start", None)
+    states = np.zeros((0, 0)) if start is None else np.asarray(start, np.float64)
+    chosen = states if trajectory is None else states[trajectory : trajectory + 1]
+    levels = levels_through(getattr(run, "system", None), chosen) if len(chosen) else None
+    return "\n".join(filter(None, [plain(name) if name else "", _shown_levels(levels)]))
 
 
 def _shown_surface(surface: str) -> str:
