@@ -14,6 +14,7 @@ def test_the_nearest_name_is_asked_for_whatever_the_case_of_its_letters():
 
 
 TWO_FIELDS = lp.so(3) @ lp.semidirect(2)
+TOP = lp.Top.kovalevskaya()
 
 
 @pytest.mark.parametrize(
@@ -26,6 +27,9 @@ TWO_FIELDS = lp.so(3) @ lp.semidirect(2)
         (lp, "tode", r"did you mean liepoisson\.catalog\.toda"),
         (lp.chaos, "time_scale", r"it is liepoisson\.orbits\.time_scale"),
         (lp.chaos, "integrate", r"it is liepoisson\.integrate"),
+        (TOP, "casimirs", r"write system\.bracket\.casimirs\(\) or system\.functions\.casimirs$"),
+        (TOP, "energy", r"write system\.functions\.energy$"),
+        (TOP, "hamiltonean", r"Did you mean hamiltonian\?$"),
     ],
 )
 def test_a_name_in_another_chapter_is_found(module, name, message):

@@ -24,7 +24,10 @@ def test_a_saved_orbit_goes_into_the_page(command, tmp_path):
     orbit, page = tmp_path / "o.nc", tmp_path / "o.html"
     command("orbit", "kirchhoff", "--t-end", "5", "--points", "11", "--out", orbit)
     assert command("lab", "--with", orbit, "--export", page)[0] == 0
+    assert '"m1 - m3"' not in page.read_text(encoding="utf-8")
+    assert command("lab", "--with", orbit, "--surface", "m1 - m3", "--export", page)[0] == 0
     text = page.read_text(encoding="utf-8")
+    assert '"m1 - m3"' in text
     assert "Saved: an orbit, 11 times from t = 0 to t = 5" in text
     code, _, err = command("lab", "clebsch", "--with", orbit, "--export", page)
     assert code == 2

@@ -61,7 +61,7 @@ def test_it_prints_and_draws_the_result_and_keeps_it(run, tmp_path):
     code, out, err = run("twist.toml")
     assert (code, out) == (2, "")
     assert "liepoisson: twist.zarr holds another sweep: seed 1 instead of 2" in err
-    assert run("twist.toml", "--store", "other.zarr", "--points-per-piece", "2", "--patience", "2")[0] == 0
+    assert run("twist.toml", "--store", "other.zarr", "--points-per-piece", "2")[0] == 0
     assert {path.name for path in (tmp_path / "other.zarr" / "level0" / "value").glob("*.0")} == {"0.0", "1.0"}
 
 

@@ -46,3 +46,13 @@ def test_numbers_below_all_doubles_are_exact_but_no_numbers_to_compute_with(sett
     assert read_system("twisted-kovalevskaya", [setting]).top_parameters is not None
     with pytest.raises(ParameterError, match=r"(epsilon|a3) must be zero or at least 4.9e-324"):
         read_numeric_system("twisted-kovalevskaya", [setting])
+
+
+@pytest.mark.filterwarnings("default::liepoisson.errors.InertiaWarning")
+def test_moments_that_no_body_has_are_said_in_one_sentence(command):
+    code, _, err = command("inspect", "heavy-top", "--set", "I=1,4/5,5/2")
+    assert code == 0
+    assert err == (
+        "liepoisson: a rigid body has moments with I3 at most the sum of the other two; got I3 = 5/2 and 1, 4/5. The "
+        "equations are integrated as they stand.\n"
+    )

@@ -213,3 +213,13 @@ def test_components_that_vanish_are_zero_and_the_verdict_does_not_depend_on_the_
     kirchhoff = lp.catalog.system("kirchhoff")
     found = lp.equilibria(kirchhoff, {"C1": -0.6, "C2": 1.0}, n_starts=n_starts)
     assert all(component == 0 or abs(component) > 1e-300 for e in found for component in e.state)
+
+
+@pytest.mark.parametrize("name", ["clebsch", "kirchhoff"])
+def test_components_below_round_off_are_zero(name):
+    """Newton's method converges to zero through ever smaller numbers, and ends at some 1e-323."""
+    system = lp.catalog.system(name)
+    found = lp.equilibria(system, lp.phase_space.find_start(system).leaf)
+    sizes = np.abs([one.state for one in found])
+    assert (sizes == 0).sum() > 4
+    assert sizes[sizes > 0].min() > np.finfo(float).eps

@@ -127,3 +127,10 @@ def test_no_kind_of_result_is_left_out():
     made = {type(make()).__name__ for make in ALL.values()}
     defined = {kind.__name__ for kind in kinds(Result) if hasattr(kind, "kind") and kind.__module__.startswith("liep")}
     assert defined <= made
+
+
+def test_the_table_of_exponents_says_below_what_one_counts_as_zero():
+    found = lp.lyapunov_exponent(TOP, STATES, t_end=200)
+    table = found.columns()
+    np.testing.assert_allclose(table["zero_below"], 3 * np.log(found.time / found.time_scale) / found.time)
+    np.testing.assert_array_equal(table["is_zero"], table["exponent"] <= table["zero_below"])

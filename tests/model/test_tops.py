@@ -4,6 +4,7 @@ import warnings
 import pytest
 import sympy as sp
 
+from liepoisson import catalog, read_system
 from liepoisson.compile.field import TopField
 from liepoisson.errors import BracketError, InertiaWarning, ParameterError, ShapeError
 from liepoisson.model.known_integrals import known_integrals
@@ -131,6 +132,21 @@ def test_impossible_bodies_are_warned_about_and_integrated_all_the_same():
         warnings.simplefilter("error")
         Top(inertia=(1, 1, 2))
         Top(inertia=("I1", "I2", "I3"))
+
+
+@pytest.mark.parametrize("name", ["heavy-top", "free-rigid-body", "twisted-kovalevskaya"])
+def test_impossible_bodies_are_warned_about_wherever_the_inertia_of_a_top_is_read(name, tmp_path):
+    with pytest.warns(InertiaWarning, match="I3 = 5/2 and 1, 4/5") as caught:
+        top = catalog.system(name, {"I": (1, "4/5", "5/2")})
+    assert [one.filename for one in caught] == [__file__]
+    assert top.bracket.dimension in {3, 6, 9}
+    file = tmp_path / "mine.toml"
+    file.write_text(catalog.path("lagrange").read_text().replace('[1, 1, "1/2"]', "[1, 1, 3]"))
+    with pytest.warns(InertiaWarning, match="I3 = 3 and 1, 1"):
+        read_system(file)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        catalog.system("so21-heavy-top", {"I": (1, 1, 3)})  # no body in space
 
 
 def test_a_top_can_be_pickled_at_any_time():

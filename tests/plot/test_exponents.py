@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import liepoisson as lp
 from liepoisson import plot
 from liepoisson.errors import OutputError, ShapeError
 from liepoisson.indicators.finite_time_fit import finite_time_fit, mean_curve, window_scan
@@ -120,3 +121,19 @@ def test_a_figure_that_cannot_be_written_is_refused_like_every_file(tmp_path):
     with pytest.raises(OutputError, match=r"could not write .*figure\.svg"):
         plot.save_figure(new_figure(4, 3), tmp_path / "file" / "figure", formats=["svg"])
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_bands_and_levels_are_named_in_a_figure_by_default():
+    system = lp.catalog.system("heavy-top")
+    starts = lp.Leaf(system, {"C1": 0.3, "C2": 1}).sample(4, seed=1, energy=1.5)
+    growth = lp.finite_time_exponents(system, starts, t_end=10)
+    ax = plot.convergence(growth)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == [
+        "mean",
+        "middle 90% of the orbits",
+        "95% interval of the mean",
+    ]
+    assert ax.get_title(loc="left") == "heavy-top\n$H$ = $1.5$, $C_{1}$ = $0.3$, $C_{2}$ = $1$"
+    mixed = lp.finite_time_exponents(system, lp.sample_states(system, 3, seed=1), t_end=10)
+    assert plot.convergence(mixed).get_title(loc="left") == "heavy-top\n3 levels of $H$, $C_{1}$, $C_{2}$"
+    assert plot.orbit(lp.integrate(system, starts, t_end=1), trajectory=2).get_suptitle() == ax.get_title(loc="left")

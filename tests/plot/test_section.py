@@ -130,8 +130,27 @@ def test_an_angle_is_cut_where_the_points_leave_the_largest_gap():
     ticks = {text.get_text(): x for text, x in zip(ax.get_xticklabels(), ax.get_xticks(), strict=True)}
     assert ticks["$0$"] == 0
     assert ticks[r"$\pi/2$"] == pytest.approx(np.pi / 2)
-    mine = draw(run, "atan2(p1, q1)", "p1", ax=ax)
-    assert np.abs(mine.lines[-1].get_xdata()).max() <= np.pi, "given axes keep their window"
+
+
+def test_all_that_is_drawn_into_one_pair_of_axes_has_the_same_turn():
+    """An orbit about an island at the seam, then one that goes round: each alone has another turn."""
+    system = lp.System(lp.canonical(2), "(p1^2 + q1^2)/2 + 309/1000*(p2^2 + q2^2)")
+    run = lp.section(system, [[-1, 0.2, 0.1, 0.3], [0.3, 0.1, -0.2, 0.3]], surface="q2", direction=1, t_end=600)
+    angle = np.arctan2(run.state[:, 2], run.state[:, 0])
+    island = np.where((np.abs(angle) > 2.5) | (run.trajectory == 1), run.state[:, 2], np.nan)
+    ax = draw(run, "atan2(p1, q1)", island, trajectories=[0])
+    draw(run, "atan2(p1, q1)", "p1", trajectories=[1], ax=ax)
+    part, whole = (line.get_xdata() for line in ax.lines)
+    assert np.ptp(part) < np.pi, "the island is whole"
+    assert np.ptp(np.concatenate([part, whole])) <= 2 * np.pi
+    alone = draw(run, "atan2(p1, q1)", "p1", trajectories=[1]).lines[0].get_xdata()
+    assert np.abs(alone).max() <= np.pi < np.abs(whole).max(), "alone it leaves no gap that chance would not leave"
+    given = draw(run, "atan2(p1, q1)", "p1", trajectories=[1], window=0)
+    assert given.lines[0].get_xdata().min() >= 0
+    with pytest.raises(ParameterError, match=r"window must be 0\.0, where the turn of these axes begins; got 1\.0"):
+        draw(run, "atan2(p1, q1)", "p1", window=1, ax=given)
+    with pytest.raises(ParameterError, match="the turn of an angle that is drawn"):
+        draw(run, "q1", "p1", window=0)
 
 
 def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():

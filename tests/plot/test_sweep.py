@@ -78,6 +78,9 @@ def test_cells_with_many_undecided_orbits_are_covered():
     value[1, :7] = [1, 0, 0, 0, 0, 0, 0]
     value[3, :2] = 0  # a quarter is not more than a quarter
     ax = draw(replace(found, value=value))
+    held = "parameters: I = (2, 2, 1), a = (-1, 0, 0), b = (0, 0, 0)\nof the starts: C1 = 1, C2 = 0.1, C3 = 1\n"
+    assert ax.figure.get_suptitle().startswith(held)
+    assert ax.figure.get_suptitle().endswith("undecided: 16.7% of all orbits")
     covered = next(c for c in ax.collections if c.get_label() == "undecided")
     (cell,) = covered.get_paths()
     assert (cell.vertices.min(axis=0).tolist(), cell.vertices.max(axis=0).tolist()) == ([-0.25, 0.5], [0.25, 1.5])

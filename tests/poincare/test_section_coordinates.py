@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.poincare.default_surface import unfolded_surface
+from liepoisson.poincare.default_surface import surface_and_reason
 from liepoisson.poincare.section_sheets import idle_components, section_axes
 
 
@@ -100,9 +100,9 @@ def test_an_angle_and_its_momentum_are_coordinates_where_a_component_is_zero(sys
 
 def test_the_default_surface_of_the_command_has_unfolded_axes_where_a_component_does():
     begin = lp.phase_space.find_start(lp.catalog.system("kovalevskaya"))
-    assert unfolded_surface(begin.leaf, begin.energy, direction=1) == ("alpha2", "the rate of l3")
+    assert surface_and_reason(begin.leaf, begin.energy, direction=1) == ("alpha2", "the rate of l3")
     leaf = lp.Leaf(lp.catalog.system("heavy-top"), {"C1": 0.3, "C2": 1})
-    assert unfolded_surface(leaf, 1.5, direction=1)[0] == "alpha3"
+    assert surface_and_reason(leaf, 1.5, direction=1)[0] == "alpha3"
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,7 @@ def test_the_default_surface_of_the_command_has_unfolded_axes_where_a_component_
 )
 def test_a_component_is_taken_only_where_orbits_meet_it_again(name, energy, surface):
     begin = lp.phase_space.find_start(lp.catalog.system(name), energy=energy)
-    found, _ = unfolded_surface(begin.leaf, begin.energy, direction=1)
+    found, _ = surface_and_reason(begin.leaf, begin.energy, direction=1)
     assert found == surface
 
 

@@ -42,6 +42,17 @@ def test_a_changed_system_file_is_another_system(tmp_path):
         sweep(**given)
 
 
+def test_a_changed_grid_is_told_by_the_first_place_where_it_differs(tmp_path):
+    given = {**GIVEN, "quantity": constant(1.0), "store": tmp_path / "a.zarr"}
+    sweep(**{**given, "axes": (Axis.linear("epsilon", 0, 1, 12),)})
+    with pytest.raises(
+        OtherSweepError, match=r"axes\[0\]\.values\[1\] 0\.0909\d+ instead of 0\.1818\d+\. Use the same"
+    ):
+        sweep(**{**given, "axes": (Axis.linear("epsilon", 0, 2, 12),)})
+    with pytest.raises(OtherSweepError, match=r"axes\[0\]\.values with 12 items instead of 13\. Use"):
+        sweep(**{**given, "axes": (Axis.linear("epsilon", 0, 1, 13),)})
+
+
 def test_a_closure_with_another_value_is_another_quantity(tmp_path):
     given = {**GIVEN, "store": tmp_path / "a.zarr"}
     assert sweep(**given, quantity=constant(1.0)).mean.tolist() == [1, 1]

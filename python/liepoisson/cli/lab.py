@@ -69,7 +69,7 @@ def _page(
         raise ParameterError("--with and --start, --guess, --leaf, --energy exclude each other: the file has a start.")
     if name is None:
         if result is not None and not settings:
-            return page_of(result.system, result=result)
+            return page_of(result.system, result=result, surfaces=surfaces)
         if where.is_given or surfaces or settings:
             raise ParameterError(
                 "SYSTEM must be given with --start, --leaf, --set and the like. Name one: lab kirchhoff."

@@ -110,12 +110,12 @@ def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
 
         return draw(result, trajectory=int(np.argmax(result.outcome == "finished")))
     from liepoisson.plot.exponents import convergence
-    from liepoisson.plot.labels import plain
+    from liepoisson.plot.section import heading_of
     from liepoisson.plot.style import house_style, new_figure
 
     with house_style():
         ax = convergence(result, ax=new_figure(6.4, 4.0).add_subplot())
-    ax.set_title(plain(result.system.name))
+        ax.set_title(heading_of(result))
     return cast("Figure", ax.get_figure())
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
@@ -43,7 +44,9 @@ def _run() -> None:
     os.environ[OFF] = "0"  # the commands have a bar of their own
     from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
 
-    get_command(application(asked_command(sys.argv[1:]))).main(prog_name="liepoisson")
+    with warnings.catch_warnings():  # a sentence, without the line of the package where it is said
+        warnings.showwarning = lambda message, *_, **__: print(f"liepoisson: {message}", file=sys.stderr)
+        get_command(application(asked_command(sys.argv[1:]))).main(prog_name="liepoisson")
 
 
 COMMANDS = (

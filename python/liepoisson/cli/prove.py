@@ -34,7 +34,7 @@ def prove(
     search: Annotated[bool, typer.Option("--search", help=SEARCH_HELP)] = False,
     level: Annotated[list[str] | None, typer.Option(metavar="H=VALUE,...", help=LEVEL_HELP)] = None,
     starts: Annotated[int | None, typer.Option(metavar="N", help=STARTS_HELP)] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the search.")] = 0,
+    seed: Annotated[int | None, typer.Option(help="Seed of the search.  [default: 0]")] = None,
     out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     format_: FormatOption = Format.TEXT,
     common: Common,
@@ -46,8 +46,8 @@ def prove(
     """
     from liepoisson.proofs.theorem import prove_chaos
 
-    if not search and (level or starts is not None or out is not None):
-        raise ParameterError("--level, --starts and --out belong to --search; add it, or leave them out")
+    if not search and (level or (starts, seed, out) != (None, None, None)):
+        raise ParameterError("--level, --starts, --seed and --out belong to --search; add it, or leave them out")
     if search and certificate is not None:
         raise ParameterError("wanted --certificate to check a file or --search to find one; got both")
     path = None if out is None else checked_file(out, "--out", (".json",), "proof.json")
@@ -56,7 +56,7 @@ def prove(
     if search:
         options = {} if starts is None else {"n_starts": starts}
         with listening("searching", quiet=common.quiet) as listen:
-            found = _searched(chosen, level or (), seed=seed, progress=listen, **options)
+            found = _searched(chosen, level or (), seed=seed or 0, progress=listen, **options)
         if path is not None:
             found.save(path)
     with listening("checking", quiet=common.quiet) as listen:

@@ -101,6 +101,8 @@ def section(
     data, stem = result_files(files, chosen, common.values, "section")
     if stem is not None:
         _check_axes(chosen, x, y, keep)
+    elif x is not None or y is not None:
+        raise ParameterError("--x and --y belong to a figure; add --plot or --figure FILE, or leave them out.")
     begin = find_start(chosen, where, seed)
     cut, reason = _surface(begin, surface, direction, seed, alone=alone)
     _check_formulas(chosen, (cut, *(keep or ())))
@@ -151,12 +153,9 @@ def _surface(begin: Start, given: str | None, direction: Direction, seed: int, *
     """
     if given is not None:
         return given, "as given"
-    from liepoisson.poincare.default_surface import chosen_surface, unfolded_surface
+    from liepoisson.poincare.default_surface import surface_and_reason
 
-    if alone:
-        function, of = chosen_surface(begin.leaf)
-        return function, f"the rate of {of}"
-    return unfolded_surface(begin.leaf, begin.energy, direction=direction.sign, seed=seed)
+    return surface_and_reason(begin.leaf, None if alone else begin.energy, direction=direction.sign, seed=seed)
 
 
 def _about_axes(run: Section, axes: SectionAxes, *, given: bool) -> list[str]:

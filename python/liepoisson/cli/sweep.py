@@ -39,8 +39,9 @@ def sweep(
         int | None, typer.Option(help="Points of a piece.  [default: as many as take about 0.3 s]")
     ] = None,
     patience: Annotated[
-        float, typer.Option(metavar="SECONDS", help="Wait so long for a scheduler, or a worker.")
-    ] = 60.0,
+        float | None,
+        typer.Option(metavar="SECONDS", help="Wait so long for a scheduler, or a worker.  [default: 60]"),
+    ] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard what the folder holds.")] = False,
     allow_code: Annotated[
         bool, typer.Option("--allow-code", help="Import and call the function that FILE gives as its quantity.")
@@ -54,6 +55,7 @@ def sweep(
     exit code is 1 if a part could not be computed, or if there is a system at no point.
     """
     from liepoisson.catalog import names
+    from liepoisson.sweeps.execute import PATIENCE
     from liepoisson.sweeps.run import sweep as run
     from liepoisson.sweeps.spec_file import read_sweep_file
     from liepoisson.sweeps.tasks import NO_SYSTEM
@@ -67,6 +69,8 @@ def sweep(
         raise ParameterError(
             f"--store must name a folder; got {store!r}. Leave it out for the folder beside FILE, or give its name."
         )
+    if patience is not None and scheduler is None and processes is None:
+        raise ParameterError("--patience belongs to --scheduler or --processes; add one of them, or leave it out.")
     data = data_file(files.out, f"{Path(file).stem}.csv")
     stem = figure_stem(files.plot, files.figure, Path(file).stem)
     spec = read_sweep_file(file, allow_code=allow_code)
@@ -82,7 +86,7 @@ def sweep(
                 processes=processes,
                 threads=threads,
                 points_per_piece=points_per_piece,
-                patience=patience,
+                patience=PATIENCE if patience is None else patience,
                 fresh=fresh,
                 allow_code=allow_code,
                 progress=None if bar is None else (lambda done: bar(spec.name or "sweep", done * work, work)),

@@ -247,9 +247,16 @@ def finished(equations: CriticalEquations, x: Array) -> Array:
         if not norm(following) < norm(step) / 2:
             break
         x, step = trial[0], following
-    smallest = np.finfo(float).tiny * (float(norm(x)) + equations.fields.unit)
-    exact = np.where(np.abs(x) < smallest, 0.0, x)
-    return exact if equations.fields.are_defined(exact[None])[0] else x
+    return _without_round_off(equations, x)
+
+
+def _without_round_off(equations: CriticalEquations, x: Array) -> Array:
+    """The state with 0 for components below the round-off of its length, if it solves the equations as well."""
+    rounded = np.where(np.abs(x) < np.finfo(float).eps * (norm(x) + equations.fields.unit), 0.0, x)
+    on_leaf = equations.leaf.equations.residual(np.array([rounded, x]))
+    left = equations.left(np.array([rounded, x]))
+    is_as_good = on_leaf[0] <= max(on_leaf[1], CONVERGED) and left[0] <= max(left[1], ROUND_OFF)
+    return rounded if is_as_good else x
 
 
 def _undamped(equations: CriticalEquations, x: Array) -> Array:

@@ -100,6 +100,17 @@ class ExponentEstimate(Run):
         names = ("seed", "first", "t_end", "block", "transient", "wanted_error")
         return super().arguments() | {name: getattr(self, name) for name in names}
 
+    @property
+    def zero_below(self) -> Array:
+        r"""The value up to which an exponent is consistent with zero, $3\ln(t/T)/t$, in inverse time, (trajectory,)."""
+        return np.asarray(zero_threshold(self.time, self.time_scale))
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table by name: the fields of each trajectory, and `zero_below` before `is_zero`."""
+        found = list(super().columns().items())
+        k = [name for name, _ in found].index("is_zero")
+        return dict([*found[:k], ("zero_below", self.zero_below), *found[k:]])
+
     def interval(self, confidence: float = 0.95) -> Array:
         r"""Confidence intervals, shape (trajectory, 2): value -+ q error; NaN where `is_zero`.
 
@@ -192,7 +203,7 @@ class ExponentEstimate(Run):
                 lines.append(f"{outcome} at once: no value")
                 continue
             if self.is_zero[k]:
-                threshold = f"below 3 ln(t/T) / t = {zero_threshold(self.time[k], self.time_scale[k]):.1e}"
+                threshold = f"below 3 ln(t/T) / t = {self.zero_below[k]:.1e}"
                 lines.append(f"consistent with zero at t = {self.time[k]:g}: {threshold}  ({outcome})")
                 continue
             value = str(Estimate(self.exponent[k], self.error[k], *self.interval()[k]))

@@ -49,6 +49,16 @@ _WORDS = {
 }
 """What other packages call an argument, under our word for it."""
 
+_WRITTEN = {
+    **dict.fromkeys(("tol", "rtol", "atol"), "method=liepoisson.Taylor(tol={})"),
+    **dict.fromkeys(("step", "dt"), "method=liepoisson.Splitting(step={})"),
+    "order": "method=liepoisson.Taylor(order={})",
+}
+"""How an option of a method is written where a function takes the method."""
+
+_ELSEWHERE = {("sample_states", name): "leaf.sample(n, energy=...)" for name in ("leaf", "energy", "casimirs")}
+"""What does what an argument asks for that a function has not."""
+
 _FLAG = "True or False"
 
 _BOUND = {"self", "cls"}
@@ -271,7 +281,13 @@ def _explanation(function: Callable[..., Any], args: tuple[Any, ...], options: d
     unknown = next((given for given in options if given not in known), None)
     if unknown is not None:
         right = [word for word, others in _WORDS.items() if unknown in others and word in known]
-        near = f"Write {' or '.join(right)}." if right else did_you_mean(unknown, known).strip()
+        written = (
+            [_WRITTEN[unknown].format(shown(options[unknown]))]
+            if right == ["method"] and unknown in _WRITTEN
+            else right
+        )
+        written = [_ELSEWHERE[name, unknown]] if (name, unknown) in _ELSEWHERE else written
+        near = f"Write {' or '.join(written)}." if written else did_you_mean(unknown, known).strip()
         return f"{name} has no argument {unknown!r}. {near or 'Leave it out.'} It has {', '.join(known)}."
     by_place = [p for p, value in known.items() if value.kind in (value.POSITIONAL_ONLY, value.POSITIONAL_OR_KEYWORD)]
     if (n := len(args) - len(_BOUND & set(signature.parameters))) > len(by_place):

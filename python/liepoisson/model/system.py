@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import values_of
 from liepoisson.compile.field import Field, PiecesField, TapeFunction
-from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
+from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -621,6 +621,24 @@ class System:
 
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"
+
+    if not TYPE_CHECKING:  # for type checkers, what is not there has no type
+
+        def __getattr__(self, name: str) -> object:
+            """The error of a name that is not there, and where else it is: of the bracket or among the functions."""
+            from liepoisson.model.phase_functions import PhaseFunctions
+
+            message = f"{type(self).__name__!r} object has no attribute {name!r}"
+            if not name.startswith("_"):
+                parts = (("bracket", Bracket), ("functions", PhaseFunctions))
+                found = [
+                    f"system.{part}.{name}{'()' if callable(vars(kind)[name]) else ''}"
+                    for part, kind in parts
+                    if name in vars(kind)
+                ]
+                hint = did_you_mean(name, [other for other in dir(type(self)) if not other.startswith("_")]).strip()
+                message += f"; write {' or '.join(found)}" if found else f". {hint}" if hint else ""
+            raise AttributeError(message, name=name, obj=self)
 
     def _recognise_top(self) -> TopParameters | None:
         if self.bracket.dimension != 9 or self.bracket.constant:

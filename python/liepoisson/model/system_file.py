@@ -215,7 +215,7 @@ class SystemFile:
         """
         if not self.integrals:
             return self
-        system = replace(self, integrals={}).system()
+        system = replace(self, integrals={})._system()  # without the warning, which comes once
         kept = {
             name: item
             for name, item in self.integrals.items()
@@ -229,7 +229,19 @@ class SystemFile:
         Raises:
             SystemFileError: a formula has no meaning (shapes that do not fit, a function that is not smooth, ...), or a
                 parameter drops out of the bracket and the Hamiltonian.  The message names the key and the line.
+
+        Warns:
+            InertiaWarning: it is a top, and no rigid body has the moments of inertia I.
         """
+        from liepoisson.model.top_parameters import warn_of_impossible_bodies
+
+        system = self._system()
+        if self.scope.shapes.get("I") == (3,) and "I" in self.parameters:
+            warn_of_impossible_bodies(cast("Any", self.parameters["I"]), system)
+        return system
+
+    def _system(self) -> System:
+        """The system as it is made, without a warning."""
         from liepoisson.model.polynomial_view import read_polynomial
         from liepoisson.model.system import System
 

@@ -7,6 +7,7 @@ polynomials, without it.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,13 +15,14 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from liepoisson.algebra.exact_numbers import Exact, as_coefficient, as_float, is_zero, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, as_coefficient, as_float, exceeds_sum, is_zero, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import ZERO, RationalPolynomial
 from liepoisson.algebra.rounded import rational
 from liepoisson.algebra.triples import Scalar, Triple
 from liepoisson.compile.field import TopField, Vector3
-from liepoisson.errors import ParameterError
+from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.formula.parameters import Column, read_parameter
+from liepoisson.inputs.calls import level_of_the_caller
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -166,6 +168,19 @@ def _display_vector(values: ExactVector) -> str:
 
 MOST_TERMS = 400
 """Of an expanded Hamiltonian in which a top is looked for; one that is written as a top has 18."""
+
+
+def warn_of_impossible_bodies(inertia: Sequence[Exact], system: System | None = None) -> None:
+    """Warn of moments of inertia that no rigid body has; of a system, if it has the equations of a top."""
+    for k in range(3):
+        first, second = (inertia[m] for m in range(3) if m != k)
+        if exceeds_sum(inertia[k], first, second) and (system is None or recognised_top(system) is not None):
+            warnings.warn(
+                f"a rigid body has moments with I{k + 1} at most the sum of the other two; got I{k + 1} = {inertia[k]} "
+                f"and {first}, {second}. The equations are integrated as they stand.",
+                InertiaWarning,
+                stacklevel=level_of_the_caller(),
+            )
 
 
 def recognised_top(system: System) -> TopParameters | None:

@@ -2,16 +2,15 @@ r"""Tops: rigid bodies in one or two fixed fields, and their twisted relatives, 
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, final
 
-from liepoisson.algebra.exact_numbers import Exact, exceeds_sum, is_negative, is_zero
-from liepoisson.errors import InertiaWarning, ParameterError
+from liepoisson.algebra.exact_numbers import Exact, is_negative, is_zero
+from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import Parameter, read_parameter, read_vector
-from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods, level_of_the_caller
+from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.model.system import System
-from liepoisson.model.top_parameters import ExactVector, TopParameters
+from liepoisson.model.top_parameters import ExactVector, TopParameters, warn_of_impossible_bodies
 from liepoisson.structure.extensions import leibniz
 from liepoisson.structure.lie_algebras import so
 
@@ -205,15 +204,7 @@ def _check_inertia(inertia: ExactVector) -> None:
             raise ParameterError(
                 f"inertia must be three positive moments; got I{k + 1} = {moment}. Give I1, I2, I3 > 0."
             )
-    for k in range(3):
-        first, second = (inertia[m] for m in range(3) if m != k)
-        if exceeds_sum(inertia[k], first, second):
-            warnings.warn(
-                f"a rigid body has moments with I{k + 1} at most the sum of the other two; got I{k + 1} = {inertia[k]} "
-                f"and {first}, {second}. The equations are integrated as they stand.",
-                InertiaWarning,
-                stacklevel=level_of_the_caller(),
-            )
+    warn_of_impossible_bodies(inertia)
 
 
 def _default_name(top: TopParameters) -> str:

@@ -15,6 +15,7 @@ from liepoisson.indicators.finite_time_fit import FiniteTimeFit, LogFit, MeanCur
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, sequence
 from liepoisson.inputs.refusals import not_a
+from liepoisson.plot.section import heading_of
 from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style
 
 if TYPE_CHECKING:
@@ -40,8 +41,10 @@ def convergence(
     r"""Mean finite-time exponent of an ensemble against time, with its confidence band and a fit.
 
     The dark band is the confidence of the mean; for thousands of trajectories it is about as wide as the line.  When
-    the curves of all trajectories are given, a light band holds the middle 90% of them.  A fit is drawn solid inside
-    its window and dotted outside.  Of one orbit there is one curve and no band.
+    the curves of all trajectories are given, a light band holds the middle 90% of them.  Without label and fit the
+    legend says so.  A fit is drawn solid inside its window and dotted outside.  Of one orbit there is one curve and no
+    band.  Above a new figure stand the system and the energy and Casimirs of the orbits, or how many levels of these
+    there are.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -69,23 +72,27 @@ def convergence(
     """
     colour = as_colour(colour)
     with house_style():
-        ax = axes_or_new(ax)
+        is_new, ax = ax is None, axes_or_new(ax)
+        if is_new:
+            ax.set_title(heading_of(growth))
         if not isinstance(growth, MeanCurve) and len(alone := _finished(growth)) == 1 and fit is None:
             return _draw_one(ax, np.asarray(growth.time), alone[0], label, colour)
         curve = growth if isinstance(growth, MeanCurve) else _mean_of(growth, confidence)
-        (line,) = ax.plot(curve.time, curve.mean, color=colour, label=label, zorder=3)
+        explained = label is None and fit is None
+        (line,) = ax.plot(curve.time, curve.mean, color=colour, label="mean" if explained else label, zorder=3)
         colour = cast("Any", line.get_color())
         if not isinstance(growth, MeanCurve):
             low, high = np.nanquantile(np.asarray(growth.exponent, np.float64), [0.05, 0.95], axis=0)
-            ax.fill_between(curve.time, low, high, color=colour, alpha=0.10, linewidth=0, zorder=1)
-        ax.fill_between(curve.time, curve.low, curve.high, color=colour, alpha=0.35, linewidth=0, zorder=2)
+            words = "middle 90% of the orbits" if explained else None
+            ax.fill_between(curve.time, low, high, color=colour, alpha=0.10, linewidth=0, zorder=1, label=words)
+        words = f"{100 * curve.confidence:g}% interval of the mean" if explained else None
+        ax.fill_between(curve.time, curve.low, curve.high, color=colour, alpha=0.35, linewidth=0, zorder=2, label=words)
         if fit is not None:
             draw_fit(ax, fit, curve.time)
         ax.set_xscale("log")
         time_axis(ax, curve.time[0], curve.time[-1])
         ax.set_ylabel(r"$\langle\lambda(t)\rangle$")
-        if label is not None or fit is not None:
-            ax.legend()
+        ax.legend()
     return ax
 
 

@@ -15,7 +15,8 @@ from liepoisson.inputs.given import at_times, by_name
 from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants
-from liepoisson.plot.labels import label, name_of_system, plain, vector_of, vector_symbol
+from liepoisson.plot.labels import label, vector_of, vector_symbol
+from liepoisson.plot.section import heading_of
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def orbit(
         invariants: Values along the trajectory, shape (time,), by name, for the last row.  By default those of
             `Orbit.invariants`; a Dataset has none.  `{}` leaves the row out.
         trajectory: Which one; a figure shows one.
-        title: Above the figure; by default the name of the system.
+        title: Above the figure; by default the name of the system, and the values of energy and Casimirs.
 
     Returns:
         A figure that no window system knows of; `liepoisson.plot.save_figure` writes it.
@@ -85,8 +86,7 @@ def orbit(
     curves = _changes(_own_invariants(run, trajectory) if invariants is None else invariants, run, len(time))
     found = _vectors(components)
     vectors = _largest(found, {name: state[:, columns] for name, columns in found.items()}, _MOST_ROWS)
-    name = name_of_system(run)
-    heading = title if title is not None else plain(name) if name else None
+    heading, *level = (heading_of(run, trajectory) if title is None else title).split("\n", 1)
     if heading and len(vectors) < len(found):
         heading += f" ({_note(len(vectors), len(found))})"
     with house_style():
@@ -103,7 +103,7 @@ def orbit(
             _draw_changes(last, time, curves)
         (last or rows[-1][0]).set_xlabel(r"$t$")
         if heading:
-            figure.suptitle(heading, x=0.012, ha="left", fontsize=12.5, color=INK)
+            figure.suptitle("\n".join([heading, *level]), x=0.012, ha="left", fontsize=12.5, color=INK)
     return figure
 
 

@@ -3,16 +3,17 @@ r"""Figures of surfaces of section: points in a plane of two coordinates, a colo
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE
@@ -20,13 +21,21 @@ from liepoisson.inputs.refusals import not_a
 from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.labels import formula, label, name_of_system, number, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
-from liepoisson.poincare.section_coordinates import component_axes, default_axes, figure_axes, levels_of
+from liepoisson.poincare.section_coordinates import (
+    Levels,
+    component_axes,
+    default_axes,
+    figure_axes,
+    levels_of,
+    levels_through,
+)
 from liepoisson.poincare.section_sheets import DIRECTION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
     from xarray import Dataset
 
     from liepoisson.leaf.leaf import Leaf
@@ -46,6 +55,10 @@ _TURNED = 100
 """States at which it is tried whether a coordinate is an angle."""
 _PLACES = 20
 """Values at which it is tried for each of them."""
+_BY_CHANCE = 0.01
+"""A gap between angles counts if independent, uniform ones would leave one as large at most this often."""
+_TURNS = "liepoisson_turns"
+"""The attribute of the dots of a trajectory that says where the turns of the two axes begin."""
 _LONGEST_LINE = 60
 """Characters of a title that fit above the axes of a new figure; of a formula, characters of its text."""
 
@@ -63,6 +76,7 @@ def section(
     trajectories: Sequence[int] | None = None,
     colour: str | Sequence[str] | None = None,
     size: float | None = None,
+    window: float | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     r"""Crossings of a surface of section, in the plane of two coordinates.
@@ -72,8 +86,10 @@ def section(
     orbits with other energies or Casimirs lie on another surface and cross in the plane; above a new figure stands
     on how many levels the orbits lie (`liepoisson.sections.section_starts` draws starts of one).
 
-    In a new figure an angle "atan2(b, a)" has the window of one turn that is cut where the points leave the largest
-    gap.
+    An angle is drawn within one turn: "atan2(b, a)", or a component that leaves $(-\pi, \pi)$ and after whole turns of
+    which the rates are the same.  The turn begins in the middle of the largest gap g that the n angles leave, if chance
+    would hardly leave one as large, $n(1 - g/2\pi)^{n-1} \le 0.01$, so that islands stay whole; else at $-\pi$.  Axes
+    that were drawn into before keep the turn that they have.  The command `section` draws by the same rule.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -101,8 +117,11 @@ def section(
         sign: Only crossings with this sign of the change of the surface function; 0: all.
         trajectories: Only these.
         colour: Of all points, or of the trajectories in turn; by default the six colours of the style, so that the
-            seventh trajectory has that of the first.
+            seventh trajectory has that of the first.  By verdict: `colour=[hue[kind] for kind in
+            decide(system, starts, t_end=...).verdict]` with `hue = {"regular": "C0", "chaotic": "C1", "undecided":
+            "gray"}`.
         size: Diameter of a point in printer's points; by default it follows from their number.
+        window: Where the turn of an angle begins, in radians; by default as above.
         ax: Axes to draw into, by default those of a new figure.
 
     Returns:
@@ -110,41 +129,34 @@ def section(
 
     Raises:
         ExpressionError: a formula cannot be read.
-        ParameterError: no such coordinate, trajectory, sign or colour, a size that is not positive, or one coordinate
-            only and no choice of axes.
+        ParameterError: no such coordinate, trajectory, sign or colour, a size that is not positive, one coordinate
+            only and no choice of axes, or a window without an angle or other than that of the axes.
         ShapeError: values that are not one per crossing.
     """
     if not hasattr(points, "state") or not hasattr(points, "sign"):
         raise not_a("what section returns", points, "points", 'try section(system, starts, surface="l3", t_end=100)')
     x, y, sheets = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
-    values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]
-    shown = np.isfinite(values[0]) & np.isfinite(values[1])
+    chosen = np.ones(len(member), bool)
     if wanted := _as_sign(sign):
-        shown &= signs == wanted
+        chosen &= signs == wanted
     if trajectories is not None:
-        shown &= np.isin(member, _as_trajectories(trajectories, points, member))
+        chosen &= np.isin(member, _as_trajectories(trajectories, points, member))
     colours, diameter = as_colours(colour), _as_size(size)
     if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a text", title, "title", 'write title="...", or leave it out')
-    heading = _heading(points, np.unique(member[shown])) if title is None and ax is None else title
-    angles = [ax is None and isinstance(axis, str) and _is_angle_formula(axis) for axis in (x, y)]
-    values = [_in_one_turn(v, shown) if angle else v for v, angle in zip(values, angles, strict=True)]
+    plane = _plane(points, (x, y), chosen, window=window, turns=(None, None) if ax is None else _turns_of(ax))
+    heading = _heading(points, np.unique(member[plane.shown])) if title is None and ax is None else title
     panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
     with house_style():
-        ax = axes_or_new(ax, width=5.2 if len(panels) == 1 else 9.0, height=4.6)
+        is_new, ax = ax is None, axes_or_new(ax, width=5.2 if len(panels) == 1 else 9.0, height=4.6)
         drawn = _side_by_side(ax, len(panels))
-        for one, (words, of) in zip(drawn, panels, strict=True):
-            _draw(one, np.stack(values)[:, shown & of], member[shown & of], colours, diameter)
-            one.set_xlabel(_axis_label(x) if xlabel is None else xlabel)
-            one.set_ylabel(_axis_label(y) if ylabel is None else ylabel)
+        labels = [own if given is None else given for own, given in zip(plane.labels, (xlabel, ylabel), strict=True)]
+        filled = plane._replace(labels=labels)
+        _fill(zip(drawn, (of for _, of in panels), strict=True), filled, member, colours, diameter, mark=is_new)
+        for one, (words, _) in zip(drawn, panels, strict=True):
             if lines := [line for line in (heading if one is drawn[0] else None, words) if line]:
                 one.set_title("\n".join(lines))
-            one.margins(0.04)
-            _widen(one)
-        for axis, angle in zip((ax.xaxis, ax.yaxis), angles, strict=True):
-            if angle:  # axes side by side share their ticks
-                _mark_parts_of_pi(axis)
     return ax
 
 
@@ -174,17 +186,10 @@ def titled_section(
         panels = _panels(run, sheets)
         figure = new_figure(6.0 if len(panels) == 1 else 10.0, 5.4)
         drawn = _side_by_side(figure.add_subplot(), len(panels))
-        (x, xlabel, angle), (y, ylabel, other) = (_values_and_label(run, system, axis) for axis in axes)
         # An orbit that escaped would leave no room for the others.
-        stayed = np.flatnonzero(np.isin(run.outcome, ("finished", "time limit")))
-        some = stayed.tolist() if 0 < len(stayed) < run.n_trajectories else None
-        for ax, (_, of) in zip(drawn, panels, strict=True):
-            across = np.where(of, _values(run, x, len(of), "x"), np.nan)
-            xlabel = _axis_label(x) if xlabel is None else xlabel
-            section(run, across, y, xlabel=xlabel, ylabel=ylabel, trajectories=some, ax=ax)
-        for axis, is_angle in ((drawn[0].xaxis, angle), (drawn[0].yaxis, other)):
-            if is_angle:
-                _mark_parts_of_pi(axis)
+        stayed = np.isin(run.outcome, ("finished", "time limit"))[run.trajectory]
+        plane = _plane(run, axes, stayed if stayed.any() else ~stayed)
+        _fill(zip(drawn, (of for _, of in panels), strict=True), plane, run.trajectory, as_colours(None))
         named = ({} if energy is None else {"H": energy}) | leaf.casimirs
         missing = shortage(system.bracket)
         name = wrap(f"{plain(system.name)}:", _LONGEST_LINE)
@@ -218,18 +223,60 @@ def _side_by_side(ax: Axes, n: int) -> list[Axes]:
     return [ax, *(ax.figure.add_subplot(grid[k], sharex=ax, sharey=ax) for k in range(1, n))]
 
 
-def _values_and_label(run: SectionResult, system: System, axis: str) -> tuple[str | FloatArray, str | None, bool]:
-    """A coordinate by its name, a formula and an angle by values; its label; whether it is an angle."""
-    if axis not in run.coordinates:
-        values = system.functions.of(axis)(run.state)
-        if _is_angle_formula(axis):
-            return _in_one_turn(values, np.isfinite(values)), formula(axis), True
-        return values, formula(axis), False
-    if run.coordinates == run.components:
-        values = run.state[:, run.components.index(axis)]
-        if np.nanmax(np.abs(values), initial=0.0) > np.pi and _is_angle(system, run.components.index(axis), run.state):
-            return _in_one_turn(values, np.isfinite(values)), rf"{formula(axis)} (mod $2\pi$)", True
-    return axis, None, False
+class _Plane(NamedTuple):
+    """The two coordinates of each crossing, their labels, where the turns of angles begin, and what is shown."""
+
+    values: FloatArray
+    labels: Sequence[str]
+    turns: tuple[float | None, ...]
+    shown: NDArray[np.bool_]
+
+
+def _plane(
+    points: SectionLike,
+    axes: tuple[str | ArrayLike, str | ArrayLike],
+    chosen: NDArray[np.bool_],
+    *,
+    window: float | None = None,
+    turns: tuple[float | None, ...] = (None, None),
+) -> _Plane:
+    """Two coordinates of crossings, angles within one turn: a given one, that of the axes, or the best one."""
+    given = [_values(points, axis, len(chosen), which) for axis, which in zip(axes, "xy", strict=True)]
+    shown = chosen & np.isfinite(given[0]) & np.isfinite(given[1])
+    wanted = None if window is None else as_number(window, "window", "an angle in radians")
+    begins = tuple(_turn(points, axis, v[shown], wanted, old) for axis, v, old in zip(axes, given, turns, strict=True))
+    if wanted is not None and (begins == (None, None) or not np.isfinite(wanted)):
+        raise ParameterError(
+            f"window must be where the turn of an angle that is drawn begins; got {wanted!r}. Leave it out."
+        )
+    values = [v if begin is None else _in_turn(v, begin) for v, begin in zip(given, begins, strict=True)]
+    labels = [_axis_label(axis, begin) for axis, begin in zip(axes, begins, strict=True)]
+    return _Plane(np.stack(values), labels, begins, shown)
+
+
+def _turn(
+    points: SectionLike, axis: str | ArrayLike, values: FloatArray, wanted: float | None, old: float | None
+) -> float | None:
+    """Where the turn begins in which an angle is drawn; None for what is no angle, or a component that stays in it."""
+    if not isinstance(axis, str):
+        return None
+    if not _is_angle_formula(axis):
+        stays = wanted is None and np.array_equal(_in_turn(values, -np.pi if old is None else old), values)
+        if stays or not _is_angular_component(points, axis):
+            return None
+    if wanted is not None and old not in {None, wanted}:
+        raise ParameterError(
+            f"window must be {old!r}, where the turn of these axes begins; got {wanted!r}. Leave it out."
+        )
+    return wanted if wanted is not None else _best_turn(values) if old is None else old
+
+
+def _is_angular_component(points: SectionLike, axis: str) -> bool:
+    """Whether a coordinate is a component after whole turns of which the rates are the same."""
+    if not _has_states_of_a_system(points):
+        return False
+    states = _states(points.state, len(_names(points)))
+    return _is_angle(points.system, _names(points).index(axis), states)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @np.errstate(all="ignore")
@@ -267,16 +314,26 @@ def _is_angle_formula(text: str) -> bool:
     return isinstance(whole, Call) and whole.function == ANGLE
 
 
-def _in_one_turn(angles: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:
-    """Angles in the window of one turn that is cut in the middle of the largest gap between those that are shown."""
-    places = np.unique(np.mod(angles[shown], 2 * np.pi))
-    if not len(places):
-        return angles
-    gaps = np.diff(places, append=places[0] + 2 * np.pi)
-    k = int(np.argmax(gaps))
-    seam = places[k] + gaps[k] / 2
-    first = np.mod(seam, 2 * np.pi) - 2 * np.pi  # the middle of the window is from -pi to pi
-    return first + np.mod(angles - first, 2 * np.pi)
+def _best_turn(angles: FloatArray) -> float:
+    """Where the turn begins that leaves islands whole: in the middle of the largest gap; without one, at -pi."""
+    places = np.unique(np.mod(angles, 2 * np.pi))
+    gaps = np.diff(places, append=places[:1] + 2 * np.pi) / (2 * np.pi)
+    k, n = int(np.argmax(gaps)) if len(gaps) else 0, len(gaps)
+    if not n or n * (1 - gaps[k]) ** (n - 1) > _BY_CHANCE:
+        return -np.pi
+    return float(np.mod(places[k] + np.pi * gaps[k], 2 * np.pi) - 2 * np.pi)  # its middle is from -pi to pi
+
+
+@np.errstate(invalid="ignore")
+def _in_turn(angles: FloatArray, begin: float) -> FloatArray:
+    """Angles within the turn that begins there; those that are there stay as they are."""
+    inside = (begin <= angles) & (angles <= begin + 2 * np.pi)
+    return np.where(inside, angles, begin + np.mod(angles - begin, 2 * np.pi))
+
+
+def _turns_of(ax: Axes) -> tuple[float | None, ...]:
+    """Where the turns begin in which axes show their angles, as the crossings that were drawn there say."""
+    return next((getattr(line, _TURNS) for line in getattr(ax, "lines", ()) if hasattr(line, _TURNS)), (None, None))
 
 
 def _mark_parts_of_pi(axis: Axis) -> None:
@@ -320,16 +377,43 @@ def _widen(ax: Axes) -> None:
             set_limits(middle - size / 2, middle + size / 2)
 
 
-def _draw(ax: Axes, xy: FloatArray, member: NDArray[np.int64], colours: Sequence[str], size: float | None) -> None:
+def _fill(
+    parts: Iterable[tuple[Axes, NDArray[np.bool_]]],
+    plane: _Plane,
+    member: NDArray[np.int64],
+    colours: Sequence[str],
+    size: float | None = None,
+    *,
+    mark: bool = True,
+) -> None:
+    """Draw crossings into axes side by side, with labels and, if wanted, ticks of angles."""
+    turns = tuple(-np.pi if turn is None else turn for turn in plane.turns)
+    parts = list(parts)
+    for ax, panel in parts:
+        of = plane.shown & panel
+        for line in _draw(ax, plane.values[:, of], member[of], colours, size):
+            setattr(line, _TURNS, turns)
+        ax.set_xlabel(plane.labels[0])
+        ax.set_ylabel(plane.labels[1])
+        ax.margins(0.04)
+        _widen(ax)
+    for axis, turn in zip((parts[0][0].xaxis, parts[0][0].yaxis), plane.turns, strict=True):
+        if mark and turn is not None:  # axes side by side share their ticks
+            _mark_parts_of_pi(axis)
+
+
+def _draw(
+    ax: Axes, xy: FloatArray, member: NDArray[np.int64], colours: Sequence[str], size: float | None
+) -> list[Line2D]:
     """One line of dots for each trajectory; in an .svg or .pdf file the dots are pixels, as their number is large."""
     extent = ax.get_window_extent().transformed(ax.figure.dpi_scale_trans.inverted())
     area = 72.0**2 * extent.width * extent.height
     fitting = float(np.sqrt(4 / np.pi * _GOOD_COVERAGE * area / max(1, len(member))))
     diameter = float(np.clip(fitting, _SMALLEST, _LARGEST)) if size is None else size
+    dots: list[Line2D] = []
     for k in np.unique(member):
-        of = member == k
-        ax.plot(
-            *xy[:, of],
+        dots += ax.plot(
+            *xy[:, member == k],
             linestyle="none",
             marker="o",
             markersize=diameter,
@@ -337,6 +421,7 @@ def _draw(ax: Axes, xy: FloatArray, member: NDArray[np.int64], colours: Sequence
             color=colours[k % len(colours)],
             rasterized=True,
         )
+    return dots
 
 
 def _member(points: SectionLike) -> NDArray[np.int64]:
@@ -412,11 +497,28 @@ def _heading(points: SectionLike, trajectories: NDArray[np.int64]) -> str | None
 def _about_levels(points: SectionLike, trajectories: NDArray[np.int64]) -> str:
     """The energy and the Casimirs of the orbits that are shown, or that they have several."""
     levels = levels_of(points, trajectories) if hasattr(points, "start") else None  # pyright: ignore[reportArgumentType]
+    return _shown_levels(levels) + (": their curves cross" if levels is not None and len(levels) > 1 else "")
+
+
+def _shown_levels(levels: Levels | None) -> str:
+    """The values of a level, or how many levels there are; nothing where they are not known."""
     if levels is None or not len(levels):
         return ""
     if len(levels) > 1:
-        return f"{len(levels)} levels of {', '.join(map(label, levels.names))}: their curves cross"
+        return f"{len(levels)} levels of {', '.join(map(label, levels.names))}"
     return _shown_values(dict(zip(levels.names, levels.values[0].tolist(), strict=True)))
+
+
+def heading_of(run: object, trajectory: int | None = None) -> str:
+    """The system of a run, and below it energy and Casimirs of its orbits, or of one of them, as far as they are known.
+
+    Where the orbits do not share them, it is said how many levels there are.
+    """
+    name, start = name_of_system(run), getattr(run, "start", None)
+    states = np.zeros((0, 0)) if start is None else np.asarray(start, np.float64)
+    chosen = states if trajectory is None else states[trajectory : trajectory + 1]
+    levels = levels_through(getattr(run, "system", None), chosen) if len(chosen) else None
+    return "\n".join(filter(None, [plain(name) if name else "", _shown_levels(levels)]))
 
 
 def _shown_surface(surface: str) -> str:
@@ -475,5 +577,8 @@ def _as_size(size: Any) -> float | None:
     return float(size)
 
 
-def _axis_label(coordinate: str | ArrayLike) -> str:
-    return formula(coordinate) if isinstance(coordinate, str) else ""
+def _axis_label(coordinate: str | ArrayLike, turn: float | None) -> str:
+    """The coordinate as mathematical text; of a component that was brought into one turn the label says so."""
+    if not isinstance(coordinate, str):
+        return ""
+    return formula(coordinate) + ("" if turn is None or _is_angle_formula(coordinate) else r" (mod $2\pi$)")

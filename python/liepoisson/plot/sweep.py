@@ -2,13 +2,14 @@ r"""Figures of sweeps: a curve with its band along one axis, a map over two."""
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.plot.labels import label, with_formulas
+from liepoisson.plot.labels import label, plain, with_formulas
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, as_colour, axes_or_new, house_style
 
 if TYPE_CHECKING:
@@ -21,6 +22,10 @@ FloatArray: TypeAlias = NDArray[np.float64]
 
 _UNDECIDED = 0.25
 """Share of undecided orbits above which the colour of a chaotic fraction is covered: it may be off by as much."""
+
+
+_LONGEST_LINE = 80
+"""Characters of what is held that fit above the axes."""
 
 
 @explains_its_arguments
@@ -43,7 +48,7 @@ def sweep(
     the grid, and as far beyond the ends of the axes; where it was refined, those of the finer level lie above.  White
     crosses cover points of a chaotic fraction where more than a quarter of the orbits is undecided: their colour counts
     these as not chaotic.  What is not computed is hatched; below a curve crosses mark its points.  Above the axes
-    stands how many there are.
+    stands how many there are, and above a new figure what is held and the share of orbits that are undecided.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -68,6 +73,7 @@ def sweep(
     Returns:
         The axes.
     """
+    heading = None if ax is not None else "\n".join(_heading(result))
     with house_style():
         if len(result.spec.axes) == 1:
             ax = axes_or_new(ax)
@@ -75,11 +81,20 @@ def sweep(
         else:
             ax = axes_or_new(ax, width=5.8, height=4.4)
             _map(result, ax, vmin, vmax, show_levels=show_levels)
+        if heading:
+            ax.figure.suptitle(heading, x=0.012, ha="left", fontsize=9.5, color=INK)
         missing = _not_computed(result)
         if missing.any():
             words = f"{missing.sum()} of {len(missing)} points not computed"
             ax.text(1.0, 1.02, words, transform=ax.transAxes, ha="right", va="bottom", color=MUTED, fontsize=9)
     return ax
+
+
+def _heading(result: Sweep) -> list[str]:
+    """What is held, and which share of all orbits is undecided."""
+    lines = [part for line in result.held for part in wrap(plain(line), _LONGEST_LINE)]
+    known = result.undecided_fraction[np.isfinite(result.undecided_fraction)] if result.spec.is_verdict else []
+    return [*lines, f"undecided: {100 * np.mean(known):.3g}% of all orbits"] if len(known) else lines
 
 
 def _not_computed(result: Sweep) -> NDArray[np.bool_]:

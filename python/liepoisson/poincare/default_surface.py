@@ -9,7 +9,10 @@ import numpy as np
 
 from liepoisson.algebra.rational_polynomials import in_words
 from liepoisson.errors import LeafError, ParameterError, SurfaceWarning
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import check_choice
+from liepoisson.leaf._checks import as_energy
 from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.portable import linear
 from liepoisson.streams import generator
@@ -30,46 +33,50 @@ _REASON = "a component: every plane folds the section where the rate of {} vanis
 
 
 @explains_its_arguments
-def default_surface(leaf: Leaf) -> str:
+def default_surface(leaf: Leaf, *, energy: float | None = None, direction: int = 1, seed: int = 0) -> str:
     r"""A surface that recurrent orbits of a leaf meet again and again: where the rate of a bounded function vanishes.
 
     For a top with two fields that function is $\ell\cdot\beta$ (see `good_surface`).  Otherwise, or where its rate
-    vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.
+    vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.  Every recurrent
+    orbit of the leaf meets it; it is what the command `section` takes for one orbit, given by `--start`.
+
+    For several orbits of one energy the command takes what comes with `energy`: where the section is a plane that this
+    surface folds, a component that orbits meet again, if its section is a graph.  Where the third component of a vector
+    of space is zero and orbits pass in one direction, the angle about the third axis and its momentum determine the
+    state, if the energy is convex in the momenta.
 
     Example:
-        >>> lp.sections.default_surface(lp.Leaf(lp.catalog.system("henon-heiles"), {}))  # the rate of p_y
+        >>> oscillator = lp.Leaf(lp.catalog.system("henon-heiles"), {})
+        >>> lp.sections.default_surface(oscillator)  # the rate of p_y
         '-x^2 + y^2 - y'
+        >>> lp.sections.default_surface(oscillator, energy=0.1)
+        'y'
 
     Args:
         leaf: The leaf.
+        energy: The energy of the orbits; by default any.
+        direction: The direction of the crossings by which sections of this energy are judged, 0 for both.
+        seed: Draws states on these sections.
 
     Returns:
         The function that is zero on the surface, for `section`.
 
     Raises:
-        ParameterError: every state of the leaf is an equilibrium.
+        ParameterError: every state of the leaf is an equilibrium, or an argument is of another kind.
     """
-    return chosen_surface(leaf)[0]
+    check_choice(direction, "direction", (-1, 0, 1))
+    level = None if energy is None else as_energy(energy)
+    return surface_and_reason(leaf, level, direction=direction, seed=as_count(seed, "seed"))[0]
 
 
-def unfolded_surface(leaf: Leaf, energy: float, *, direction: int = 0, seed: int = 0) -> tuple[str, str]:
-    """The default surface and why it was taken; a component instead, if its section is a graph and that one's is not.
-
-    Where the third component of a vector of space is zero and orbits pass in one direction, the angle about the third
-    axis and its momentum determine the state, if the energy is convex in the momenta.
-
-    Args:
-        leaf: The leaf.
-        energy: The energy of the orbits.
-        direction: The direction of the crossings, 0 for both.
-        seed: Draws states on the sections that are tried.
-    """
+def surface_and_reason(leaf: Leaf, energy: float | None, *, direction: int = 1, seed: int = 0) -> tuple[str, str]:
+    """`default_surface`, and why it was taken."""
     from liepoisson.poincare.section_sheets import section_axes
     from liepoisson.poincare.surfaces import section_starts
 
     default, of = chosen_surface(leaf)
     by_default = default, f"the rate of {of}"
-    if leaf.rank != _TWO_DEGREES:
+    if energy is None or leaf.rank != _TWO_DEGREES:
         return by_default
     names = leaf.system.component_names
     for surface, reason in (by_default, *((names[k], _REASON.format(of)) for k in _places(leaf))):

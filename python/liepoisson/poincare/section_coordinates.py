@@ -142,7 +142,6 @@ class Levels:
         return f"the orbits lie on {len(self)} levels of {', '.join(self.names)}: curves of different levels cross"
 
 
-@np.errstate(all="ignore")
 def levels_of(run: Section, trajectories: NDArray[np.int64] | None = None) -> Levels | None:
     """The levels of the orbits that have crossings; None where the system is not known by formulas.
 
@@ -150,13 +149,18 @@ def levels_of(run: Section, trajectories: NDArray[np.int64] | None = None) -> Le
         run: The section.
         trajectories: Only those of these orbits.
     """
+    shown = np.unique(run.trajectory)
+    return levels_through(run.system, run.start[shown if trajectories is None else np.intersect1d(shown, trajectories)])
+
+
+@np.errstate(all="ignore")
+def levels_through(system: object, states: Array) -> Levels | None:
+    """The levels on which states lie; None where the system is not known by formulas."""
     from liepoisson.model.system import System
 
-    if not isinstance(run.system, System):
+    if not isinstance(system, System):
         return None
-    shown = np.unique(run.trajectory)
-    states = run.start[shown if trajectories is None else np.intersect1d(shown, trajectories)]
-    functions = {"H": run.system.functions.energy, **run.system.functions.casimirs}
+    functions = {"H": system.functions.energy, **system.functions.casimirs}
     if not len(states):
         return Levels(tuple(functions), np.empty((0, len(functions))))
     values = np.stack([f(states) for f in functions.values()], axis=-1)

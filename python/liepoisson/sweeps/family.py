@@ -268,7 +268,9 @@ def _top_of(top: TopField, name: str) -> Any:
 
 def _file_system(file: SystemFile, values: Mapping[str, Any]) -> Any:
     exact = {name: _exact(value) for name, value in values.items()}
-    return replace(file, parameters={**file.parameters, **exact}, symbols=(), integrals={}).system()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", InertiaWarning)
+        return replace(file, parameters={**file.parameters, **exact}, symbols=(), integrals={}).system()
 
 
 def _exact(value: Any) -> Any:

@@ -408,9 +408,24 @@ def _replace(file: Path, content: bytes) -> None:
 
 
 def _difference(stored: dict[str, Any], wanted: dict[str, Any]) -> str:
-    names = [name for name in wanted if stored.get(name) != json.loads(json.dumps(wanted[name]))]
-    shown = [f"{name} {stored.get(name)!s:.80} instead of {wanted[name]!s:.80}" for name in names]
-    return "; ".join(shown) or "its description was altered"
+    plain = json.loads(json.dumps(wanted))
+    found = [
+        _first_difference(name, stored.get(name), plain[name]) for name in plain if stored.get(name) != plain[name]
+    ]
+    return "; ".join(found) or "its description was altered"
+
+
+def _first_difference(name: str, stored: Any, wanted: Any) -> str:
+    """Where two values differ, in words; of lists and tables the first place."""
+    if isinstance(stored, list) and isinstance(wanted, list):
+        if len(stored) != len(wanted):
+            return f"{name} with {len(stored)} items instead of {len(wanted)}"
+        k = next(k for k, item in enumerate(stored) if item != wanted[k])
+        return _first_difference(f"{name}[{k}]", stored[k], wanted[k])
+    if isinstance(stored, dict) and isinstance(wanted, dict):
+        key = next(key for key in {**stored, **wanted} if stored.get(key) != wanted.get(key))
+        return _first_difference(f"{name}.{key}", stored.get(key), wanted.get(key))
+    return f"{name} {stored!s:.80} instead of {wanted!s:.80}"
 
 
 @contextmanager
