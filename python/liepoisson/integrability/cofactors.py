@@ -90,17 +90,11 @@ def image(
 
 @dataclass(frozen=True)
 class Candidates:
-    """What the splitting of one block gave.
+    """What the splitting of one block gave."""
 
-    Attributes:
-        values: Coefficients of cofactors, among them all that occur, but for those in `left`.
-        left: Cases that were not decided, as conditions.
-        n_cases: Number of cases that were looked at.
-    """
-
-    values: tuple[Values, ...]
-    left: tuple[str, ...]
-    n_cases: int
+    values: tuple[Values, ...]  # coefficients of cofactors, among them all that occur, but for those in `left`
+    left: tuple[str, ...]  # cases that were not decided, as conditions
+    n_cases: int  # number of cases that were looked at
 
 
 class CofactorCases(CaseSplitting):

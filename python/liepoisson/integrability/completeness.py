@@ -233,23 +233,15 @@ def commuting_combinations(system: System, integrals: Mapping[str, Expr], rank: 
 
 @dataclass(frozen=True)
 class _Algebra:
-    """Integrals, their products and brackets.
+    """Integrals, their products and brackets."""
 
-    Attributes:
-        generators: The integrals, as expressions.
-        polynomials: The same as polynomials.
-        brackets: Of the pairs, by their numbers.
-        products: The linearly independent ones among the generators and products of two, by the numbers of the factors.
-        field: Where coefficients live.
-        level: The relations of functions that are no polynomials.
-    """
-
-    generators: list[Expr]
-    polynomials: list[Polynomial]
-    brackets: dict[tuple[int, int], Polynomial]
+    generators: list[Expr]  # the integrals, as expressions
+    polynomials: list[Polynomial]  # the same as polynomials
+    brackets: dict[tuple[int, int], Polynomial]  # of the pairs, by their numbers
+    # the linearly independent ones among the generators and products of two, by the numbers of the factors
     products: list[tuple[int, ...]]
     field: Coefficients
-    level: Level
+    level: Level  # the relations of functions that are no polynomials
 
     @classmethod
     def of(cls, system: System, functions: list[Expr]) -> _Algebra:

@@ -39,17 +39,11 @@ Label: TypeAlias = "tuple[int, ...]"
 
 @dataclass(frozen=True)
 class Factor:
-    """A Darboux polynomial of which products are made.
+    """A Darboux polynomial of which products are made."""
 
-    Attributes:
-        polynomial: It, homogeneous in the gradings.
-        cofactor: Its cofactor.
-        is_new: Whether the search found it.
-    """
-
-    polynomial: Polynomial
+    polynomial: Polynomial  # it, homogeneous in the gradings
     cofactor: Cofactor
-    is_new: bool
+    is_new: bool  # whether the search found it
 
     @property
     def degree(self) -> int:
@@ -70,23 +64,14 @@ class _Entry:
 
 @dataclass
 class DarbouxSearch:
-    """The search with given cofactors.
+    """The search with given cofactors."""
 
-    Attributes:
-        derivation: The equations, over a field that contains the cofactors.
-        gradings: Integer gradings, in which the cofactors are homogeneous.
-        level: The level set, or all of phase space.
-        equations: The polynomials that vanish on the level.
-        monomials: Those of the cofactors.
-        factors: What is known, to which is added what is found.
-    """
-
-    derivation: Derivation
-    gradings: tuple[Grading, ...]
-    level: Level
-    equations: tuple[Polynomial, ...]
-    monomials: tuple[Exponents, ...]
-    factors: list[Factor] = field(default_factory=list[Factor])
+    derivation: Derivation  # the equations, over a field that contains the cofactors
+    gradings: tuple[Grading, ...]  # integer gradings, in which the cofactors are homogeneous
+    level: Level  # the level set, or all of phase space
+    equations: tuple[Polynomial, ...]  # the polynomials that vanish on the level
+    monomials: tuple[Exponents, ...]  # those of the cofactors
+    factors: list[Factor] = field(default_factory=list[Factor])  # what is known, to which is added what is found
 
     @property
     def field(self) -> Coefficients:

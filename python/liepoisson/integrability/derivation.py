@@ -159,17 +159,11 @@ _MOST_COMBINATIONS = 6
 
 @dataclass(frozen=True)
 class Grading:
-    """Weights of the coordinates, and what D adds to a weight.
+    """Weights of the coordinates, and what D adds to a weight."""
 
-    Attributes:
-        weights: One for each coordinate.
-        shift: What D adds.
-        modulus: 0 for integers.
-    """
-
-    weights: tuple[int, ...]
-    shift: int
-    modulus: int = 0
+    weights: tuple[int, ...]  # one for each coordinate
+    shift: int  # what D adds
+    modulus: int = 0  # 0 for integers
 
     def of(self, monomial: Exponents) -> int:
         """The weight of a monomial."""

@@ -28,52 +28,31 @@ _MOST_MINORS = 8
 
 @dataclass
 class FurtherCase:
-    """Parameters for which there is a further integral.
-
-    Attributes:
-        case: They.
-        closure: They and their limits, without what does not vanish in the case.
-        exceptions: Cases inside of the closure in which there is none, except where other cases say so.
-        is_independent: Whether one is functionally independent of the known ones.
-        is_real: Whether real parameters of the case were found.
-    """
+    """Parameters for which there is a further integral."""
 
     case: Case
-    closure: Case
-    exceptions: list[Case]
-    is_independent: bool
-    is_real: bool
+    closure: Case  # they and their limits, without what does not vanish in the case
+    exceptions: list[Case]  # cases inside of the closure in which there is none, except where other cases say so
+    is_independent: bool  # whether one is functionally independent of the known ones
+    is_real: bool  # whether real parameters of the case were found
 
 
 @dataclass
 class FamilyCases:
-    """The search for cases.
-
-    Attributes:
-        splitting: Splits the parameters.
-        integrals: The integrals at points.
-        hamiltonian: H.
-        casimirs: The Casimirs for generic parameters.
-        general: Other integrals that there are for all parameters.
-        casimirs_of: The Casimirs of the bracket of a case.
-        deadline: After it nothing more is split; what was found is compared to the end.
-        found: The cases with a further integral.
-        with_casimirs: Cases whose bracket has more Casimirs, up to the degree.
-        left: Cases that were not decided.
-        n_closed: Number of cases without further integrals.
-    """
+    """The search for cases."""
 
     splitting: CaseSplitting
     integrals: IntegralsAtPoints
-    hamiltonian: ParameterPolynomial
-    casimirs: list[ParameterPolynomial]
-    general: list[ParameterPolynomial]
-    casimirs_of: Callable[[Case], list[ParameterPolynomial]]
-    deadline: Deadline
-    found: list[FurtherCase] = field(default_factory=list["FurtherCase"])
+    hamiltonian: ParameterPolynomial  # H
+    casimirs: list[ParameterPolynomial]  # the Casimirs for generic parameters
+    general: list[ParameterPolynomial]  # other integrals that there are for all parameters
+    casimirs_of: Callable[[Case], list[ParameterPolynomial]]  # the Casimirs of the bracket of a case
+    deadline: Deadline  # after it nothing more is split; what was found is compared to the end
+    found: list[FurtherCase] = field(default_factory=list["FurtherCase"])  # the cases with a further integral
+    # cases whose bracket has more Casimirs, up to the degree
     with_casimirs: list[Case] = field(default_factory=list[Case])
-    left: list[Case] = field(default_factory=list[Case])
-    n_closed: int = 0
+    left: list[Case] = field(default_factory=list[Case])  # cases that were not decided
+    n_closed: int = 0  # number of cases without further integrals
 
     def search(
         self,

@@ -55,32 +55,20 @@ ParameterPolynomial = dict[Exponents, Poly]
 
 @dataclass(frozen=True)
 class Block:
-    """A block of the search.
+    """A block of the search."""
 
-    Attributes:
-        label: The weights of its monomials.
-        monomials: They, largest first.
-        rows: The matrix of D on them, with entries in the parameters.
-    """
-
-    label: Label
-    monomials: list[Exponents]
-    rows: list[SparseRow]
+    label: Label  # the weights of its monomials
+    monomials: list[Exponents]  # they, largest first
+    rows: list[SparseRow]  # the matrix of D on them, with entries in the parameters
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The integrals at a point, compared with polynomials in known ones.
+    """The integrals at a point, compared with polynomials in known ones."""
 
-    Attributes:
-        is_further: Whether there is one that is none; None if it was not decided.
-        is_independent: Whether there is one that is functionally independent of the known ones.
-        nullities: The number of integrals in each block.
-    """
-
-    is_further: bool | None
-    is_independent: bool
-    nullities: dict[Label, int]
+    is_further: bool | None  # whether there is one that is none; None if it was not decided
+    is_independent: bool  # whether there is one that is functionally independent of the known ones
+    nullities: dict[Label, int]  # the number of integrals in each block
 
 
 class IntegralsAtPoints:

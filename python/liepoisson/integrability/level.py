@@ -39,12 +39,9 @@ def order(monomial: Exponents) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Level:
-    """The level set of some polynomials, or all of phase space.
+    """The level set of some polynomials, or all of phase space."""
 
-    Attributes:
-        basis: A Gröbner basis of the ideal, each with its leading monomial; monic.
-    """
-
+    # a Gröbner basis of the ideal, each with its leading monomial; monic
     basis: tuple[tuple[Exponents, Polynomial], ...] = ()
 
     def is_standard(self, monomial: Exponents) -> bool:

@@ -71,14 +71,9 @@ _LARGEST_KEY = 2**62
 
 @dataclass(frozen=True)
 class ModularDerivation:
-    """The terms of D modulo a prime.
+    """The terms of D modulo a prime."""
 
-    Attributes:
-        terms: Coordinate k, exponents e and residue of c of each term.
-        p: The prime.
-    """
-
-    terms: tuple[tuple[int, Exponents, int], ...]
+    terms: tuple[tuple[int, Exponents, int], ...]  # coordinate k, exponents e and residue of c of each term
     p: int
 
     @classmethod

@@ -48,21 +48,17 @@ MOST_CASES = 20_000
 
 @dataclass(frozen=True)
 class Case:
-    """A set of parameters: equations that hold, solved as far as possible, and polynomials that do not vanish.
+    """A set of parameters: equations that hold, solved as far as possible, and polynomials that do not vanish."""
 
-    Attributes:
-        equations: Irreducible polynomials that vanish, in the order in which they were imposed, each reduced by those
-            before it; homogeneous.
-        solved: Parameters that the equations give: index -> (numerator, denominator), the denominator not zero.
-        unsolved: Equations that are of degree one in no parameter.
-        scaled: Parameters that were set to 1, with the weights of all parameters in the scaling that did it.
-        nonzero: Irreducible polynomials that do not vanish, monic, by their text (flint's polynomials have no hash).
-    """
-
+    # irreducible polynomials that vanish, in the order in which they were imposed, each reduced by those before it;
+    # homogeneous
     equations: tuple[Poly, ...] = ()
+    # parameters that the equations give: index -> (numerator, denominator), the denominator not zero
     solved: tuple[tuple[int, Poly, Poly], ...] = ()
-    unsolved: tuple[Poly, ...] = ()
+    unsolved: tuple[Poly, ...] = ()  # equations that are of degree one in no parameter
+    # parameters that were set to 1, with the weights of all parameters in the scaling that did it
     scaled: tuple[tuple[int, tuple[int, ...]], ...] = ()
+    # irreducible polynomials that do not vanish, monic, by their text (flint's polynomials have no hash)
     nonzero: Mapping[str, Poly] = field(default_factory=dict[str, Poly])
 
     def admits(
@@ -92,19 +88,12 @@ class Case:
 
 @dataclass
 class State:
-    """A case with the rows that are left of the matrix.
-
-    Attributes:
-        case: The case.
-        rows: The rows.
-        rank: The rank of those that were eliminated.
-        pending: Equations that wait.
-    """
+    """A case with the rows that are left of the matrix."""
 
     case: Case
     rows: list[SparseRow]
-    rank: int
-    pending: list[Poly] = field(default_factory=list)
+    rank: int  # the rank of those that were eliminated
+    pending: list[Poly] = field(default_factory=list)  # equations that wait
 
     def copy(self, case: Case, pending: Sequence[Poly]) -> State:
         """A copy with another case and other equations that wait."""
@@ -113,17 +102,12 @@ class State:
 
 @dataclass
 class Cases:
-    """The cases in which there are more solutions.
+    """The cases in which there are more solutions."""
 
-    Attributes:
-        found: Cases with more solutions than in general; as far as is seen none lies in the closure of another.
-        left: Cases that were not decided.
-        n_closed: Number of cases in which there are no further solutions.
-    """
-
+    # cases with more solutions than in general; as far as is seen none lies in the closure of another
     found: list[Case] = field(default_factory=list)
-    left: list[Case] = field(default_factory=list)
-    n_closed: int = 0
+    left: list[Case] = field(default_factory=list)  # cases that were not decided
+    n_closed: int = 0  # number of cases in which there are no further solutions
 
 
 class CaseSplitting:

@@ -44,42 +44,25 @@ Family: TypeAlias = "dict[Exponents, Terms]"
 
 @dataclass(frozen=True)
 class PointResult:
-    """What was found at a point.
+    """What was found at a point."""
 
-    Attributes:
-        outcome: One of `OUTCOMES`.
-        n_further: Number of integrals that are functionally independent of the known ones and of each other.
-        found: All that are no polynomials in the known ones, lowest degree first.
-    """
-
-    outcome: str
-    n_further: int = -1
-    found: tuple[Polynomial, ...] = ()
+    outcome: str  # one of `OUTCOMES`
+    n_further: int = -1  # number of integrals that are functionally independent of the known ones and of each other
+    found: tuple[Polynomial, ...] = ()  # all that are no polynomials in the known ones, lowest degree first
 
 
 @dataclass(frozen=True)
 class PointSearch:
-    """A search whose coefficients are polynomials in the parameters.
+    """A search whose coefficients are polynomials in the parameters."""
 
-    Attributes:
-        n: Number of coordinates.
-        degree: The largest degree of the integrals.
-        gradings: The gradings for all values of the parameters.
-        components: The equations of motion, without denominators.
-        denominator: What they were multiplied by.
-        zeros: The functions that vanish on the level.
-        basis: A Gröbner basis of these, each with its leading monomial.
-        known: The integrals that are known, by name; remainders on the level.
-    """
-
-    n: int
-    degree: int
-    gradings: tuple[Grading, ...]
-    components: tuple[Family, ...]
-    denominator: Terms
-    zeros: tuple[Family, ...]
-    basis: tuple[tuple[Exponents, Family], ...]
-    known: tuple[tuple[str, Family], ...]
+    n: int  # number of coordinates
+    degree: int  # the largest degree of the integrals
+    gradings: tuple[Grading, ...]  # the gradings for all values of the parameters
+    components: tuple[Family, ...]  # the equations of motion, without denominators
+    denominator: Terms  # what they were multiplied by
+    zeros: tuple[Family, ...]  # the functions that vanish on the level
+    basis: tuple[tuple[Exponents, Family], ...]  # a Gröbner basis of these, each with its leading monomial
+    known: tuple[tuple[str, Family], ...]  # the integrals that are known, by name; remainders on the level
 
     def at(self, values: Sequence[Fraction]) -> PointResult:
         """Search at some values of the parameters."""

@@ -40,19 +40,12 @@ _MOST_POINTS = 400
 
 @dataclass
 class Generator:
-    """An integral whose products with others are known.
-
-    Attributes:
-        name: How it is called.
-        polynomial: It.
-        is_new: Whether the search found it.
-        is_independent: Whether it is functionally independent of those before it.
-    """
+    """An integral whose products with others are known."""
 
     name: str
     polynomial: Polynomial
-    is_new: bool
-    is_independent: bool = True
+    is_new: bool  # whether the search found it
+    is_independent: bool = True  # whether it is functionally independent of those before it
 
     @property
     def degree(self) -> int:
@@ -62,42 +55,26 @@ class Generator:
 
 @dataclass(frozen=True)
 class BlockCount:
-    """What was found in one block.
+    """What was found in one block."""
 
-    Attributes:
-        label: The weights of its monomials.
-        n_unknowns: Number of monomials.
-        nullity: Dimension of the null space modulo the prime, at least that of the integrals.
-        n_known: Dimension of the span of products of the known integrals and of those found.
-    """
-
-    label: Label
+    label: Label  # the weights of its monomials
     n_unknowns: int
-    nullity: int
-    n_known: int
+    nullity: int  # dimension of the null space modulo the prime, at least that of the integrals
+    n_known: int  # dimension of the span of products of the known integrals and of those found
 
 
 @dataclass
 class Search:
-    """The search on one set of monomials.
-
-    Attributes:
-        derivation: The equations.
-        gradings: Their gradings; on a level only those in which its equations are homogeneous.
-        level: The level set, or all of phase space.
-        equations: The polynomials that vanish on the level.
-        generators: Integrals that are known, to which those that are found are added.
-        slope: The gradient of another known integral, which is no polynomial; empty if there is none.
-        counts: What was found, block by block.
-    """
+    """The search on one set of monomials."""
 
     derivation: Derivation
-    gradings: tuple[Grading, ...]
-    level: Level
-    equations: tuple[Polynomial, ...]
-    generators: list[Generator]
+    gradings: tuple[Grading, ...]  # their gradings; on a level only those in which its equations are homogeneous
+    level: Level  # the level set, or all of phase space
+    equations: tuple[Polynomial, ...]  # the polynomials that vanish on the level
+    generators: list[Generator]  # integrals that are known, to which those that are found are added
+    # the gradient of another known integral, which is no polynomial; empty if there is none
     slope: tuple[Polynomial, ...] = ()
-    counts: list[BlockCount] = field(default_factory=list)
+    counts: list[BlockCount] = field(default_factory=list)  # what was found, block by block
 
     @property
     def complete(self) -> bool:

@@ -44,17 +44,11 @@ _LARGEST_WEIGHT = 10_000
 
 @dataclass(frozen=True)
 class SearchProblem:
-    """Equations of motion, known integrals, and a level set, as polynomials over one field.
-
-    Attributes:
-        derivation: The equations.
-        known: The integrals that are known, by name.
-        zeros: The functions that vanish on the level set; empty for all of phase space.
-    """
+    """Equations of motion, known integrals, and a level set, as polynomials over one field."""
 
     derivation: Derivation
-    known: dict[str, Polynomial]
-    zeros: list[Polynomial]
+    known: dict[str, Polynomial]  # the integrals that are known, by name
+    zeros: list[Polynomial]  # the functions that vanish on the level set; empty for all of phase space
 
     @classmethod
     def of(cls, system: System, known: Mapping[str, Expr], on: Sequence[Expr]) -> SearchProblem:
@@ -128,15 +122,10 @@ def _are_homogeneous(grading: Grading, polynomials: Iterable[Polynomial]) -> boo
 
 @dataclass(frozen=True)
 class SizeAsked:
-    """The total degree up to which is searched, or a weight.
+    """The total degree up to which is searched, or a weight."""
 
-    Attributes:
-        degree: The degree, or None.
-        weight: The weight, or None.
-    """
-
-    degree: int | None
-    weight: int | None
+    degree: int | None  # the degree, or None
+    weight: int | None  # the weight, or None
 
     @classmethod
     def of(cls, degree: int | None, weight: int | None) -> SizeAsked:

@@ -75,15 +75,10 @@ class ExactObstruction:
 
 @dataclass(frozen=True)
 class NeatElement:
-    """An element of the Galois group none of whose quotients of two different eigenvalues is a root of unity.
+    """An element of the Galois group none of whose quotients of two different eigenvalues is a root of unity."""
 
-    Attributes:
-        name: Where it comes from.
-        balls: Its matrix, enclosed.
-    """
-
-    name: str
-    balls: Any
+    name: str  # where it comes from
+    balls: Any  # its matrix, enclosed
 
 
 @dataclass(frozen=True)

@@ -178,14 +178,9 @@ def solutions_on_planes(system: System) -> Iterator[ParticularSolution]:
 
 @dataclass(frozen=True)
 class Plane:
-    """An invariant linear subspace x = sum c_k v_k.
+    """An invariant linear subspace x = sum c_k v_k."""
 
-    Attributes:
-        basis: The vectors v_k, with integer components and disjoint supports.
-        origin: How it was found.
-    """
-
-    basis: tuple[tuple[int, ...], ...]
+    basis: tuple[tuple[int, ...], ...]  # the vectors v_k, with integer components and disjoint supports
     origin: str
 
 

@@ -79,21 +79,13 @@ class Resonance:
 
 @dataclass
 class Expansion:
-    r"""The series of a balance with symbols for its free constants.
+    r"""The series of a balance with symbols for its free constants."""
 
-    Attributes:
-        local: The vector field over the field of the balance.
-        denominator: q, the series being one in $\tau^{1/q}$.
-        coefficients: $c^{(j/q)}$ for j = 0, 1, ..., each a list of polynomials.
-        constants: The free constants.
-        resonances: What was found at the rational exponents.
-    """
-
-    local: LocalField
-    denominator: int
-    coefficients: list[list[Polynomial]]
+    local: LocalField  # the vector field over the field of the balance
+    denominator: int  # q, the series being one in $\tau^{1/q}$
+    coefficients: list[list[Polynomial]]  # $c^{(j/q)}$ for j = 0, 1, ..., each a list of polynomials
     constants: list[FreeConstant] = field(default_factory=list[FreeConstant])
-    resonances: list[Resonance] = field(default_factory=list[Resonance])
+    resonances: list[Resonance] = field(default_factory=list[Resonance])  # what was found at the rational exponents
     _products: dict[tuple[tuple[int, ...], int], Polynomial] = field(
         default_factory=dict[tuple[tuple[int, ...], int], Polynomial]
     )

@@ -49,19 +49,12 @@ _SMALL = 300_000
 
 @dataclass(frozen=True)
 class GenericPoint:
-    """The coordinates of the generic point of a part of an algebraic set.
-
-    Attributes:
-        field: The field.
-        values: The values of all variables of the context, by name.
-        is_generic: Whether it is generic; if not, it is a random point of its component.
-        sample: A random point, where the field is a coordinate ring.
-    """
+    """The coordinates of the generic point of a part of an algebraic set."""
 
     field: FunctionField
-    values: dict[str, Element]
-    is_generic: bool = True
-    sample: GenericPoint | None = None
+    values: dict[str, Element]  # the values of all variables of the context, by name
+    is_generic: bool = True  # whether it is generic; if not, it is a random point of its component
+    sample: GenericPoint | None = None  # a random point, where the field is a coordinate ring
 
 
 def generic_points(

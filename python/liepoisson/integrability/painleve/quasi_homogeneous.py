@@ -37,32 +37,21 @@ from liepoisson.integrability.derivation import Derivation, Exponents
 
 @dataclass(frozen=True)
 class Term:
-    """A term of a right-hand side.
+    """A term of a right-hand side."""
 
-    Attributes:
-        exponents: The exponents m of the coordinates.
-        coefficient: The numerator and the denominator of its coefficient, polynomials in the parameters.
-        defect: How much weight it lacks.
-    """
-
-    exponents: Exponents
+    exponents: Exponents  # the exponents m of the coordinates
+    # the numerator and the denominator of its coefficient, polynomials in the parameters
     coefficient: tuple[Poly, Poly]
-    defect: Fraction
+    defect: Fraction  # how much weight it lacks
 
 
 @dataclass(frozen=True)
 class QuasiHomogeneous:
-    """A polynomial vector field with weights for its coordinates.
-
-    Attributes:
-        derivation: The vector field.
-        weights: One for each coordinate.
-        context: FLINT's context of the coordinates and, after them, the parameters.
-    """
+    """A polynomial vector field with weights for its coordinates."""
 
     derivation: Derivation
-    weights: tuple[Fraction, ...]
-    context: Any
+    weights: tuple[Fraction, ...]  # one for each coordinate
+    context: Any  # FLINT's context of the coordinates and, after them, the parameters
 
     @classmethod
     def of(cls, derivation: Derivation, weights: tuple[Fraction, ...]) -> QuasiHomogeneous:
@@ -121,16 +110,11 @@ class QuasiHomogeneous:
 
 @dataclass(frozen=True)
 class LocalField:
-    """The vector field with coefficients in the field of a balance.
-
-    Attributes:
-        field: The field.
-        weights: One for each coordinate.
-        terms: For each right-hand side the exponents, the coefficient and the defect of each term.
-    """
+    """The vector field with coefficients in the field of a balance."""
 
     field: FunctionField
-    weights: tuple[Fraction, ...]
+    weights: tuple[Fraction, ...]  # one for each coordinate
+    # for each right-hand side the exponents, the coefficient and the defect of each term
     terms: tuple[tuple[tuple[Exponents, Element, Fraction], ...], ...]
 
     @classmethod
