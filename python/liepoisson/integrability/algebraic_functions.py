@@ -75,11 +75,7 @@ class AlgebraicEquations:
 
 
 def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEquations, list[Polynomial]]:
-    """The equations of a system, and functions, in as many more variables as are needed; none for polynomials.
-
-    Raises:
-        ParameterError: they contain functions that satisfy no such equations.
-    """
+    """The equations of a system, and functions, in as many more variables as are needed; none for polynomials."""
     x = system.variables
     rates = list(system.equations.values())
     if all(e.is_polynomial(*x) for e in (*rates, *functions)):

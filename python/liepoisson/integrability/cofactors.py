@@ -98,14 +98,7 @@ class Candidates:
 
 
 class CofactorCases(CaseSplitting):
-    """The splitting of the system $(D - k) p = 0$ by the coefficients of k.
-
-    Args:
-        derivation: The equations, with rational coefficients.
-        level: The level set, or all of phase space.
-        monomials: Those of the cofactor.
-        field: Which numbers the coefficients of the cofactor may be.
-    """
+    """The splitting of the system $(D - k) p = 0$ by the coefficients of k."""
 
     def __init__(
         self,

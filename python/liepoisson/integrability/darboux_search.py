@@ -248,14 +248,7 @@ class RationalIntegral:
 def rational_integrals(
     search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
 ) -> tuple[RationalIntegral, ...]:
-    """A basis of the integrals that are products of powers of some Darboux polynomials.
-
-    Args:
-        search: Where they were found; its other factors are the known integrals.
-        factors: The Darboux polynomials.
-        names: What they are called.
-        expressions: How they are written.
-    """
+    """A basis of the integrals that are products of powers of some Darboux polynomials."""
     from sympy import Mul, expand
 
     at = _Point(search)

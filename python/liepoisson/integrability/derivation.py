@@ -83,22 +83,14 @@ class Derivation:
 
 
 def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Polynomial]]:
-    """The equations of a system as a derivation, and functions as polynomials over the same field.
-
-    Raises:
-        ParameterError: the equations or a function are no polynomials.
-    """
+    """The equations of a system as a derivation, and functions as polynomials over the same field."""
     return derivation_of_rates(system.variables, list(system.equations.values()), functions)
 
 
 def derivation_of_rates(
     variables: Sequence[Symbol], rates: Sequence[Expr], functions: Sequence[Expr] = ()
 ) -> tuple[Derivation, list[Polynomial]]:
-    """Rates of some variables as a derivation, and functions as polynomials over the same field.
-
-    Raises:
-        ParameterError: they are no polynomials.
-    """
+    """Rates of some variables as a derivation, and functions as polynomials over the same field."""
     terms = [polynomial_terms(e, variables, f"the rate of {x}") for x, e in zip(variables, rates, strict=True)]
     # all rates may have a common power of pi, which changes the speed of motion and no integral
     speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
@@ -129,11 +121,7 @@ def _divided(value: Exact, scale: Exact) -> Exact:
 
 
 def polynomial_terms(expression: Any, variables: Sequence[Symbol], what: str) -> dict[Exponents, Exact]:
-    """The exact coefficients of a polynomial.
-
-    Raises:
-        ParameterError: it is none; `what` says what it should have been.
-    """
+    """The exact coefficients of a polynomial."""
     from fractions import Fraction
 
     from sympy import Poly, PolynomialError

@@ -311,11 +311,7 @@ def check_parameters(system: System, derivation: Derivation, caller: str) -> Non
 
 
 def names_among(known: Sequence[str], given: object, what: str) -> tuple[str, ...]:
-    """A sequence of names of parameters.
-
-    Raises:
-        ParameterError: it is no sequence of these names.
-    """
+    """A sequence of names of parameters."""
     chosen = texts(given, what, f"names of {', '.join(known)}", f"{what}=[{known[0]!r}]")
     if unknown := [name for name in chosen if name not in known]:
         raise ParameterError(f"{what}: wanted names of {', '.join(known)}; got {unknown[0]!r}")

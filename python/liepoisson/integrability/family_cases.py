@@ -60,13 +60,7 @@ class FamilyCases:
         equations: Sequence[Poly] = (),
         progress: Callable[[float], Any] | None = None,
     ) -> None:
-        """Find the cases in which there are more integrals than the known ones, of all blocks, small ones first.
-
-        Args:
-            n_known: The number of known integrals in each block.
-            equations: Polynomials that vanish on the parameters to which the search is restricted.
-            progress: Told the fraction that is done.
-        """
+        """Find the cases in which there are more integrals than the known ones, of all blocks, small ones first."""
         whole = [one.case for one in self.found if not one.exceptions]
         cases = Cases(found=list(whole))
         blocks = self.integrals.blocks

@@ -72,13 +72,7 @@ class Comparison:
 
 
 class IntegralsAtPoints:
-    """Null spaces at points of the parameters modulo primes.
-
-    Args:
-        matrix: The equations of motion, and the level.
-        blocks: The blocks of all monomials up to the degree.
-        degree: The degree.
-    """
+    """Null spaces at points of the parameters modulo primes."""
 
     def __init__(self, matrix: ParameterMatrix, blocks: Sequence[Block], degree: int) -> None:
         self.matrix, self.blocks, self.degree = matrix, blocks, degree
@@ -209,14 +203,7 @@ _PRIMES = tuple(islice(primes(), 10))
 
 
 class CasePoints:
-    """Points of one case.
-
-    Args:
-        case: The case.
-        context: FLINT's context of the parameters.
-        positive: Indices of parameters that are positive.
-        seed: Of the random numbers.
-    """
+    """Points of one case."""
 
     def __init__(self, case: Case, context: Any, positive: frozenset[int], seed: int = 1) -> None:
         self.case, self.context, self.positive = case, context, positive
@@ -228,11 +215,7 @@ class CasePoints:
         self._tied = [v for v in self._free if v in occurring]
 
     def modular(self) -> tuple[int, list[Element]] | None:
-        """A prime and the parameters modulo it, at a random point of the case; None if none was found.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """A prime and the parameters modulo it, at a random point of the case; None if none was found."""
         for _ in range(_MOST_DRAWS):
             p = self._random.choice(_PRIMES)
             number = PrimeField(p).number

@@ -74,11 +74,7 @@ class Level:
 
 
 def squarefree(function: Any, variables: Sequence[Symbol]) -> Any:
-    """A polynomial without repeated factors that vanishes where the given one does: itself if it has none.
-
-    Raises:
-        ParameterError: its coefficients are algebraic numbers of too large a field.
-    """
+    """A polynomial without repeated factors that vanishes where the given one does: itself if it has none."""
     from sympy import Dummy, Poly, PolynomialError
 
     if not function.is_polynomial(*variables):
@@ -99,11 +95,7 @@ def squarefree(function: Any, variables: Sequence[Symbol]) -> Any:
 
 
 def real_points(function: Any, variables: Sequence[Symbol]) -> tuple[Symbol, ...] | None:
-    """The coordinates that vanish at all real zeros of a sum of squares, as C2 = |alpha|^2 is one; None for others.
-
-    Raises:
-        ParameterError: a positive number is added to the squares, so that there are no real zeros.
-    """
+    """The coordinates that vanish at all real zeros of a sum of squares, as C2 = |alpha|^2 is one; None for others."""
     from sympy import Poly
 
     if not function.is_polynomial(*variables):
@@ -122,11 +114,7 @@ def real_points(function: Any, variables: Sequence[Symbol]) -> tuple[Symbol, ...
 
 
 def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
-    """The level set on which some polynomials vanish.
-
-    Raises:
-        ParameterError: it is not invariant, or empty.
-    """
+    """The level set on which some polynomials vanish."""
     generators = [zero for zero in zeros if zero]
     if not generators:
         return Level()

@@ -34,11 +34,7 @@ def modular(polynomial: Polynomial, residues: Residues) -> Polynomial:
 
 
 def residues_of(field: Coefficients, polynomials: Iterable[Polynomial], skipped: int = 0) -> Residues:
-    """The homomorphism modulo the first prime, after some that are skipped, modulo which no coefficient vanishes.
-
-    Raises:
-        ParameterError: there is none.
-    """
+    """The homomorphism modulo the first prime, after some that are skipped, modulo which no coefficient vanishes."""
     values = [c for polynomial in polynomials for c in polynomial.values()]
     for attempt in range(_MOST_PRIMES):
         found = field.residues(seed=1 + attempt, skipped=attempt)

@@ -111,14 +111,7 @@ class Cases:
 
 
 class CaseSplitting:
-    """Splits the parameters of one linear system.
-
-    Args:
-        context: flint's context of the parameters.
-        positive: Indices of parameters that are positive.
-        nonzero: Polynomials that do not vanish.
-        scalings: Weights of the parameters, one row for each independent scaling.
-    """
+    """Splits the parameters of one linear system."""
 
     factors = staticmethod(irreducible_factors)
 
@@ -192,19 +185,11 @@ class CaseSplitting:
                     into.left.append(state.case)
 
     def closure(self, case: Case) -> list[Case]:
-        """The cases into which the conditions of a case fall, without what does not vanish in it.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """The cases into which the conditions of a case fall, without what does not vanish in it."""
         return self.subcases(Case(nonzero=self.assumed), self.conditions(case))
 
     def subcases(self, case: Case, equations: Sequence[Poly]) -> list[Case]:
-        """The cases in which more polynomials vanish, which are reduced on the case.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """The cases in which more polynomials vanish, which are reduced on the case."""
         stack, found = [State(case, [], 0, list(equations))], list[Case]()
         while stack:
             further = self._impose(state := stack.pop())
@@ -292,9 +277,6 @@ class CaseSplitting:
         """The cases into which several equations fall that were not solved, each with a Gröbner basis of them.
 
         An element of a basis may be of degree one in a parameter: then they wait to be solved.
-
-        Raises:
-            NotDecidedError: the limits were reached.
         """
         case, found = state.case, list[State]()
         assumptions = Assumptions(tuple(case.nonzero.values()), self.positive, is_real=True)
@@ -442,11 +424,7 @@ class CaseSplitting:
     # elimination
 
     def _eliminate(self, state: State, enough: int) -> None:
-        """Eliminate by entries that do not vanish, as long as there are any.
-
-        Raises:
-            TimeLimitError: the deadline of the call has passed.
-        """
+        """Eliminate by entries that do not vanish, as long as there are any."""
         state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
         while state.rows and state.rank < enough:
             checkpoint("an elimination")
@@ -544,11 +522,7 @@ class CaseSplitting:
     # what vanishes
 
     def _vanishes_everywhere(self, q: Poly, case: Case) -> bool:
-        """Whether a polynomial vanishes at all complex parameters of a case.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """Whether a polynomial vanishes at all complex parameters of a case."""
         for p in case.nonzero.values():
             q = q * p
         return radical_contains(GroebnerBasis(self.context, case.unsolved), q, LIMITS.budget())

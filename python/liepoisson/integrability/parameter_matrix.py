@@ -25,17 +25,7 @@ if TYPE_CHECKING:
 
 
 class ParameterMatrix:
-    """The equations of motion, on a level or in all of phase space, with flint's polynomials for coefficients.
-
-    Args:
-        derivation: The equations; the field of their coefficients has parameters.
-        zeros: The polynomials that vanish on the level.
-        level: The level.
-
-    Raises:
-        ParameterError: the highest terms of the equations of the level have no numbers for coefficients, or there are
-            several with parameters.
-    """
+    """The equations of motion, on a level or in all of phase space, with flint's polynomials for coefficients."""
 
     def __init__(self, derivation: Derivation, zeros: Sequence[Polynomial] = (), level: Level | None = None) -> None:
         from flint import fmpq_mpoly_ctx

@@ -25,17 +25,7 @@ _FILE = "points.jsonl"
 
 
 class ScanStore:
-    """The points of a scan that are known.
-
-    Args:
-        folder: The folder; it exists, and no other process works in it.
-        description: What is scanned, as plain data.
-        fresh: Discard what is there.
-
-    Raises:
-        OutputError: the folder holds another scan or something else, or cannot be written.
-        DamagedFileError: its description cannot be read.
-    """
+    """The points of a scan that are known."""
 
     def __init__(self, folder: Path, description: Mapping[str, Any], *, fresh: bool = False) -> None:
         self.path = folder / _FILE
@@ -78,11 +68,7 @@ class ScanStore:
                 stream.write(b"\n")
 
     def keep(self, results: Mapping[int, PointResult]) -> None:
-        """Add points; one whose process failed is tried again next time.
-
-        Raises:
-            OutputError: they cannot be written; what is stored stays.
-        """
+        """Add points; one whose process failed is tried again next time."""
         if records := {str(k): _record(r) for k, r in results.items() if r.outcome != "failed"}:
             with writing(self.path), self.path.open("a", encoding="utf-8") as stream:
                 stream.write(_line(records, self._scan))

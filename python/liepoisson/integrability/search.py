@@ -91,11 +91,6 @@ class Search:
 
         Modulo a prime by which a difference of coefficients is divisible, null spaces may be larger than they are: then
         the search finds all integrals, and is not complete.
-
-        Args:
-            monomials: All up to a degree, or of one weight.
-            progress: Told the fraction that is done.
-            weights: The weights of the variables, if the monomials are those of one weight.
         """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
         self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
@@ -294,9 +289,6 @@ def products(
         factors: The factors with their degrees.
         highest: The degree.
         most_terms: Of products before terms are collected; longer ones are left out.
-
-    Raises:
-        TimeLimitError: the deadline of the call has passed.
     """
 
     def extended(
@@ -321,11 +313,7 @@ def _part(progress: Callable[[float], Any] | None, start: float, share: float) -
 
 
 def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[Element]:
-    """A random point modulo the prime at which some polynomials in n variables vanish.
-
-    Raises:
-        ParameterError: none was found.
-    """
+    """A random point modulo the prime at which some polynomials in n variables vanish."""
     if not equations:
         return random_point(n, residues)
     images = [modular(f, residues) for f in equations]

@@ -52,11 +52,7 @@ class SearchProblem:
 
     @classmethod
     def of(cls, system: System, known: Mapping[str, Expr], on: Sequence[Expr]) -> SearchProblem:
-        """The problem for a system with polynomial equations.
-
-        Raises:
-            ParameterError: the equations, or functions, are no polynomials.
-        """
+        """The problem for a system with polynomial equations."""
         derivation, functions = derivation_of(system, *known.values(), *on)
         n = len(known)
         return cls(derivation, dict(zip(known, functions[:n], strict=True)), functions[n:])
@@ -67,13 +63,7 @@ class SearchProblem:
         relations: Level | None = None,
         written: Callable[[Polynomial], Expr] | None = None,
     ) -> None:
-        """Refuse functions that are no integrals.
-
-        Args:
-            known: As they were given.
-            relations: Of functions that are variables.
-            written: How a polynomial is written in the coordinates.
-        """
+        """Refuse functions that are no integrals."""
         level, written = relations or Level(), written or self.derivation.expression
         for name, polynomial in self.known.items():
             if rate := level.remainder(self.derivation(polynomial)):
@@ -84,11 +74,7 @@ class SearchProblem:
 
     @cached_property
     def level(self) -> Level:
-        """The level set.
-
-        Raises:
-            ParameterError: it is not invariant, or empty.
-        """
+        """The level set."""
         return level_of(self.derivation, self.zeros)
 
     @cached_property
@@ -129,11 +115,7 @@ class SizeAsked:
 
     @classmethod
     def of(cls, degree: int | None, weight: int | None) -> SizeAsked:
-        """What a caller asks for; degree 2 if he says nothing.
-
-        Raises:
-            ParameterError: both were given, or one is no number from 1.
-        """
+        """What a caller asks for; degree 2 if he says nothing."""
         if weight is None:
             return cls(2 if degree is None else as_count(degree, "degree", least=1), None)
         w = as_count(weight, "weight", least=1)
@@ -147,11 +129,7 @@ class SizeAsked:
         return (self.degree if self.weight is None else self.weight) or 0
 
     def n_up_to_degree(self, n: int, most: int) -> int:
-        """How many monomials of n coordinates have at most the degree, without 1.
-
-        Raises:
-            ParameterError: more than are searched.
-        """
+        """How many monomials of n coordinates have at most the degree, without 1."""
         d = self.value
         if (size := n_monomials(n, d) - 1) > most:
             fits = next(k for k in count() if n_monomials(n, k + 1) > most)
@@ -171,9 +149,6 @@ class SizeAsked:
             found: Their gradings.
             most: Of how many monomials a search is begun.
             up_to: Whether monomials of smaller weights belong to it.
-
-        Raises:
-            ParameterError: there are more, or no positive grading for a weight.
         """
         n, w = len(derivation.variables), self.weight
         if w is None:
@@ -197,11 +172,7 @@ class SizeAsked:
 
 
 def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
-    """Functions of the state by name.
-
-    Raises:
-        ParameterError: they have no names.
-    """
+    """Functions of the state by name."""
     return by_name(known, what, "functions", '{"K": "l3"}')
 
 
@@ -211,11 +182,7 @@ def known_functions(system: System) -> dict[str, Expr]:
 
 
 def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
-    """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made.
-
-    Raises:
-        ParameterError: they are none of these, or a value is not exact.
-    """
+    """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made."""
     if isinstance(on, str) or is_sympy(on):
         return (cast("str | Expr", on),)
     if (values := named(on, "on")) is None:
@@ -230,12 +197,7 @@ def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
 
 
 def zeros_on_level(system: System, on: Equations) -> list[Expr]:
-    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name.
-
-    Raises:
-        ParameterError: an equation holds everywhere.
-        ExpressionError: a text cannot be read.
-    """
+    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name."""
     zeros: list[Expr] = []
     for equation in equations_of(system, on):
         if isinstance(equation, str):

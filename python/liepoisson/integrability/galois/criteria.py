@@ -190,20 +190,7 @@ def exact_obstruction(flag: Flag) -> ExactObstruction | None:
 def commutators(
     system: LinearSystem, *, precision: int = PRECISION, stop: bool = True
 ) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
-    """Commutators of neat powers of the local monodromies, infinity included, and of their conjugates.
-
-    Args:
-        system: The system.
-        precision: Bits that are wanted.
-        stop: Whether to end with the first pair that does not commute.
-
-    Returns:
-        The commutators, and what was left out.
-
-    Raises:
-        EnclosureError: the precision does not suffice, or the loops cannot be made.
-        TimeLimitError: the deadline of the call has passed.
-    """
+    """Commutators of neat powers of the local monodromies, infinity included, and of their conjugates."""
     from flint import ctx
 
     found: list[Commutator] = []

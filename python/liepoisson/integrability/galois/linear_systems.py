@@ -189,11 +189,7 @@ def _restored(variable: Symbol, matrix: Any, names: tuple[str, ...], symbols: tu
 
 
 def _rows(matrix: Any) -> list[list[Any]]:
-    """The rows of a matrix of SymPy or NumPy, or of lists.
-
-    Raises:
-        ParameterError: it is none.
-    """
+    """The rows of a matrix of SymPy or NumPy, or of lists."""
     given = listed(matrix.tolist() if is_sympy(matrix) and hasattr(matrix, "tolist") else matrix, "matrix")
     rows = [listed(row, "matrix") for row in given or ()]
     if given is None or any(row is None for row in rows):
@@ -208,10 +204,6 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
         given: An expression, a number or a text.
         symbols: The symbols that a text may name.
         where: What to call it in an error message.
-
-    Raises:
-        ExpressionError: a text that is no formula.
-        ParameterError: what is none of these.
     """
     from sympy import Symbol
 
@@ -227,11 +219,7 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
 
 
 def rational_function(expression: Any, field: Any) -> Any:
-    """An element of a field of rational functions.
-
-    Raises:
-        ParameterError: the expression is no rational function over the rational numbers.
-    """
+    """An element of a field of rational functions."""
     from sympy import together
     from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 

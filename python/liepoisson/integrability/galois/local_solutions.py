@@ -164,11 +164,7 @@ class LocalSystem:
 
     @cached_property
     def exponents(self) -> Exponents:
-        """The exponents of u.
-
-        Raises:
-            ParameterError: no weights were found.
-        """
+        """The exponents of u."""
         from flint import fmpq, fmpq_poly
         from sympy import QQ
         from sympy.polys.densetools import dup_diff
@@ -201,11 +197,7 @@ class LocalSystem:
         return Exponents(rational, tuple(others), self.system.n, self.system.n - len(repeated) + 1)
 
     def coefficient(self, k: int) -> Any:
-        """B_k, a matrix over the field.
-
-        Raises:
-            ParameterError: no weights were found.
-        """
+        """B_k, a matrix over the field."""
         if self.weights is None:
             raise ParameterError(
                 f"{self.place} is an irregular singular point, or no weights of the components were "
@@ -397,16 +389,7 @@ class LocalSystem:
 
 
 def local_system(system: LinearSystem, point: Any = None, *, weights: Sequence[int] | None = None) -> LocalSystem:
-    """A system near a singular point.
-
-    Args:
-        system: The system.
-        point: The irreducible polynomial (of FLINT) whose roots are the points; None for infinity.
-        weights: As in `LocalSystem`; found by default.
-
-    Raises:
-        ParameterError: the weights leave a pole that is not simple.
-    """
+    """A system near a singular point."""
     return LocalSystem(system, point, weights)
 
 

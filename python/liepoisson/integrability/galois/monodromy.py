@@ -153,12 +153,6 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
     """Loops with one base point, one around each finite singular point: they generate the monodromy group.
 
     They are in the order of their angles at the base point, so that one after the other they go once around all.
-
-    Returns:
-        For each the irreducible polynomial of the singular point, and the loop.
-
-    Raises:
-        EnclosureError: no base point was found from which the ways are clear.
     """
     roots = [(f, complex(root)) for f in system.singular_points for root, _ in f.numer().complex_roots()]
     places = [z for _, z in roots]
@@ -193,18 +187,7 @@ def loop_around_all(system: LinearSystem, like: Loop) -> Loop:
 
 
 def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -> Monodromy:
-    """The monodromy along a loop.
-
-    Args:
-        system: The system.
-        loop: The loop.
-        precision: Bits that are wanted.
-
-    Raises:
-        ParameterError: the loop goes through a singular point.
-        EnclosureError: the precision does not suffice.
-        TimeLimitError: the deadline of the call has passed.
-    """
+    """The monodromy along a loop."""
     from flint import ctx
 
     from liepoisson.algebra.flint_pickles import register

@@ -161,11 +161,7 @@ def particular_solutions(system: System, *, most: int = 4) -> tuple[ParticularSo
 
 
 def solutions_on_planes(system: System) -> Iterator[ParticularSolution]:
-    """The same, one after the other as they are found.
-
-    Raises:
-        ParameterError: the equations are not polynomial, or have coefficients that are not rational.
-    """
+    """The same, one after the other as they are found."""
     check_polynomial(system)
     planes = [(plane, _Restricted(system, plane)) for plane in invariant_planes(system)]
     for plane, field in planes:
@@ -218,11 +214,7 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
 
 
 def check_polynomial(system: System) -> None:
-    """Refuse what is no polynomial vector field with rational coefficients.
-
-    Raises:
-        ParameterError: it is not.
-    """
+    """Refuse what is no polynomial vector field with rational coefficients."""
     from sympy import QQ, Poly
     from sympy.polys.polyerrors import PolynomialError
 

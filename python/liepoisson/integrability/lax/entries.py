@@ -57,12 +57,7 @@ def spectral_symbol(system: System, spectral: str | None) -> Symbol | None:
 
 
 def read_entries(system: System, given: Any, spectral: Symbol | None, what: str) -> list[Expr] | list[list[Expr]]:
-    """The rows of a matrix, or the components of an element of the Lie algebra.
-
-    Raises:
-        ShapeError: neither a square matrix nor as many components as the algebra has.
-        ExpressionError: a text cannot be read.
-    """
+    """The rows of a matrix, or the components of an element of the Lie algebra."""
     reader = _Reader(system, spectral, what)
     if isinstance(given, str):
         return reader.vector(given)
@@ -153,11 +148,7 @@ class _Variable:
 
 
 class EntryArithmetic:
-    """Sums, products and canonical forms of entries.
-
-    Args:
-        expressions: All entries that are to be read.
-    """
+    """Sums, products and canonical forms of entries."""
 
     def __init__(self, expressions: Iterable[Expr]) -> None:
         from flint import Ordering, fmpq_mpoly_ctx

@@ -221,12 +221,7 @@ Bivariate: TypeAlias = dict[tuple[int, int], Any]
 
 
 def branches(f: Bivariate, field: Any) -> Counter[int]:
-    """How many branches of each ramification index a squarefree polynomial has over x = 0, with finite y.
-
-    Args:
-        f: Monic in y, say; squarefree.
-        field: FLINT's context of the finite field.
-    """
+    """How many branches of each ramification index a squarefree polynomial has over x = 0, with finite y."""
     found: Counter[int] = Counter()
     over_zero = {j: c for (i, j), c in f.items() if i == 0}
     for root_field, root, multiplicity, n_conjugates in _roots(over_zero, field):

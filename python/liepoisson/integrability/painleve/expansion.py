@@ -236,11 +236,7 @@ def expand(
     equations: Equations,
     exponents: Exponents,
 ) -> Expansion:
-    """Follow the series of a balance up to its largest rational exponent, or to the first logarithm.
-
-    Raises:
-        TimeLimitError: the deadline of the call has passed.
-    """
+    """Follow the series of a balance up to its largest rational exponent, or to the first logarithm."""
     defects = [defect for of_one in local.terms for _, _, defect in of_one]
     rational = [r for r, _ in exponents.rational]
     q = lcm(*(x.denominator for x in (*defects, *(r for r in rational if r > 0))), 1)

@@ -60,17 +60,7 @@ class GenericPoint:
 def generic_points(
     component: Component, parameters: Sequence[str], budget: Budget, *, most: int | None = None
 ) -> list[GenericPoint]:
-    """The generic points of the parts of a component; none if the parameters are not independent on it.
-
-    Args:
-        component: The component.
-        parameters: Variables that are parameters, of which the field shall contain the rational functions.
-        budget: Where the work is accounted.
-        most: The largest degree of fields that are wanted, for little work.
-
-    Raises:
-        NotDecidedError: the limits were reached, or the degree is larger.
-    """
+    """The generic points of the parts of a component; none if the parameters are not independent on it."""
     basis = component.basis
     if not basis.dimension:
         return [] if parameters else _isolated(basis, budget)
@@ -100,9 +90,6 @@ def of_family(component: Component, singular: Sequence[str], budget: Budget) -> 
         component: The component.
         singular: Coordinates that do not all vanish: their common zeros are left out, if they are a part.
         budget: Where the work is accounted.
-
-    Raises:
-        NotDecidedError: the limits were reached.
     """
     basis = component.basis if component.is_irreducible else _without_zeros(component.basis, singular, budget)
     independent = next((c for c in _independent(basis, ()) if _is_independent(basis, c)), ())

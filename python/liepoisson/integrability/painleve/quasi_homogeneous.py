@@ -190,11 +190,7 @@ def excess(rows: Iterable[Row], weights: Sequence[Fraction]) -> Fraction:
 
 
 def maximal_weights(derivation: Derivation) -> tuple[tuple[Fraction, ...], ...]:
-    """All maximal weights; where there is no largest choice, all whole ones that are maximal.
-
-    Raises:
-        ParameterError: there are too many to try.
-    """
+    """All maximal weights; where there is no largest choice, all whole ones that are maximal."""
     rows = inequalities(derivation)
     n = len(derivation.variables)
     tops = [_largest(rows, k, n) for k in range(n)]
