@@ -30,7 +30,7 @@ from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
+from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -118,42 +118,24 @@ class CofactorCases(CaseSplitting):
         """The cofactors of polynomials with the monomials of a block; what is not decided by the deadline is left."""
         if not self.monomials:
             return Candidates(((),), (), 1)
-        every = Case(nonzero=self.assumed)
+        cases, values = Cases(), list[Values]()
         try:
-            stack = [State(every, self._rows(block), 0)]
+            self.run(self._rows(block), len(block), 0, cases)
         except TimeLimitError:
-            return Candidates((), (self._text(every),), 0)
-        values: list[Values] = []
-        left: list[Case] = []
-        n_cases = 0
-        while stack:
-            state = stack.pop()
-            n_cases += 1
+            cases.left.append(Case(nonzero=self.assumed))
+        for case in cases.found:
             try:
-                further = self._impose(state)
-                if further is not None:
-                    stack += further
-                    continue
-                self._eliminate(state, len(block))
-                if state.rank >= len(block):
-                    continue
-                if state.rows and not self._is_finite(state.case):
-                    stack += self._split(state)
-                    continue
-                points = self._points(state.case)
-                if points is None and self._has_none(state.case, block):
-                    continue
-            except NotDecidedError:
-                left.append(state.case)
-                continue
-            except TimeLimitError:
-                left += [s.case for s in (state, *stack)]
-                break
-            if points is None:
-                left.append(state.case)
+                points = self._points(case)
+                if points is None and not self._has_none(case, block):
+                    cases.left.append(case)
+            except (NotDecidedError, TimeLimitError):
+                cases.left.append(case)
             else:
-                values += points
-        return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, left)), n_cases)
+                values += points or ()
+        return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, cases.left)), cases.n_cases)
+
+    def _is_settled(self, state: State) -> bool:
+        return not state.rows or self._is_finite(state.case)
 
     def _rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
         rows: dict[Exponents, SparseRow] = {}

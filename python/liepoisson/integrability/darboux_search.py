@@ -80,11 +80,10 @@ class DarbouxSearch:
 
     def over(self, field: Coefficients) -> DarbouxSearch:
         """The same search over a larger field than the rational numbers, with nothing known."""
-        basis = over(field, [generator for _, generator in self.level.basis])
         return DarbouxSearch(
             Derivation(self.derivation.variables, tuple(over(field, self.derivation.components)), field),
             self.gradings,
-            Level(tuple((lead, generator) for (lead, _), generator in zip(self.level.basis, basis, strict=True))),
+            self.level.mapped(lambda generator: over(field, [generator])[0]),
             tuple(over(field, self.equations)),
             self.monomials,
         )
@@ -146,7 +145,7 @@ class DarbouxSearch:
 
     @cached_property
     def _level_mod(self) -> Level:
-        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
+        return self.level.mapped(lambda generator: modular(generator, self.residues))
 
     def _of(self, cofactor: Cofactor) -> dict[Exponents, Element]:
         return {m: c for m, c in zip(self.monomials, cofactor, strict=True) if c}

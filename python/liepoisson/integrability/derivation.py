@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain, product
 from math import comb, gcd, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -94,7 +95,7 @@ def derivation_of_rates(
     terms = [polynomial_terms(e, variables, f"the rate of {x}") for x, e in zip(variables, rates, strict=True)]
     # all rates may have a common power of pi, which changes the speed of motion and no integral
     speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
-    terms = [{m: _divided(c, speed) for m, c in one.items()} for one in terms]
+    terms = [{m: c if speed == 1 else c / speed for m, c in one.items()} for one in terms]
     terms += [polynomial_terms(f, variables, "a function") for f in functions]
     field = Coefficients.containing([c for one in terms for c in one.values()])
     if not field.decides:
@@ -116,14 +117,8 @@ def undecided(field: Coefficients) -> str:
     )
 
 
-def _divided(value: Exact, scale: Exact) -> Exact:
-    return value if scale == 1 else value / scale
-
-
 def polynomial_terms(expression: Any, variables: Sequence[Symbol], what: str) -> dict[Exponents, Exact]:
     """The exact coefficients of a polynomial."""
-    from fractions import Fraction
-
     from sympy import Poly, PolynomialError
 
     if expression == 0:
@@ -177,42 +172,30 @@ def gradings(derivation: Derivation) -> tuple[Grading, ...]:
         scale = lcm(*(value.denominator for value in vector.values()))
         whole = [int(vector.get(i, 0) * scale) for i in range(n + 1)]
         common = gcd(*whole)
-        found.append(_grading([w // common for w in whole], 0))
+        *weights, shift = (w // common for w in whole)
+        found.append(Grading(tuple(weights), shift))
     for q in MODULI:
-        found += [_grading([v.get(i, 0) for i in range(n + 1)], q) for v in nullspace_mod(rows, n + 1, q)]
+        for vector in nullspace_mod(rows, n + 1, q):
+            found.append(Grading(tuple(vector.get(i, 0) for i in range(n)), vector.get(n, 0), q))
     return tuple(g for g in found if any(g.weights))
-
-
-def _grading(whole: Sequence[int], modulus: int) -> Grading:
-    return Grading(tuple(whole[:-1]), whole[-1], modulus)
 
 
 def positive_grading(found: Iterable[Grading]) -> Grading | None:
     """A grading with positive integer weights, small ones preferred; None if there is none of small factors."""
     integer = [g for g in found if not g.modulus]
-    best: Grading | None = None
+    positive: list[Grading] = []
     for factors in _small_vectors(len(integer)):
-        weights = [sum(f * g.weights[i] for f, g in zip(factors, integer, strict=True)) for i in _range(integer)]
+        scaled = [[f * w for w in g.weights] for f, g in zip(factors, integer, strict=True)]
+        weights = list(map(sum, zip(*scaled, strict=True)))
         if not weights or min(weights) <= 0:
             continue
         shift = sum(f * g.shift for f, g in zip(factors, integer, strict=True))
         common = gcd(*weights, shift)
-        candidate = Grading(tuple(w // common for w in weights), shift // common)
-        if best is None or (abs(candidate.shift - 1), sum(candidate.weights)) < (
-            abs(best.shift - 1),
-            sum(best.weights),
-        ):
-            best = candidate
-    return best
-
-
-def _range(integer: Sequence[Grading]) -> range:
-    return range(len(integer[0].weights)) if integer else range(0)
+        positive.append(Grading(tuple(w // common for w in weights), shift // common))
+    return min(positive, key=lambda g: (abs(g.shift - 1), sum(g.weights)), default=None)
 
 
 def _small_vectors(n: int) -> Iterable[tuple[int, ...]]:
-    from itertools import product
-
     bound = _MOST_COMBINATIONS if n <= 2 else 2
     return product(range(-bound, bound + 1), repeat=n) if n <= 5 else ()
 
@@ -242,6 +225,11 @@ def n_of_weights(weights: Sequence[int], most: int) -> list[int]:
 def of_degree(n_variables: int, degree: int) -> Iterator[Exponents]:
     """All monomials of one degree."""
     return of_weight((1,) * n_variables, degree)
+
+
+def up_to_degree(n_variables: int, degree: int) -> Iterator[Exponents]:
+    """All monomials up to a degree."""
+    return chain.from_iterable(of_degree(n_variables, k) for k in range(degree + 1))
 
 
 def of_weight(weights: Sequence[int], weight: int) -> Iterator[Exponents]:

@@ -7,10 +7,9 @@ counts if not all integrals in it are polynomials in H and the Casimirs (`liepoi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
@@ -18,7 +17,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
-from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
+from liepoisson.integrability.derivation import Derivation, in_blocks, n_monomials, up_to_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
 from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
 from liepoisson.integrability.level import order
@@ -233,7 +232,7 @@ def integrable_families(
         )
     search = problem.search()
     matrix = ParameterMatrix(derivation, problem.zeros, search.level)
-    search.run(_monomials(len(system.variables), d))
+    search.run(up_to_degree(len(system.variables), d))
     splitting = CaseSplitting(
         matrix.context,
         frozenset(matrix.names.index(name) for name in positive),
@@ -318,13 +317,10 @@ def names_among(known: Sequence[str], given: object, what: str) -> tuple[str, ..
     return chosen
 
 
-def _monomials(n: int, degree: int) -> Iterator[Exponents]:
-    return chain.from_iterable(of_degree(n, k) for k in range(1, degree + 1))
-
-
 def _blocks(search: Search, matrix: ParameterMatrix, degree: int) -> list[Block]:
     """The blocks with their matrices, small ones first: what lies in a case that is known is not looked at again."""
-    standard = (m for m in _monomials(len(matrix.components), degree) if search.level.is_standard(m))
+    monomials = up_to_degree(len(matrix.components), degree)
+    standard = (m for m in monomials if any(m) and search.level.is_standard(m))
     blocks = in_blocks(standard, search.gradings)
     ordered = [
         (label, sorted(block, key=order, reverse=True))

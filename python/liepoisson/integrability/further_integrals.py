@@ -106,7 +106,7 @@ class IntegralsAtPoints:
         return algebra.contains([algebra.level.remainder(_at(function, point, p))])[0]
 
     def _algebra(self, point: list[Element], p: int, known: Sequence[ParameterPolynomial]) -> _Algebra:
-        level = Level(tuple((lead, _at(b, point, p)) for lead, b in self.matrix.level.basis))
+        level = self.matrix.level.mapped(lambda generator: _at(generator, point, p))
         zeros = [_at(zero, point, p) for zero in self.matrix.zeros]
         functions = [level.remainder(_at(f, point, p)) for f in known]
         return _Algebra([{m: c for m, c in f.items() if any(m)} for f in functions], level, zeros, self.degree, p)

@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.algebra.sparse_polynomials import expression
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import Derivation, n_monomials
+from liepoisson.integrability.derivation import n_monomials
 from liepoisson.integrability.families import check_parameters
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import MOST_MONOMIALS
@@ -201,7 +202,6 @@ def scan_integrals(
                 progress(len(done) / len(points))
     late = PointResult("time limit")
     whole = [done.get(k, late) for k in range(len(points))]
-    derivation = Derivation(system.variables, (), _rationals())
     return IntegralScan(
         system=system,
         degree=d,
@@ -212,18 +212,12 @@ def scan_integrals(
         n_further=np.array([result.n_further for result in whole], dtype=np.int64),
         outcome=np.array([result.outcome for result in whole]),
         found={
-            k: tuple(Formula(derivation.expression(p)).plain for p in result.found)
+            k: tuple(Formula(expression(p.items(), system.variables)).plain for p in result.found)
             for k, result in enumerate(whole)
             if result.found
         },
         time_limit=deadline.seconds,
     )
-
-
-def _rationals() -> Any:
-    from liepoisson.algebra.coefficients import Coefficients
-
-    return Coefficients()
 
 
 def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, list[str]]:

@@ -12,10 +12,8 @@ References: Cox, Little and O'Shea, Ideals, Varieties, and Algorithms (2015), se
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.coefficients import check_degree
@@ -43,6 +41,10 @@ class Level:
 
     # a Gröbner basis of the ideal, each with its leading monomial; monic
     basis: tuple[tuple[Exponents, Polynomial], ...] = ()
+
+    def mapped(self, function: Callable[[Polynomial], Polynomial]) -> Level:
+        """The level whose basis is the image of this one, under a map that keeps the monomials."""
+        return Level(tuple((lead, function(generator)) for lead, generator in self.basis))
 
     def is_standard(self, monomial: Exponents) -> bool:
         """Whether a monomial is no multiple of a leading one."""
@@ -75,23 +77,17 @@ class Level:
 
 def squarefree(function: Any, variables: Sequence[Symbol]) -> Any:
     """A polynomial without repeated factors that vanishes where the given one does: itself if it has none."""
-    from sympy import Dummy, Poly, PolynomialError
+    from sympy import Poly, PolynomialError
 
     if not function.is_polynomial(*variables):
         return function
     check_degree([function])
-    random, t = Random(1), Dummy("t")
-    line = {x: random.randint(-99, 99) + random.randint(1, 99) * t for x in variables}
     try:
         polynomial: Any = Poly(function, *variables, extension=True)
-        on_line: Any = Poly(function.xreplace(line), t, extension=True)
-        # a square would be one on each line, if its degree does not drop there
-        if on_line.degree() < polynomial.total_degree() or not on_line.is_sqf:
-            part = polynomial.sqf_part()
-            return function if part.total_degree() == polynomial.total_degree() else part.as_expr()
+        part = polynomial.sqf_part()
     except (PolynomialError, NotImplementedError):  # coefficients in no field, which is refused later
         return function
-    return function
+    return function if part.total_degree() == polynomial.total_degree() else part.as_expr()
 
 
 def real_points(function: Any, variables: Sequence[Symbol]) -> tuple[Symbol, ...] | None:
@@ -119,13 +115,11 @@ def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
     if not generators:
         return Level()
     basis = generators if len(generators) == 1 else _groebner(derivation, generators)
-    pairs: list[tuple[Exponents, Polynomial]] = []
-    for generator in basis:
-        lead = max(generator, key=order)
-        inverse = derivation.field.one / generator[lead]
-        pairs.append((lead, {m: c * inverse for m, c in generator.items()}))
-    level = Level(tuple(pairs))
-    if not all(map(any, (lead for lead, _ in pairs))):
+    leads = [max(generator, key=order) for generator in basis]
+    inverses = [derivation.field.one / generator[lead] for lead, generator in zip(leads, basis, strict=True)]
+    monic = [{m: c * inverse for m, c in g.items()} for g, inverse in zip(basis, inverses, strict=True)]
+    level = Level(tuple(zip(leads, monic, strict=True)))
+    if not all(map(any, leads)):
         raise ParameterError("on: wanted a level that has points; got equations that contradict each other")
     for zero in generators:
         if level.remainder(derivation(zero)):
@@ -138,46 +132,29 @@ def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
 
 def _groebner(derivation: Derivation, generators: Sequence[Polynomial]) -> list[Polynomial]:
     field: Coefficients = derivation.field
-    rational = [{m: _as_rational(field.write(c)) for m, c in g.items()} for g in generators]
-    if all(c is not None for g in rational for c in g.values()):  # whatever the field of the equations is
-        found = _over_the_rationals(cast("list[dict[Exponents, Fraction]]", rational))
+    written: list[dict[Exponents, Any]] = [{m: field.to_sympy(c) for m, c in g.items()} for g in generators]
+    if all(c.is_Rational for g in written for c in g.values()):  # whatever the field of the equations is
+        found = _over_the_rationals([{m: as_fmpq(c) for m, c in g.items()} for g in written])
         return [{m: field.number(c) for m, c in g.items()} for g in found]
     if field.is_cyclotomic:
         raise ParameterError("on: wanted one equation, or rational coefficients; got several over a cyclotomic field")
-    return _over_a_domain(derivation, generators)
+    from sympy import groebner
+
+    expressions: list[Expr] = [derivation.expression(g) for g in generators]
+    by_sympy: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
+    return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in by_sympy.polys]
 
 
-def _as_rational(value: Any) -> Fraction | None:
-    if isinstance(value, Fraction):
-        return value
-    return Fraction(int(value.p), int(value.q)) if value.is_Rational else None
-
-
-def _over_the_rationals(generators: Sequence[Mapping[Exponents, Fraction]]) -> list[dict[Exponents, Fraction]]:
-
+def _over_the_rationals(generators: Sequence[Mapping[Exponents, Any]]) -> list[Polynomial]:
     from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
     from liepoisson.algebra.ideals.limits import NotDecidedError
 
     context = rational_context([f"x{k}" for k in range(len(next(iter(generators[0]))))])
-    given = [context.from_dict({m: as_fmpq(c) for m, c in g.items()}) for g in generators]
     try:
-        basis = groebner_basis(given)
+        basis = groebner_basis([context.from_dict(dict(g)) for g in generators])
     except NotDecidedError as error:
         checkpoint("the Gröbner basis of a level")
         raise ParameterError(
             f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
         ) from error
-    return [
-        {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in polynomial.terms()}
-        for polynomial in basis.polynomials
-    ]
-
-
-def _over_a_domain(derivation: Derivation, generators: Sequence[Polynomial]) -> list[Polynomial]:
-    """Over a field with irrational numbers or parameters, by SymPy."""
-    from sympy import groebner
-
-    field: Coefficients = derivation.field
-    expressions: list[Expr] = [derivation.expression(g) for g in generators]
-    found: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
-    return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in found.polys]
+    return [{tuple(map(int, m)): c for m, c in polynomial.terms()} for polynomial in basis.polynomials]

@@ -108,6 +108,7 @@ class Cases:
     found: list[Case] = field(default_factory=list)
     left: list[Case] = field(default_factory=list)  # cases that were not decided
     n_closed: int = 0  # number of cases in which there are no further solutions
+    n_cases: int = 0  # number of cases that were looked at
 
 
 class CaseSplitting:
@@ -148,41 +149,35 @@ class CaseSplitting:
             equations: Polynomials that vanish on all parameters that are looked at.
         """
         stack = [State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
-        n_cases = 0
+        most = into.n_cases + MOST_CASES
         while stack:
             state = stack.pop()
-            n_cases += 1
-            if n_cases > MOST_CASES or has_passed():
-                into.left += [self._left(s) for s in (state, *stack)]
+            into.n_cases += 1
+            if into.n_cases > most or has_passed():
+                into.left += map(self._left, (state, *stack))
                 return
             try:
-                further = self._impose(state)
+                if (further := self._further(state)) is not None:
+                    stack += further
+                    continue
+                if any(self.lies_in(state.case, case) for case in into.found):
+                    continue
+                self._eliminate(state, n_columns - n_known)
+                if state.rank >= n_columns - n_known:
+                    into.n_closed += 1
+                elif self._is_settled(state):
+                    into.found = [c for c in into.found if not self.lies_in(c, state.case)] + [state.case]
+                else:
+                    stack += self._split(state)
             except NotDecidedError:
                 into.left.append(self._left(state))
-                continue
-            if further is not None:
-                stack += further
-                continue
-            state = self._scaled(state)
-            if state.pending:
-                stack.append(state)
-                continue
-            if any(self.lies_in(state.case, case) for case in into.found):
-                continue
-            try:
-                self._eliminate(state, n_columns - n_known)
             except TimeLimitError:
-                into.left += [self._left(s) for s in (state, *stack)]
+                into.left += map(self._left, (state, *stack))
                 return
-            if state.rank >= n_columns - n_known:
-                into.n_closed += 1
-            elif not state.rows:
-                into.found = [c for c in into.found if not self.lies_in(c, state.case)] + [state.case]
-            else:
-                try:
-                    stack += self._split(state)
-                except NotDecidedError:
-                    into.left.append(state.case)
+
+    def _is_settled(self, state: State) -> bool:
+        """Whether a case in which there are further solutions is not divided any more."""
+        return not state.rows
 
     def closure(self, case: Case) -> list[Case]:
         """The cases into which the conditions of a case fall, without what does not vanish in it."""
@@ -192,13 +187,9 @@ class CaseSplitting:
         """The cases in which more polynomials vanish, which are reduced on the case."""
         stack, found = [State(case, [], 0, list(equations))], list[Case]()
         while stack:
-            further = self._impose(state := stack.pop())
-            if further is not None:
+            state = stack.pop()
+            if (further := self._further(state)) is not None:
                 stack += further
-                continue
-            state = self._scaled(state)
-            if state.pending:
-                stack.append(state)
             elif not any(self.lies_in(state.case, other) for other in found):
                 found = [c for c in found if not self.lies_in(c, state.case)] + [state.case]
         return found
@@ -223,6 +214,13 @@ class CaseSplitting:
         return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
+
+    def _further(self, state: State) -> list[State] | None:
+        """Cases in which the next equation that waits holds, or the state with scaled parameters; None at the end."""
+        further = self._impose(state)
+        if further is None and (scaled := self._scaled(state)) is not state:
+            return [scaled]
+        return further
 
     def _impose(self, state: State) -> list[State] | None:
         """The cases in which the next equation that waits holds; None if none waits."""
@@ -595,8 +593,4 @@ class CaseSplitting:
 
     def inserted(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""
-        for v, _ in case.scaled:
-            p = self._inserted(p, v, self._one, self._one)
-        for v, numerator, denominator in reversed(case.solved):
-            p = self._inserted(p, v, numerator, denominator)
-        return self.reduced(p, case)
+        return self.rows_in([{0: p}], case)[0].get(0, self._zero)

@@ -17,7 +17,6 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -25,7 +24,7 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.sparse_polynomials import Polynomial, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, up_to_degree
 from liepoisson.integrability.level import Level
 from liepoisson.integrability.search import Generator, Search, tidied
 
@@ -78,11 +77,10 @@ class PointSearch:
             tuple(zero for part in self.zeros if (zero := _at(part, values))),
             [Generator(name, polynomial, is_new=False) for name, polynomial in known if any(map(any, polynomial))],
         )
-        search.run(chain.from_iterable(of_degree(self.n, k) for k in range(1, self.degree + 1)))
+        search.run(up_to_degree(self.n, self.degree))
         new = [g for g in search.generators if g.is_new]
-        is_proved = all(count.nullity == count.n_known for count in search.counts)
         return PointResult(
-            "finished" if is_proved else "not proved",
+            "finished" if search.complete else "not proved",
             sum(g.is_independent for g in new),
             tuple(tidied(g.polynomial) for g in new),
         )

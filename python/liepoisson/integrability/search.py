@@ -128,7 +128,7 @@ class Search:
             if size > largest:
                 break
             span = Echelon(self.residues.field)
-            self._insert_products({(): span}, highest, self.generators, whole=True)
+            self._insert_products({(): span}, highest, whole=True)
             if span.reduce(modular(part, self.residues)):
                 others = [g.polynomial for g in self.generators]
                 self.generators.append(
@@ -164,7 +164,7 @@ class Search:
         """Blocks with integrals: those that products of known ones give, and the others, lowest degree first."""
         highest = max((sum(block[0]) for _, block, _ in excess), default=0)
         spans = {label: Echelon(self.residues.field) for label, _, _ in excess}
-        self._insert_products(spans, highest, self.generators)
+        self._insert_products(spans, highest)
         waiting: list[tuple[int, Label, Polynomial]] = []
         for label, block, nullity in excess:
             if len(spans[label]) < nullity:
@@ -177,7 +177,7 @@ class Search:
             found = Generator(self._next_name, simplest, is_new=True)
             found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
             self.generators.append(found)
-            self._insert_products(spans, highest, self.generators, must_contain=len(self.generators) - 1)
+            self._insert_products(spans, highest, must_contain=len(self.generators) - 1)
         for label, block, nullity in excess:
             self.counts.append(BlockCount(label, len(block), nullity, len(spans[label])))
 
@@ -223,7 +223,6 @@ class Search:
         self,
         spans: Mapping[Label, Echelon],
         highest: int,
-        generators: Sequence[Generator],
         *,
         must_contain: int | None = None,
         whole: bool = False,
@@ -235,7 +234,7 @@ class Search:
         gradings = () if whole else self.gradings
         factors: list[tuple[int, Polynomial]] = []
         indices: list[int] = []
-        for index, generator in enumerate(generators):
+        for index, generator in enumerate(self.generators):
             for part in homogeneous_parts(generator.polynomial, gradings).values():
                 factors.append((max(map(sum, part)), modular(part, self.residues)))
                 indices.append(index)
@@ -249,7 +248,7 @@ class Search:
 
     @cached_property
     def _level_mod(self) -> Level:
-        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
+        return self.level.mapped(lambda generator: modular(generator, self.residues))
 
     @cached_property
     def residues(self) -> Residues:

@@ -23,9 +23,9 @@ from liepoisson.integrability.derivation import (
     gradings,
     n_monomials,
     n_of_weights,
-    of_degree,
     of_weight,
     positive_grading,
+    up_to_degree,
 )
 from liepoisson.integrability.level import Level, level_of, real_points, squarefree
 from liepoisson.integrability.search import Generator, Search
@@ -153,7 +153,7 @@ class SizeAsked:
         n, w = len(derivation.variables), self.weight
         if w is None:
             size = self.n_up_to_degree(n, most)
-            return chain.from_iterable(of_degree(n, k) for k in range(self.value + 1)), size, ()
+            return up_to_degree(n, self.value), size, ()
         grading = positive_grading(found)
         if grading is None:
             raise ParameterError(

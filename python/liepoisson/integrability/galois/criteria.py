@@ -187,27 +187,25 @@ def exact_obstruction(flag: Flag) -> ExactObstruction | None:
     return None
 
 
-def commutators(
-    system: LinearSystem, *, precision: int = PRECISION, stop: bool = True
-) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
-    """Commutators of neat powers of the local monodromies, infinity included, and of their conjugates."""
+def commutators(system: LinearSystem) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
+    """Commutators of powers of local monodromies and of their conjugates, up to one that is not 0; what is left."""
     from flint import ctx
 
     found: list[Commutator] = []
     left: list[str] = []
     before = ctx.prec
-    ctx.prec = 3 * precision
+    ctx.prec = 3 * PRECISION
     try:
-        for first, second in _pairs(system, precision, left):
+        for first, second in _pairs(system, left):
             found.append(commutator(first, second))
-            if stop and found[-1].is_proved:
+            if found[-1].is_proved:
                 break
     finally:
         ctx.prec = before
     return tuple(found), tuple(left)
 
 
-def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tuple[NeatElement, NeatElement]]:
+def _pairs(system: LinearSystem, left: list[str]) -> Iterator[tuple[NeatElement, NeatElement]]:
     """Pairs of elements that commute if the identity component is abelian; what was left out is added to a list."""
     loops = generators(system)
     if len(loops) > _MOST_LOOPS:
@@ -219,7 +217,7 @@ def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tu
     for f, loop in loops:
         if loop.corners[0] != base:
             raise EnclosureError(f"the loop around {loop.name}: it has another base point than the first one")
-        matrices.append(continued(system, loop, precision=precision))
+        matrices.append(continued(system, loop))
         if sum(abs(w) for _, w in matrices[-1].windings) != 1:
             raise EnclosureError(
                 f"the loop around {loop.name}: it goes around other singular points, too; give polygons to `monodromy`"
@@ -232,7 +230,7 @@ def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tu
         elements.append(new)
     if system.infinity_is_singular and not left:
         if system.local().is_regular:
-            outer = continued(system, loop_around_all(system, loops[0][1]), precision=precision)
+            outer = continued(system, loop_around_all(system, loops[0][1]))
             if any(winding != 1 for _, winding in outer.windings) or outer.loop.corners[0] != base:
                 raise EnclosureError(
                     "the loop around infinity does not go once around each singular point, from the base"
@@ -259,11 +257,8 @@ def commutator(first: NeatElement, second: NeatElement) -> Commutator:
 
 def _neat(name: str, balls: Any, power: int) -> NeatElement:
     """A power of the monodromy around a point."""
-    found = balls
-    for _ in range(power - 1):
-        found = found * balls
     text = f"the monodromy around {name}"
-    return NeatElement(text if power == 1 else f"power {power} of {text}", found)
+    return NeatElement(text if power == 1 else f"power {power} of {text}", balls**power)
 
 
 def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[Any, list[Any]]:
@@ -273,11 +268,8 @@ def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[A
     found = local.solutions(exponent, terms=terms)
     weights: Sequence[int] = local.weights or ()
     n, count, field = flag.system.n, found.n, local.field
-    rows = [
-        _local_row(row, local, len(found.coefficients) + max(weights))
-        for row in flag.annihilators.to_dense().rep.to_list()
-    ]
     size = len(found.coefficients)
+    rows = [_local_row(row, local, size + max(weights)) for row in flag.annihilators.to_dense().rep.to_list()]
     entries = [[u.to_dense().rep.to_list() for u in row] for row in found.coefficients]
     chain: list[Any] = []
     powers = len(found.coefficients[0])

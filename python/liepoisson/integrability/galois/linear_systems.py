@@ -106,11 +106,11 @@ class LinearSystem:
         Args:
             point: An irreducible polynomial whose roots are the points; None for infinity.
         """
-        from liepoisson.integrability.galois.local_solutions import local_system
+        from liepoisson.integrability.galois.local_solutions import LocalSystem
 
         key = None if point is None else str(point)
         if key not in self._local:
-            self._local[key] = local_system(self, point)
+            self._local[key] = LocalSystem(self, point)
         return self._local[key]
 
     @cached_property

@@ -17,10 +17,10 @@ References: [wasow1965], chapters I and II.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import zip_longest
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
@@ -143,7 +143,7 @@ class LocalSystem:
         weights: w, such that u_i = p^(w_i) y_i has a simple pole; None where there are none.
     """
 
-    def __init__(self, system: LinearSystem, point: Any, weights: Sequence[int] | None = None) -> None:
+    def __init__(self, system: LinearSystem, point: Any) -> None:
         from sympy import QQ, Poly, Symbol
 
         self.system = system
@@ -154,7 +154,7 @@ class LocalSystem:
             coefficients = [QQ(c.p, c.q) for c in reversed(point.coeffs())]
             self.field = QQ.alg_field_from_poly(Poly(coefficients, Symbol("theta"), domain=QQ))
         self._valuations, self._pole = self._orders()
-        self.weights: tuple[int, ...] | None = self._weights() if weights is None else self._checked(weights)
+        self.weights = self._weights()
         self._series: list[Any] = []
 
     @property
@@ -165,36 +165,22 @@ class LocalSystem:
     @cached_property
     def exponents(self) -> Exponents:
         """The exponents of u."""
-        from flint import fmpq, fmpq_poly
-        from sympy import QQ
-        from sympy.polys.densetools import dup_diff
-        from sympy.polys.euclidtools import dup_gcd
+        from flint import fmpq_poly
+        from sympy import Poly, Symbol
 
-        characteristic = [self.coefficient(0).domain.convert(c) for c in self.coefficient(0).charpoly()]
-        norm = fmpq_poly([1])
-        if all(_is_rational(c, self.field) for c in characteristic):
-            norm = fmpq_poly([_rational(c, self.field) for c in reversed(characteristic)])
-        else:
-            norm = _norm(characteristic, self.field)
-        rational: dict[Fraction, int] = {}
+        characteristic: Any = Poly(self.coefficient(0).charpoly(), Symbol("x"), domain=self.field)
+        coordinates = [_coordinates(c, self.field) for c in reversed(characteristic.rep.to_list())]
+        common = fmpq_poly()
+        for part in zip_longest(*coordinates, fillvalue=0):
+            common = common.gcd(fmpq_poly(list(part)))
+        roots = [(-f[0] / f[1], k) for f, k in common.factor()[1] if f.degree() == 1]
+        rational = {Fraction(int(r.p), int(r.q)): int(k) for r, k in roots}
         others: list[Any] = []
-        for factor, _ in norm.factor()[1]:
-            if factor.degree() > 1:
-                others.append(factor)
-                continue
-            root = fmpq(-factor[0] / factor[1])
-            count, left = 0, characteristic
-            while len(left) > 1:
-                quotient, rest = _divided(left, self.field(QQ(root.p, root.q)))
-                if rest:
-                    break
-                count, left = count + 1, quotient
-            if count:
-                rational[Fraction(int(root.p), int(root.q))] = count
-        if sum(rational.values()) == self.system.n:
-            others = []
-        repeated = dup_gcd(characteristic, dup_diff(characteristic, 1, self.field), self.field)
-        return Exponents(rational, tuple(others), self.system.n, self.system.n - len(repeated) + 1)
+        if sum(rational.values()) < self.system.n:
+            norm = characteristic.norm() if self.field.is_Algebraic else characteristic
+            whole = fmpq_poly([c for e in reversed(norm.rep.to_list()) for c in _coordinates(e, norm.domain)])
+            others = [f for f, _ in whole.factor()[1] if f.degree() > 1]
+        return Exponents(rational, tuple(others), self.system.n, int(characteristic.sqf_part().degree()))
 
     def coefficient(self, k: int) -> Any:
         """B_k, a matrix over the field."""
@@ -303,20 +289,6 @@ class LocalSystem:
         least = min(found)
         return tuple(w - least for w in found)
 
-    def _checked(self, weights: Sequence[int]) -> tuple[int, ...]:
-        n = self.system.n
-        if len(weights) != n:
-            raise ParameterError(f"weights: wanted {n}, one for each component; got {len(weights)}")
-        for i in range(n):
-            for j in range(n):
-                order = self._valuations[i][j]
-                if order is not None and order + 1 + weights[i] - weights[j] < 0:
-                    raise ParameterError(
-                        f"weights {tuple(weights)}: entry ({i + 1}, {j + 1}) keeps a pole that is not simple at "
-                        f"{self.place}; leave them out, and weights are found"
-                    )
-        return tuple(int(w) for w in weights)
-
     def _expanded(self, count: int) -> list[Any]:
         """B_0, B_1, ..., so many."""
         from sympy.polys.matrices import DomainMatrix
@@ -324,22 +296,23 @@ class LocalSystem:
         assert self.weights is not None
         w, n, pole, zero = self.weights, self.system.n, self._pole, self.field.zero
         numerators, denominator = self._here.polynomials
-        spread = max(w) - min(w)
-        size = count + spread + pole
-        inverse = _inverse_series(self.series(denominator, size + pole)[pole:], self.field, size)
-        tables: list[list[list[Any]]] = [[[zero] * n for _ in range(n)] for _ in range(count)]
-        for i in range(n):
-            for j in range(n):
-                if not numerators[i][j]:
-                    continue
-                entry = _product(self.series(numerators[i][j], size), inverse, size, zero)
-                # p^(w_i - w_j + 1 - pole) times this series
-                for k in range(count):
-                    m = k - (w[i] - w[j] + 1 - pole)
-                    if 0 <= m < size:
-                        tables[k][i][j] = entry[m]
-            tables[0][i][i] = tables[0][i][i] + self.field(w[i])
-        return [DomainMatrix(table, (n, n), self.field) for table in tables]
+        size = count + max(w) - min(w) + pole
+        first, *lower = self.series(denominator, size)[pole:]
+        series = [[self.series(f, size) if f else [zero] * size for f in row] for row in numerators]
+        found: list[Any] = []
+        for k in range(count):
+            # p^(w_i - w_j + 1 - pole) M_ij, divided by d p^-pole
+            places = [[k - (a - b + 1 - pole) for b in w] for a in w]
+            table = [
+                [of_one[m] if 0 <= m < size else zero for of_one, m in zip(*rows, strict=True)]
+                for rows in zip(series, places, strict=True)
+            ]
+            total = DomainMatrix(table, (n, n), self.field)
+            for j, c in enumerate(lower[:k], start=1):
+                total = total - found[k - j] * c if c else total
+            found.append(total * (self.field.one / first))
+        weights = [[self.field(w[i]) if i == j else zero for j in range(n)] for i in range(n)]
+        return [found[0] + DomainMatrix(weights, (n, n), self.field), *found[1:]]
 
     def _solved(self, exponent: Fraction, first: int, last: int, powers: int) -> list[list[Any]]:
         """The solutions with powers of ln p below a bound, as in `LocalSolutions.coefficients`."""
@@ -388,11 +361,6 @@ class LocalSystem:
         return found
 
 
-def local_system(system: LinearSystem, point: Any = None, *, weights: Sequence[int] | None = None) -> LocalSystem:
-    """A system near a singular point."""
-    return LocalSystem(system, point, weights)
-
-
 def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, shape: tuple[int, int]) -> Any:
     """The sum of B_k u_(m-k,j) over k > 0."""
     from sympy.polys.matrices import DomainMatrix
@@ -418,61 +386,12 @@ def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
     return reduced.extract(list(range(count)), list(range(count, 2 * count)))
 
 
-def _inverse_series(series: list[Any], field: Any, count: int) -> list[Any]:
-    start = field.one / series[0]
-    found = [start]
-    for k in range(1, count):
-        total = field.zero
-        for j in range(1, min(k, len(series) - 1) + 1):
-            if series[j]:
-                total = total + series[j] * found[k - j]
-        found.append(-total * start)
-    return found
-
-
-def _product(a: list[Any], b: list[Any], count: int, zero: Any) -> list[Any]:
-    found = [zero] * count
-    for i, value in enumerate(a):
-        if value:
-            for j in range(count - i):
-                found[i + j] = found[i + j] + value * b[j]
-    return found
-
-
-def _is_rational(element: Any, field: Any) -> bool:
-    return not field.is_Algebraic or len(element.to_list()) <= 1
-
-
-def _rational(element: Any, field: Any) -> Any:
+def _coordinates(element: Any, field: Any) -> list[Any]:
+    """A number of the field by its coordinates, the coefficients of powers of theta."""
     from flint import fmpq
 
-    value = element
-    if field.is_Algebraic:
-        value = element.to_list()[0] if element else field.dom.zero
-    return fmpq(int(value.numerator), int(value.denominator))
-
-
-def _norm(coefficients: list[Any], field: Any) -> Any:
-    """The product of the conjugates of a polynomial over an algebraic field, by interpolation of determinants."""
-    from flint import fmpq, fmpq_poly
-    from sympy import Poly, Symbol
-
-    x, theta = Symbol("x"), Symbol("theta")
-    modulus = Poly(field.mod.to_list(), theta)
-    expression = sum(
-        (Poly(c.to_list() or [0], theta).as_expr() * x**k for k, c in enumerate(reversed(coefficients))), 0 * x
-    )
-    result: Any = Poly(modulus.as_expr(), theta).resultant(Poly(expression, theta))
-    polynomial = Poly(result.as_expr(), x)
-    return fmpq_poly([fmpq(int(c.p), int(c.q)) for c in reversed(polynomial.all_coeffs())])
-
-
-def _divided(coefficients: list[Any], root: Any) -> tuple[list[Any], Any]:
-    """Quotient and rest of a polynomial, highest power first, by x - root."""
-    found = [coefficients[0]]
-    for c in coefficients[1:]:
-        found.append(found[-1] * root + c)
-    return found[:-1], found[-1]
+    numbers = reversed(element.to_list()) if field.is_Algebraic else [element]
+    return [fmpq(int(c.numerator), int(c.denominator)) for c in numbers]
 
 
 def rational_shift(f: Any, g: Any) -> Fraction | None:

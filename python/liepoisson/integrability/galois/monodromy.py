@@ -112,12 +112,7 @@ class Monodromy:
 
     def power(self, k: int) -> Any:
         """The k-th power of the balls, k at least 0."""
-        from flint import acb_mat
-
-        found = acb_mat([[int(i == j) for j in range(self.system.n)] for i in range(self.system.n)])
-        for _ in range(k):
-            found = found * self.balls
-        return found
+        return self.balls**k
 
     def __repr__(self) -> str:
         around = ", ".join(f"{complex(z):.3g}: {w}" for z, w in self.windings if w)

@@ -44,9 +44,6 @@ MOST_COORDINATES = 12
 _LARGEST_PLANE = 4
 """Dimension of the largest plane on which the motion may have one degree of freedom, constants included."""
 
-_PER_PLANE = 1
-"""Separatrices of one plane: others often follow by scaling."""
-
 _GRID = ("0", "-1", "1", "-2", "2", "-3", "3", "-4", "4", "-1/2", "1/2")
 """Coordinates of the equilibria that are tried."""
 
@@ -164,12 +161,10 @@ def solutions_on_planes(system: System) -> Iterator[ParticularSolution]:
     """The same, one after the other as they are found."""
     check_polynomial(system)
     planes = [(plane, _Restricted(system, plane)) for plane in invariant_planes(system)]
-    for plane, field in planes:
-        checkpoint("the search for particular solutions")
-        yield from islice(_separatrices(system, plane, field), _PER_PLANE)
-    for plane, field in planes:
-        checkpoint("the search for particular solutions")
-        yield from islice(_elliptic(system, plane, field), 1)
+    for kind in (_separatrices, _elliptic):
+        for plane, field in planes:
+            checkpoint("the search for particular solutions")
+            yield from islice(kind(system, plane, field), 1)  # others of a plane often follow by scaling
 
 
 @dataclass(frozen=True)
@@ -178,6 +173,15 @@ class Plane:
 
     basis: tuple[tuple[int, ...], ...]  # the vectors v_k, with integer components and disjoint supports
     origin: str
+
+    def at(self, coordinates: Sequence[Any]) -> list[Any]:
+        """The point with some coordinates c."""
+        return [sum(v[i] * c for v, c in zip(self.basis, coordinates, strict=True)) for i in range(len(self.basis[0]))]
+
+    def state(self, reduction: _Reduction, z: Any, y: Any) -> list[Any]:
+        """The state at values of z and its rate."""
+        at = {reduction.z: z, reduction.y: y}
+        return self.at([f.subs(at, simultaneous=True) for f in reduction.coordinates])
 
 
 def invariant_planes(system: System) -> tuple[Plane, ...]:
@@ -216,7 +220,7 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
 def check_polynomial(system: System) -> None:
     """Refuse what is no polynomial vector field with rational coefficients."""
     from sympy import QQ, Poly
-    from sympy.polys.polyerrors import PolynomialError
+    from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 
     if len(system.variables) != system.bracket.dimension:
         raise ParameterError(f"system: {system.name} has components found by quadrature; make it without quadratures")
@@ -228,17 +232,10 @@ def check_polynomial(system: System) -> None:
             )
         try:
             Poly(expression, *system.variables, domain=QQ)
-        except (PolynomialError, ValueError, TypeError):
+        except (PolynomialError, CoercionFailed, ValueError, TypeError):
             raise ParameterError(
                 f"system: wanted polynomial equations with rational coefficients; the rate of {x} in {system.name} is "
-                f"{shown(Formula(expression).plain)}; coordinates in which it is a polynomial may exist"
-            ) from None
-        except Exception as error:  # SymPy's CoercionFailed is of several kinds
-            if type(error).__name__ != "CoercionFailed":
-                raise
-            raise ParameterError(
-                f"system: wanted rational coefficients; the rate of {x} in {system.name} is "
-                f"{shown(Formula(expression).plain)}; scale the coordinates"
+                f"{shown(Formula(expression).plain)}; other coordinates, or scaled ones, may have such equations"
             ) from None
 
 
@@ -269,7 +266,7 @@ def _verified(
     system: System, state: Sequence[Any], variable: Any, rate: Any, *, root: tuple[Any, Any] | None, origin: str
 ) -> ParticularSolution:
     """A solution, after it was put into the equations."""
-    from sympy import QQ, Symbol
+    from sympy import Symbol
 
     from liepoisson.integrability.galois.linear_systems import exact_expression
 
@@ -280,7 +277,7 @@ def _verified(
         if not isinstance(root, (tuple, list)) or len(root) != 2 or not isinstance(root[0], Symbol):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(f"root: wanted a SymPy symbol y and y^2, as (y, 1 - x**2); got {shown(root)}")
         root = (root[0], exact_expression(root[1], [variable], "root"))
-    arithmetic = Arithmetic(variable, root, QQ)
+    arithmetic = Arithmetic(variable, root)
     symbols = [variable] if root is None else [variable, root[0]]
 
     def read(given: Any, where: str) -> tuple[Any, Any]:
@@ -292,11 +289,11 @@ def _verified(
         raise ParameterError("rate: wanted a function that is not zero; the variable must move")
     if root is not None and speed[0]:
         raise ParameterError(f"rate: wanted a multiple of {root[0]}, c(s) {root[0]}; got {shown(str(rate))}")
-    powers = [arithmetic.powers(v, d) for v, d in zip(values, _degrees(system), strict=True)]
+    powers = [arithmetic.powers(v, d) for v, d in zip(values, degrees(system), strict=True)]
     for k, (x, equation) in enumerate(system.equations.items()):
         left = arithmetic.rate(values[k], speed)
         right = arithmetic.at(equation, system.variables, powers)
-        rest = arithmetic.minus(left, right)
+        rest = (left[0] - right[0], left[1] - right[1])
         if any(rest):
             raise ParameterError(
                 f"state: this curve is no solution; d{x}/dt less its right-hand side is "
@@ -309,7 +306,8 @@ def _verified(
     return ParticularSolution(system, variable, arithmetic.text(speed), written, kept, origin)
 
 
-def _degrees(system: System) -> list[int]:
+def degrees(system: System) -> list[int]:
+    """The largest powers of the coordinates in the equations, at least 1."""
     found = [1] * len(system.variables)
     for terms in _terms(system):
         for m in terms:
@@ -320,10 +318,12 @@ def _degrees(system: System) -> list[int]:
 class Arithmetic:
     """Functions f + g y of s, where f and g are rational and y^2 = Q, as pairs (f, g)."""
 
-    def __init__(self, variable: Any, root: tuple[Any, Any] | None, numbers: Any) -> None:
+    def __init__(self, variable: Any, root: tuple[Any, Any] | None) -> None:
+        from sympy import QQ
+
         from liepoisson.integrability.galois.linear_systems import rational_function
 
-        self.field = numbers.frac_field(variable)
+        self.field = QQ.frac_field(variable)
         self.s = self.field.gens[0]
         self.zero, self.one = self.field.zero, self.field.one
         self.root = None if root is None else root[0]
@@ -341,30 +341,16 @@ class Arithmetic:
         try:
             if self.root is None or not expression.has(self.root):
                 return rational_function(expression, self.field), self.zero
-            total = (self.zero, self.zero)
+            total = [self.zero, self.zero]
             for (k,), c in Poly(expression, self.root).terms():
-                total = self.plus(
-                    total, self.times((rational_function(c, self.field), self.zero), self.power_of_root(k))
-                )
-            return total
+                total[k % 2] = total[k % 2] + rational_function(c, self.field) * self.square ** (k // 2)
+            return total[0], total[1]
         except (ParameterError, PolynomialError) as error:
             kinds = f" and {self.root}" if self.root is not None else ""
             raise ParameterError(
                 f"{where}: wanted a rational function of {self.field.symbols[0]}{kinds} with rational coefficients; "
                 f"got {shown(str(expression))}"
             ) from error
-
-    def power_of_root(self, k: int) -> tuple[Any, Any]:
-        """y^k."""
-        return (self.zero, self.square ** (k // 2)) if k % 2 else (self.square ** (k // 2), self.zero)
-
-    def plus(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """A + b."""
-        return a[0] + b[0], a[1] + b[1]
-
-    def minus(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """A - b."""
-        return a[0] - b[0], a[1] - b[1]
 
     def times(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
         """A b."""
@@ -396,7 +382,7 @@ class Arithmetic:
             for k, power in enumerate(m):
                 if power:
                     term = self.times(term, powers[k][power])
-            total = self.plus(total, term)
+            total = (total[0] + term[0], total[1] + term[1])
         return total
 
     def text(self, a: tuple[Any, Any]) -> Any:
@@ -448,12 +434,8 @@ def _separatrix(
     side: Any = sqrt(ab)
     A, B = (side, side) if side.is_Rational and side else (Rational(1), ab)
     zeta = x / (A * x**2 - r1 / (2 * r0) * x + B)
-    z = z0 + zeta
-    speed = kappa * x * zeta.diff(x)
-    values = [f.subs({reduction.z: z, reduction.y: speed}, simultaneous=True) for f in reduction.coordinates]
-    state = [sum(v[i] * f for v, f in zip(plane.basis, values, strict=True)) for i in range(len(system.variables))]
-    origin = f"a separatrix on {plane.origin}"
-    yield _verified(system, state, x, kappa * x, root=None, origin=origin)
+    state = plane.state(reduction, z0 + zeta, kappa * x * zeta.diff(x))
+    yield _verified(system, state, x, kappa * x, root=None, origin=f"a separatrix on {plane.origin}")
 
 
 def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[ParticularSolution]:
@@ -469,9 +451,8 @@ def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[Part
         square = reduction.square.subs(reduction.z, s)
         if degree(square, s) not in (3, 4) or not Poly(square, s).is_sqf:
             continue
-        values = [f.subs({reduction.z: s, reduction.y: y}, simultaneous=True) for f in reduction.coordinates]
-        state = [sum(v[i] * f for v, f in zip(plane.basis, values, strict=True)) for i in range(len(system.variables))]
-        yield _verified(system, state, s, y, root=(y, square), origin=f"an elliptic solution on {plane.origin}")
+        state, origin = plane.state(reduction, s, y), f"an elliptic solution on {plane.origin}"
+        yield _verified(system, state, s, y, root=(y, square), origin=origin)
 
 
 class _Restricted:
@@ -481,11 +462,7 @@ class _Restricted:
         from sympy import symbols
 
         self.coordinates: tuple[Any, ...] = symbols(f"c1:{len(plane.basis) + 1}")
-        places = [
-            sum(v[i] * c for v, c in zip(plane.basis, self.coordinates, strict=True))
-            for i in range(len(system.variables))
-        ]
-        at = dict(zip(system.variables, places, strict=True))
+        at = dict(zip(system.variables, plane.at(self.coordinates), strict=True))
         equations: list[Any] = list(system.equations.values())
         full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in equations]
         first = [next(i for i, entry in enumerate(v) if entry) for v in plane.basis]

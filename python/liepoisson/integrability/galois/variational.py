@@ -20,16 +20,16 @@ and solutions are concerned, so that no new singular points appear at finite s.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.echelon import dense, null_vectors, sparse
-from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import not_a
-from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction, from_polynomial
-from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution
+from liepoisson.integrability.galois.linear_systems import LinearSystem, from_polynomial
+from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution, degrees
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -55,7 +55,6 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
     Raises:
         ParameterError: the solution is that of another system.
     """
-    from sympy import QQ
     from sympy.polys.matrices import DomainMatrix
 
     if not isinstance(solution, ParticularSolution):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -65,11 +64,10 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
     )
     if not same:
         raise ParameterError(f"solution: wanted one of {system.name}; got one of {solution.system.name}")
-    arithmetic = Arithmetic(solution.variable, solution.root, QQ)
+    arithmetic = Arithmetic(solution.variable, solution.root)
     values = [arithmetic.read(f, name) for name, f in solution.state.items()]
     speed = arithmetic.read(solution.rate, "rate")
-    most = max(1, *(int(d) for d in _degrees_of(system)))
-    powers = [arithmetic.powers(v, most) for v in values]
+    powers = [arithmetic.powers(v, d) for v, d in zip(values, degrees(system), strict=True)]
     jacobian: Any = system.jacobian
     n = len(system.variables)
     entries = [[arithmetic.at(jacobian[i, j].expand(), system.variables, powers) for j in range(n)] for i in range(n)]
@@ -123,10 +121,7 @@ class Flag:
     @cached_property
     def dimensions(self) -> tuple[int, ...]:
         """The dimensions of F_0, F_1, ..., F_r."""
-        found = [0]
-        for size in self.sizes:
-            found.append(found[-1] + size)
-        return tuple(found)
+        return tuple(accumulate(self.sizes, initial=0))
 
     def quotient(self, low: int, high: int) -> LinearSystem:
         """The equations on F_high / F_low."""
@@ -263,63 +258,40 @@ def _completed(columns: Any) -> Any:
     """
     from sympy.polys.matrices import DomainMatrix
 
-    field = columns.domain
     n, k = columns.shape
-    work = [list(row) for row in _cleared(columns).to_dense().rep.to_list()]
-    undo = [[field.one if i == j else field.zero for j in range(n)] for i in range(n)]
+    ring = columns.domain.get_ring()
+    work = _cleared(columns).to_dense().rep.to_list()
+    undo = [[ring.one if i == j else ring.zero for j in range(n)] for i in range(n)]
     for c in range(k):
         while True:
-            rows = [i for i in range(c, n) if work[i][c]]
-            best = min(rows, key=lambda i: _degree(work[i][c]))
-            _swap(work, undo, c, best)
+            best = min((i for i in range(c, n) if work[i][c]), key=lambda i: work[i][c].degree())
+            work[c], work[best] = work[best], work[c]
+            for row in undo:
+                row[c], row[best] = row[best], row[c]
             others = [i for i in range(c + 1, n) if work[i][c]]
             if not others:
                 break
             for i in others:
-                factor = _quotient(work[i][c], work[c][c], field)
+                factor = work[i][c].div(work[c][c])[0]
                 work[i] = [a - factor * b for a, b in zip(work[i], work[c], strict=True)]
                 for row in undo:  # undo * (row i += factor row c): column c gains factor times column i
                     row[c] = row[c] + factor * row[i]
-    return DomainMatrix(undo, (n, n), field)
+    return DomainMatrix(undo, (n, n), ring).convert_to(columns.domain)
 
 
 def _cleared(columns: Any) -> Any:
     """Each column times a rational function so that its entries are polynomials without a common divisor."""
-    from flint import fmpq_poly
     from sympy.polys.matrices import DomainMatrix
 
-    field = columns.domain
     found: list[Any] = []
     for column in columns.transpose().to_dense().rep.to_list():
-        tops, _ = over_common_denominator(list(map(fraction, column)), fmpq_poly([1]))
-        divisor = fmpq_poly([0])
-        for top in tops:
-            divisor = divisor.gcd(top)
-        found.append([from_polynomial(top / divisor, field) for top in tops])
-    return DomainMatrix(found, (len(found), columns.shape[0]), field).transpose()
-
-
-def _swap(work: list[list[Any]], undo: list[list[Any]], a: int, b: int) -> None:
-    if a != b:
-        work[a], work[b] = work[b], work[a]
-        for row in undo:
-            row[a], row[b] = row[b], row[a]
-
-
-def _degree(entry: Any) -> int:
-    return int(_whole(entry).degree())
-
-
-def _quotient(a: Any, b: Any, field: Any) -> Any:
-    """The polynomial part of a / b."""
-    return from_polynomial(divmod(_whole(a), _whole(b))[0], field)
-
-
-def _whole(entry: Any) -> Any:
-    """A rational function that is a polynomial, as one of FLINT."""
-    top, bottom = fraction(entry)
-    assert bottom.degree() == 0
-    return top / bottom[0]
+        common = columns.domain.get_ring().one
+        for entry in column:
+            common = common.lcm(entry.denom)
+        tops = [entry.numer * common.quo(entry.denom) for entry in column]
+        divisor = reduce(lambda a, b: a.gcd(b), tops)
+        found.append([top.quo(divisor) for top in tops])
+    return DomainMatrix(found, columns.shape[::-1], columns.domain.get_ring()).transpose()
 
 
 def _block_diagonal(blocks: list[Any], field: Any) -> Any:
@@ -337,18 +309,11 @@ def _block_diagonal(blocks: list[Any], field: Any) -> Any:
 
 def _components(system: LinearSystem) -> list[list[int]]:
     """The strongly connected components, those that influence no others first."""
-    rows = system.entries.to_dense().rep.to_list()
-    n = system.n
-    reach = [{i} | {j for j in range(n) if rows[j][i]} for i in range(n)]  # i influences j
-    changed = True
-    while changed:
-        changed = False
-        for i in range(n):
-            larger = set().union(*(reach[j] for j in reach[i]))
-            if larger != reach[i]:
-                reach[i], changed = larger, True
-    groups = {frozenset(j for j in reach[i] if i in reach[j]): len(reach[i]) for i in range(n)}
-    return [sorted(group) for group in sorted(groups, key=lambda g: (groups[g], min(g)))]
+    from sympy.utilities.iterables import strongly_connected_components
+
+    rows, places = system.entries.to_dense().rep.to_list(), range(system.n)
+    influences = [(i, j) for i in places for j in places if rows[j][i]]
+    return [sorted(group) for group in strongly_connected_components((list(places), influences))]
 
 
 def _doubled(entries: list[list[tuple[Any, Any]]], square: Any, c: Any, arithmetic: Arithmetic) -> list[list[Any]]:
@@ -388,17 +353,3 @@ def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool] | None:
                         elif odd[j] != wanted:
                             return None
     return [odd[k] for k in range(n)]
-
-
-def _degrees_of(system: System) -> list[int]:
-    return _degrees(list(system.equations.values()), system.variables)
-
-
-def _degrees(expressions: list[Any], variables: Any) -> list[int]:
-    from sympy import Poly
-
-    found = [0]
-    for e in expressions:
-        if e != 0:
-            found += [max(m) for m in Poly(e, *variables).monoms()]
-    return found

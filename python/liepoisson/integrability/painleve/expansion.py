@@ -17,19 +17,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
-from typing import Protocol
+from typing import TypeAlias
 
 from liepoisson.algebra.function_fields import FunctionField, polynomial_at
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
 from liepoisson.algebra.matrices import Matrix, Solved, eliminated, independent_columns
 from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, add_multiple
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.exponents import Exponents
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 
-Powers = tuple[int, ...]
-Polynomial = dict[Powers, Element]
-"""A polynomial in the free constants; exponents of constants that it does not reach are left out."""
+# a polynomial here is one in the free constants; exponents of constants that it does not reach are left out
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ class Expansion:
         default_factory=dict[tuple[tuple[int, ...], int], Polynomial]
     )
 
-    def right_hand_side(self, j: int, *, is_known: bool = False) -> list[Polynomial]:
+    def right_hand_side(self, j: int) -> list[Polynomial]:
         """The terms of order j/q of the vector field, without those that are linear in the new coefficients."""
         found: list[Polynomial] = []
         for of_one in self.local.terms:
@@ -100,8 +99,7 @@ class Expansion:
                 if order < 0:
                     continue
                 factors = tuple(i for i, k in enumerate(exponents) for _ in range(k))
-                value = self._product(factors, int(order), at=None if is_known else j)
-                add_to(total, value, c)
+                add_multiple(total, self._product(factors, int(order), j), c)
             found.append(total)
         return found
 
@@ -124,35 +122,15 @@ class Expansion:
                 left = self._product(factors[:-1], k, None)
             if not left or (at == order and order - k == order):
                 continue
-            multiply_into(total, left, self.coefficients[order - k][factors[-1]])
+            right = self.coefficients[order - k][factors[-1]]
+            for m, c in left.items():
+                add_multiple(total, {_joined(m, other): d for other, d in right.items()}, c)
         if at != order:
             self._products[key] = total
         return total
 
 
-def add_to(total: Polynomial, other: Polynomial, factor: Element) -> None:
-    """Add a multiple of a polynomial in place."""
-    for m, c in other.items():
-        value = total[m] + c * factor if m in total else c * factor
-        if value:
-            total[m] = value
-        else:
-            total.pop(m, None)
-
-
-def multiply_into(total: Polynomial, left: Polynomial, right: Polynomial) -> None:
-    """Add a product of two polynomials in place."""
-    for m, a in left.items():
-        for other, b in right.items():
-            key = _joined(m, other)
-            value = total[key] + a * b if key in total else a * b
-            if value:
-                total[key] = value
-            else:
-                total.pop(key, None)
-
-
-def _joined(left: Powers, right: Powers) -> Powers:
+def _joined(left: Monomial, right: Monomial) -> Monomial:
     if not left:
         return right
     if not right:
@@ -160,18 +138,6 @@ def _joined(left: Powers, right: Powers) -> Powers:
     if len(left) < len(right):
         left, right = right, left
     return (*(a + b for a, b in zip(left, right, strict=False)), *left[len(right) :])
-
-
-class Equations(Protocol):
-    """The equations (k - K) c = R of a balance, over a field or over the ring of a family."""
-
-    def kernel(self, r: Fraction) -> int:
-        """The dimension of the kernel of K - r."""
-        ...
-
-    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
-        """The kernel, a solution and the conditions for it."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -230,12 +196,11 @@ class OverRing:
         return Solved(kernel, particular, conditions)
 
 
-def expand(
-    local: LocalField,
-    point: Sequence[Element],
-    equations: Equations,
-    exponents: Exponents,
-) -> Expansion:
+Equations: TypeAlias = OverField | OverRing
+"""The equations (k - K) c = R of a balance."""
+
+
+def expand(local: LocalField, point: Sequence[Element], equations: Equations, exponents: Exponents) -> Expansion:
     """Follow the series of a balance up to its largest rational exponent, or to the first logarithm."""
     defects = [defect for of_one in local.terms for _, _, defect in of_one]
     rational = [r for r, _ in exponents.rational]
@@ -287,7 +252,7 @@ def _step(series: Expansion, equations: Equations, order: Fraction, multiplicity
     return True
 
 
-def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: FunctionField) -> str | None:
+def condition_text(monomials: Sequence[Monomial], row: Sequence[Element], field: FunctionField) -> str | None:
     """A condition on the free constants and the parameters as text, None if it holds identically, "1" if it cannot.
 
     A text is 0 where the condition holds.  Factors that do not change where that is are left out.

@@ -22,10 +22,11 @@ from liepoisson.algebra.ideals.groebner import groebner_basis
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.solutions import solutions
 from liepoisson.algebra.number_fields import Element, NumberField, as_fmpq
+from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.painleve.expansion import Expansion, Polynomial
+from liepoisson.integrability.painleve.expansion import Expansion
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 
 
