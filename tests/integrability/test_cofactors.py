@@ -5,8 +5,7 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.integrability.cofactors import CofactorCases, cofactor_monomials
-from liepoisson.integrability.derivation import derivation_of, gradings, of_degree
-from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.derivation import Level, derivation_of, gradings, of_degree, order
 
 
 def cases_of(hamiltonian, field="complex"):

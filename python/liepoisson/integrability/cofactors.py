@@ -28,8 +28,7 @@ from liepoisson.algebra.residues import primes
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
-from liepoisson.integrability.level import Level
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, of_degree
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State
 
 if TYPE_CHECKING:

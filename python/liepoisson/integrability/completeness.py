@@ -33,7 +33,7 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank_mod, solve
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.level import Level, level_of
+from liepoisson.integrability.derivation import Level, level_of
 from liepoisson.integrability.modular import modular, residues_of
 from liepoisson.integrability.search import point_on_level
 

@@ -24,8 +24,8 @@ from liepoisson.integrability.darboux_search import DarbouxSearch, RationalInteg
 from liepoisson.integrability.derivation import (
     Exponents,
     in_blocks,
+    order,
 )
-from liepoisson.integrability.level import order
 from liepoisson.integrability.search import tidied
 from liepoisson.integrability.search_problem import (
     Equations,

@@ -24,8 +24,7 @@ from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.cofactors import image
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, homogeneous_parts
-from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, homogeneous_parts, order
 from liepoisson.integrability.modular import modular
 from liepoisson.integrability.search import Search
 

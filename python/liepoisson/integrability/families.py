@@ -17,12 +17,10 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
-from liepoisson.integrability.derivation import Derivation, in_blocks, n_monomials, up_to_degree
+from liepoisson.integrability.derivation import Derivation, in_blocks, n_monomials, order, up_to_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
-from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
-from liepoisson.integrability.level import order
+from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints, ParameterMatrix
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
-from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import first_integrals
 from liepoisson.integrability.search import Search
 from liepoisson.integrability.search_problem import Equations, SearchProblem, known_functions, zeros_on_level

@@ -27,10 +27,9 @@ from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.derivation import n_monomials
 from liepoisson.integrability.families import check_parameters
-from liepoisson.integrability.parameter_matrix import ParameterMatrix
+from liepoisson.integrability.further_integrals import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import MOST_MONOMIALS
-from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family, results
-from liepoisson.integrability.scan_store import ScanStore
+from liepoisson.integrability.scan_points import PointResult, PointSearch, ScanStore, plain, plain_family, results
 from liepoisson.integrability.search_problem import (
     Equations,
     SearchProblem,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.names import check_title
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.level import level_of, real_points
+from liepoisson.integrability.derivation import level_of, real_points
 from liepoisson.integrability.search import BlockCount, tidied
 from liepoisson.integrability.search_problem import (
     Equations,

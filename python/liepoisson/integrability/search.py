@@ -27,8 +27,15 @@ from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, homogeneous_parts, in_blocks
-from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.derivation import (
+    Derivation,
+    Exponents,
+    Grading,
+    Level,
+    homogeneous_parts,
+    in_blocks,
+    order,
+)
 from liepoisson.integrability.modular import ModularDerivation, modular, random_point, residues_of
 
 Label = tuple[int, ...]

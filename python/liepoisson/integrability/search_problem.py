@@ -19,15 +19,18 @@ from liepoisson.integrability.derivation import (
     Derivation,
     Exponents,
     Grading,
+    Level,
     derivation_of,
     gradings,
+    level_of,
     n_monomials,
     n_of_weights,
     of_weight,
     positive_grading,
+    real_points,
+    squarefree,
     up_to_degree,
 )
-from liepoisson.integrability.level import Level, level_of, real_points, squarefree
 from liepoisson.integrability.search import Generator, Search
 
 if TYPE_CHECKING:

@@ -18,8 +18,7 @@ from liepoisson.algebra.ideals.coordinate_ring import Resolvent
 from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
 from liepoisson.algebra.matrices import characteristic_polynomial, eliminated
 from liepoisson.integrability.derivation import derivation_of_rates
-from liepoisson.integrability.painleve.expansion import OverField, condition_text, expand
-from liepoisson.integrability.painleve.exponents import exponents_of
+from liepoisson.integrability.painleve.expansion import OverField, condition_text, expand, exponents_of
 from liepoisson.integrability.painleve.generic_points import generic_points, of_family
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
 

@@ -18,9 +18,8 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.integrability.families import names_among
-from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair
-from liepoisson.integrability.lax.search import MOST_DEGREE, member, pairs_with, split, trivial_vectors
+from liepoisson.integrability.lax.search import MOST_DEGREE, Ansatz, member, pairs_with, split, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 from liepoisson.report.printing import Formula
 

@@ -29,8 +29,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.derivation import Derivation, derivation_of_rates
 from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
-from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
-from liepoisson.integrability.painleve.exponents import exponents_of
+from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand, exponents_of
 from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
 from liepoisson.integrability.painleve.quasi_homogeneous import (
     LocalField,
