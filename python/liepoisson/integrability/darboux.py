@@ -33,6 +33,7 @@ from liepoisson.integrability.search_problem import (
     SizeAsked,
     functions_by_name,
     known_functions,
+    where,
     zeros_on_level,
 )
 from liepoisson.io.display import as_text
@@ -139,8 +140,7 @@ class DarbouxPolynomials:
     def scope(self) -> str:
         """Which polynomials were searched, in words."""
         size = f"degree {self.degree}" if self.weight is None else f"weight {self.weight}"
-        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
-        return f"polynomials up to {size}{where}"
+        return f"polynomials up to {size}" + (f" on {where(self.on)}" if self.on else "")
 
     def __repr__(self) -> str:
         n = len(self.found)

@@ -23,7 +23,15 @@ from liepoisson.integrability.further_integrals import Block, CasePoints, Integr
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
 from liepoisson.integrability.polynomial_integrals import first_integrals
 from liepoisson.integrability.search import Search
-from liepoisson.integrability.search_problem import Equations, SearchProblem, known_functions, zeros_on_level
+from liepoisson.integrability.search_problem import (
+    Equations,
+    SearchProblem,
+    at_values,
+    casimirs_of,
+    known_functions,
+    where,
+    zeros_on_level,
+)
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
@@ -76,7 +84,7 @@ class ParameterCase:
         return "; ".join(remarks)
 
     def __str__(self) -> str:
-        words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions) or "all parameters"
+        words = where(self.conditions) or "all parameters"
         if self.nonzero:
             words += f", where {' and '.join(f'{Formula(c).plain} is not 0' for c in self.nonzero)}"
         return f"{words}   ({self.remark})" if self.remark else words
@@ -111,8 +119,7 @@ class FurtherCasimirs:
     casimirs: tuple[Expr, ...]
 
     def __str__(self) -> str:
-        words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions)
-        return f"{words}: {', '.join(Formula(c).plain for c in self.casimirs)}"
+        return f"{where(self.conditions)}: {', '.join(Formula(c).plain for c in self.casimirs)}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -161,8 +168,7 @@ class IntegrableFamilies:
     @property
     def scope(self) -> str:
         """Which integrals were looked for, in words."""
-        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
-        return f"up to degree {self.degree}{where}"
+        return f"up to degree {self.degree}" + (f" on {where(self.on)}" if self.on else "")
 
     def __str__(self) -> str:
         """The cases, and what is proved."""
@@ -269,12 +275,12 @@ def integrable_families(
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         general=tuple(general.values()),
         cases=tuple(members.described(case, splitting, matrix) for case in cases.found),
-        left=tuple(dict.fromkeys(_words(case, splitting, matrix) for case in cases.left)),
+        left=tuple(
+            dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)
+        ),
         n_closed=cases.n_closed,
         casimirs=tuple(
-            FurtherCasimirs(
-                tuple(matrix.sympy(q) for q in splitting.conditions(case)), tuple(_casimirs_of(system, case, matrix))
-            )
+            FurtherCasimirs(_conditions(case, splitting, matrix), tuple(_casimirs_of(system, case, matrix)))
             for case in cases.with_casimirs
         ),
     )
@@ -351,9 +357,9 @@ def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Ex
     return [c.expand(trace=True) for c in system.bracket.substitute(own).casimirs()]
 
 
-def _words(case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> str:
-    """The equations of a case that was left."""
-    return ", ".join(f"{Formula(matrix.sympy(q)).plain} = 0" for q in splitting.conditions(case)) or "all parameters"
+def _conditions(case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> tuple[Expr, ...]:
+    """What the parameters of a case satisfy."""
+    return tuple(matrix.sympy(q) for q in splitting.conditions(case))
 
 
 class _Members:
@@ -365,17 +371,16 @@ class _Members:
     def described(self, one: FurtherCase, splitting: CaseSplitting, matrix: ParameterMatrix) -> ParameterCase:
         """A case with an example at which the integrals are found again."""
         case = one.case
-        conditions = tuple(matrix.sympy(q) for q in splitting.conditions(case))
+        conditions = _conditions(case, splitting, matrix)
         excepted = _excepted(one, splitting)
         nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
         example = _example(case, excepted, splitting.positive, matrix)
         if example is None:
             return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
-        member = self._member(example)
+        member = at_values(self.system, {s: Fraction(int(v.p), int(v.q)) for s, v in example.items()})
         functions = {name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number}
         if self.system.bracket.symbols:
-            own = enumerate(member.bracket.casimirs(), start=1)
-            functions |= {f"C{k}": c for k, c in own}
+            functions |= casimirs_of(member)
         found = first_integrals(
             member,
             degree=self.degree,
@@ -384,16 +389,6 @@ class _Members:
         )
         integrals = tuple(f.expression for f in found.independent)
         return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
-
-    def _member(self, example: Mapping[Any, Any]) -> System:
-        from liepoisson.model.hamiltonian import symbols_in
-        from liepoisson.model.system import System
-
-        values = {str(s): Fraction(int(v.p), int(v.q)) for s, v in example.items()}
-        energy = cast("Expr", self.system.hamiltonian.xreplace(dict(example)))
-        symbols = symbols_in(energy, self.system.component_names)
-        of_bracket = {name: value for name, value in values.items() if name in self.system.bracket.symbols}
-        return System(self.system.bracket.substitute(of_bracket), energy, name=self.system.name, symbols=symbols)
 
 
 def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:

@@ -6,8 +6,7 @@ each monomial with $m_k > 0$.  All entries of a term are made at once, as the co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import inf
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -65,73 +64,43 @@ def random_point(n: int, residues: Residues, seed: int = 1) -> list[Element]:
 _LARGEST_KEY = 2**62
 
 
-@dataclass(frozen=True)
-class ModularDerivation:
-    """The terms of D modulo a prime."""
+def modular_nullity(
+    derivation: Derivation,
+    residues: Residues,
+    monomials: Sequence[Exponents],
+    progress: Callable[[float], Any] | None = None,
+) -> int:
+    """Dimension of the null space of D on some monomials; those of low degree come first, which costs least."""
+    import numpy as np
 
-    terms: tuple[tuple[int, Exponents, int], ...]  # coordinate k, exponents e and residue of c of each term
-    p: int
+    from liepoisson import _core
 
-    @classmethod
-    def of(cls, derivation: Derivation, residues: Residues) -> ModularDerivation:
-        """The terms of a derivation whose coefficients do not vanish modulo the prime."""
-        terms = [
-            (k, factor, residue)
-            for k, component in enumerate(derivation.components)
-            for factor, coefficient in component.items()
-            if (residue := residues(coefficient) % residues.p)
-        ]
-        return cls(tuple(terms), residues.p)
+    parts = list(_entries(derivation, residues, np.array(sorted(monomials, key=lambda m: (sum(m), m)), dtype=np.int64)))
+    if not parts:
+        return len(monomials)
+    columns, images, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+    rows = _numbered(images)
+    order = np.lexsort((columns, rows))
+    starts = np.searchsorted(rows[order], np.arange(rows.max() + 2))
+    matrix = starts.astype(np.uint64), columns[order].astype(np.uint32), values[order]
+    found = _core.modular_null_space(*matrix, len(monomials), residues.p, None, inf, progress)
+    return len(monomials) - found["rank"]
 
-    def nullity(
-        self,
-        monomials: Sequence[Exponents],
-        enough_rank: int | None = None,
-        progress: Callable[[float], Any] | None = None,
-    ) -> int:
-        """Dimension of the null space of D on some monomials.
 
-        The elimination costs least if those of low degree come first.
+def _entries(derivation: Derivation, residues: Residues, monomials: NDArray[np.int64]) -> Iterator[Any]:
+    """For each term of D the columns, the monomials of the rows and the residues of its entries."""
+    import numpy as np
 
-        Args:
-            monomials: The columns.
-            enough_rank: The rank, if it is known to be at most this, at which the elimination may end.
-            progress: Told the fraction of the elimination that is done.
-        """
-        import numpy as np
-
-        from liepoisson import _core
-
-        parts = list(self._entries(np.array(sorted(monomials, key=lambda m: (sum(m), m)), dtype=np.int64)))
-        if not parts:
-            return len(monomials)
-        columns, images, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-        rows = _numbered(images)
-        order = np.lexsort((columns, rows))
-        starts = np.searchsorted(rows[order], np.arange(rows.max() + 2))
-        found = _core.modular_null_space(
-            starts.astype(np.uint64),
-            columns[order].astype(np.uint32),
-            values[order],
-            len(monomials),
-            self.p,
-            enough_rank,
-            inf,
-            progress,
-        )
-        return len(monomials) - found["rank"]
-
-    def _entries(self, monomials: NDArray[np.int64]) -> Any:
-        """For each term the columns, the monomials of the rows and the residues of its entries."""
-        import numpy as np
-
-        for k, factor, coefficient in self.terms:
-            columns = np.flatnonzero(monomials[:, k])
-            if not len(columns):
+    p = residues.p
+    for k, component in enumerate(derivation.components):
+        columns = np.flatnonzero(monomials[:, k])
+        powers = monomials[columns, k]
+        for factor, coefficient in component.items():
+            residue = residues(coefficient) % p
+            if not residue or not len(columns):
                 continue
-            powers = monomials[columns, k]
             # residues of 61 bits times powers would overflow: a table of Python's integers
-            table = np.array([coefficient * m % self.p for m in range(int(powers.max()) + 1)], dtype=np.uint64)
+            table = np.array([residue * m % p for m in range(int(powers.max()) + 1)], dtype=np.uint64)
             images = monomials[columns] + np.array(factor)
             images[:, k] -= 1
             yield columns, images, table[powers]

@@ -385,7 +385,7 @@ class CaseSplitting:
         return self._reduced_state(State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
     def _inserted_row(self, row: Mapping[Any, Poly], v: int, numerator: Poly, denominator: Poly) -> dict[Any, Poly]:
-        power = max((p.degrees()[v] for p in row.values()), default=0)
+        power = max((0, *(p.degrees()[v] for p in row.values())))  # FLINT says -1 of the polynomial 0
         return {c: self._inserted(p, v, numerator, denominator, power) for c, p in row.items()}
 
     def _inserted(self, p: Poly, v: int, numerator: Poly, denominator: Poly, power: int | None = None) -> Poly:

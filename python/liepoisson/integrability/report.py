@@ -26,6 +26,7 @@ from liepoisson.integrability.completeness import (
 from liepoisson.integrability.derivation import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals, named_formulas, search_record
 from liepoisson.integrability.search import next_name
+from liepoisson.integrability.search_problem import casimirs_of, with_hamiltonian
 from liepoisson.io.files import write_atomically
 from liepoisson.model.system_text import system_text
 from liepoisson.report.printing import Formula
@@ -256,7 +257,7 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
     notes: list[str] = []
     system = _without_quadratures(system, notes)
     rank = system.bracket.rank()
-    casimirs = {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+    casimirs = casimirs_of(system)
     integrals: dict[str, Expr] = {"H": system.hamiltonian}
     dependent: dict[str, Expr] = {}
     searches: list[FirstIntegrals] = []
@@ -314,14 +315,10 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
 
 
 def _without_quadratures(system: System, notes: list[str]) -> System:
-    from liepoisson.model.hamiltonian import symbols_in
-    from liepoisson.model.system import System
-
     if len(system.variables) == len(system.bracket.variables):
         return system
     notes.append("quadratures were left out: they are no functions on phase space")
-    symbols = symbols_in(system.hamiltonian, system.component_names)
-    return System(system.bracket, system.hamiltonian, name=system.name, symbols=symbols)
+    return with_hamiltonian(system, system.hamiltonian)
 
 
 def _certificate(system: System, commuting: Mapping[str, Expr], notes: list[str]) -> dict[str, Any] | None:

@@ -24,6 +24,7 @@ from liepoisson.integrability.galois.obstruction import GaloisObstruction, Verdi
 from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals, named_formulas
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
+from liepoisson.integrability.search_problem import casimirs_of
 from liepoisson.io.files import another_format, read_text
 from liepoisson.model.system_text import read_system_text
 
@@ -213,8 +214,7 @@ class _Reader:
 
     def _verify_searches(self, integrals: Mapping[str, Expr], dependent: Mapping[str, Expr]) -> None:
         """That nothing is hidden in them: what a search took as known or found is an integral of the report."""
-        n_casimirs, functions = len(self.system.bracket.casimirs()), {**integrals, **dependent}
-        casimirs = {f"C{k}" for k in range(1, n_casimirs + 1)}
+        functions, casimirs = {**integrals, **dependent}, casimirs_of(self.system)
         for search in self.data["searches"]:
             _agree("the system of a search", search["system"], self.system.name)
             _agree("the level of a search", search["on"], [])
@@ -233,7 +233,7 @@ class _Reader:
 
     def _search(self, data: Mapping[str, Any], integrals: Mapping[str, Expr], done: float) -> FirstIntegrals:
         """A search as the file says, or made again and compared."""
-        casimirs = {f"C{k}": c for k, c in enumerate(self.system.bracket.casimirs(), start=1)}
+        casimirs = casimirs_of(self.system)
         of_leaves = [entry for entry in data["known"] if entry["name"] in casimirs]
         _agree(
             "the Casimirs", of_leaves, named_formulas({entry["name"]: casimirs[entry["name"]] for entry in of_leaves})

@@ -36,7 +36,7 @@ from liepoisson.integrability.derivation import (
     in_blocks,
     order,
 )
-from liepoisson.integrability.modular import ModularDerivation, modular, random_point, residues_of
+from liepoisson.integrability.modular import modular, modular_nullity, random_point, residues_of
 
 Label = tuple[int, ...]
 _MOST_TERMS = 400
@@ -149,7 +149,7 @@ class Search:
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
         if not self.level.basis:
-            return self._modular_derivation.nullity(block, progress=progress)
+            return modular_nullity(self.derivation, self.residues, block, progress)
         columns: list[Polynomial] = []
         for monomial in block:
             checkpoint("the search for integrals")
@@ -158,10 +158,6 @@ class Search:
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
             columns.append(self._level_mod.remainder(image))
         return len(nullspace_mod(transposed(columns), len(block), self.residues.p))
-
-    @cached_property
-    def _modular_derivation(self) -> ModularDerivation:
-        return ModularDerivation.of(self.derivation, self.residues)
 
     def _image(self, monomial: Exponents) -> Polynomial:
         checkpoint("the search for integrals")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from itertools import chain, count
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
@@ -15,6 +16,7 @@ from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.refusals import not_a, shown
+from liepoisson.integrability.algebraic_functions import AlgebraicEquations
 from liepoisson.integrability.derivation import (
     Derivation,
     Exponents,
@@ -32,12 +34,14 @@ from liepoisson.integrability.derivation import (
     up_to_degree,
 )
 from liepoisson.integrability.search import Generator, Search
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.formula.parameters import Parameter
     from liepoisson.model.system import System
+    from liepoisson.structure.bracket import Bracket
 
 Equations: TypeAlias = "str | Expr | Sequence[str | Expr] | Mapping[str, Parameter]"
 """Equations of a level set: texts or functions that vanish, one or several, or values by name."""
@@ -49,7 +53,7 @@ _LARGEST_WEIGHT = 10_000
 class SearchProblem:
     """Equations of motion, known integrals, and a level set, as polynomials over one field."""
 
-    derivation: Derivation
+    equations: AlgebraicEquations
     known: dict[str, Polynomial]  # the integrals that are known, by name
     zeros: list[Polynomial]  # the functions that vanish on the level set; empty for all of phase space
 
@@ -58,21 +62,21 @@ class SearchProblem:
         """The problem for a system with polynomial equations."""
         derivation, functions = derivation_of(system, *known.values(), *on)
         n = len(known)
-        return cls(derivation, dict(zip(known, functions[:n], strict=True)), functions[n:])
+        return cls(AlgebraicEquations(derivation, {}, ()), dict(zip(known, functions[:n], strict=True)), functions[n:])
 
-    def check(
-        self,
-        known: Mapping[str, Expr],
-        relations: Level | None = None,
-        written: Callable[[Polynomial], Expr] | None = None,
-    ) -> None:
-        """Refuse functions that are no integrals."""
-        level, written = relations or Level(), written or self.derivation.expression
+    @property
+    def derivation(self) -> Derivation:
+        """The equations of motion."""
+        return self.equations.derivation
+
+    def check(self, known: Mapping[str, Expr]) -> None:
+        """Refuse functions that are no integrals; `known` has them as they were given."""
+        level = level_of(self.derivation, self.equations.relations)
         for name, polynomial in self.known.items():
             if rate := level.remainder(self.derivation(polynomial)):
                 raise ParameterError(
                     f"known: wanted integrals; got {name} = {shown(known[name])}, whose derivative "
-                    f"{shown(written(rate))} is not zero"
+                    f"{shown(self.equations.expression(rate))} is not zero"
                 )
 
     @cached_property
@@ -181,7 +185,33 @@ def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
 
 def known_functions(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
-    return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+    return {"H": system.hamiltonian} | casimirs_of(system)
+
+
+def casimirs_of(system: System) -> dict[str, Expr]:
+    """The Casimirs by name."""
+    return {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+
+
+def with_hamiltonian(system: System, energy: Expr, bracket: Bracket | None = None) -> System:
+    """The system with another Hamiltonian, and perhaps another bracket; without quadratures."""
+    from liepoisson.model.hamiltonian import symbols_in
+    from liepoisson.model.system import System
+
+    symbols = symbols_in(energy, system.component_names)
+    return System(bracket or system.bracket, energy, name=system.name, symbols=symbols)
+
+
+def at_values(system: System, values: Mapping[Any, Fraction]) -> System:
+    """The system with rational values for some of its symbols."""
+    own = {str(s): value for s, value in values.items() if str(s) in system.bracket.symbols}
+    energy = cast("Any", system.hamiltonian).xreplace({s: to_sympy(value) for s, value in values.items()})
+    return with_hamiltonian(system, energy, system.bracket.substitute(own))
+
+
+def where(functions: Sequence[Expr]) -> str:
+    """The equations f = 0 in a row."""
+    return ", ".join(f"{Formula(f).plain} = 0" for f in functions)
 
 
 def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:

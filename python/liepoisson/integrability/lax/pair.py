@@ -31,6 +31,7 @@ from liepoisson.integrability.completeness import are_in_involution, as_polynomi
 from liepoisson.integrability.derivation import level_of
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
 from liepoisson.integrability.search import next_name
+from liepoisson.integrability.search_problem import known_functions, with_hamiltonian
 from liepoisson.report.printing import Formula
 from liepoisson.structure.trace import traces_in
 
@@ -410,8 +411,7 @@ def lax_integrals(pair: LaxPair) -> LaxIntegrals:
     found.sort(key=lambda item: _degree(item[1], system))
     functions = [f for _, f in found]
     _check_that_they_are_constant(system, [(place, f.expand()) for place, f in found])
-    casimirs = enumerate(system.bracket.casimirs(), start=1)
-    known = {"H": system.hamiltonian} | {f"C{k}": c for k, c in casimirs if not traces_in(c)}
+    known = {name: f for name, f in known_functions(system).items() if name == "H" or not traces_in(f)}
     independent: dict[str, Expr] = {}
     sorted_: list[LaxIntegral] = []
     for place, f in found:
@@ -436,13 +436,9 @@ def lax_integrals(pair: LaxPair) -> LaxIntegrals:
 
 def _with_single_exponentials(system: System) -> System:
     """The system with exp(x)*exp(-y) for exp(x - y), so that all functions are in the same exponentials."""
-    from liepoisson.model.hamiltonian import symbols_in
-    from liepoisson.model.system import System
-
     if system.hamiltonian.is_polynomial(*system.variables):
         return system
-    symbols = symbols_in(system.hamiltonian, system.component_names)
-    return System(system.bracket, system.hamiltonian.expand(), name=system.name, symbols=symbols)
+    return with_hamiltonian(system, system.hamiltonian.expand())
 
 
 def _sorted_one(
