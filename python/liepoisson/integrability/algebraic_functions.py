@@ -27,6 +27,36 @@ from itertools import combinations
 from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
+from flint import fmpq_mat, fmpz_mat
+from sympy import (
+    Add,
+    Dummy,
+    Mul,
+    Poly,
+    Pow,
+    cos,
+    cosh,
+    cot,
+    coth,
+    csc,
+    csch,
+    default_sort_key,
+    exp,
+    expand,
+    expand_trig,
+    factor_list,
+    log,
+    pi,
+    prod,
+    sec,
+    sech,
+    sin,
+    sinh,
+    sqrt,
+    tan,
+    tanh,
+)
+
 from liepoisson.algebra.coefficients import check_degree
 from liepoisson.algebra.number_fields import Element, as_fmpq
 from liepoisson.algebra.sparse_polynomials import Polynomial
@@ -92,8 +122,6 @@ def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEqua
 
 def is_algebraic(system: System, function: Expr) -> bool:
     """Whether a function can be read along with the equations: log(x) cannot, though its derivatives may."""
-    from sympy import log
-
     if not function.has(log):
         return True
     try:
@@ -129,8 +157,6 @@ class _Reader:
 
     def rates(self, of_coordinates: Sequence[Any]) -> list[Any]:
         """The rates of all variables, by the chain rule."""
-        from sympy import expand
-
         known: dict[Any, Any] = dict(zip(self.coordinates, of_coordinates, strict=True))
 
         def along(function: Any) -> Any:
@@ -149,8 +175,6 @@ class _Reader:
         return [expand(known[z]) for z in (*self.coordinates, *self.functions)]
 
     def _polynomial(self, expression: Any) -> Any:
-        from sympy import cos, exp, sin
-
         checkpoint("reading functions as polynomials")
         x = set(self.coordinates)
         if not expression.free_symbols & x or expression.is_polynomial(*self.coordinates):
@@ -172,8 +196,6 @@ class _Reader:
         self._refuse(expression)
 
     def _exponential(self, form: Form) -> Any:
-        from sympy import prod
-
         ray, multiple = _ray(form)
         for unit, e in self._exponentials.items():
             known, step = _ray(unit)
@@ -185,16 +207,12 @@ class _Reader:
         return prod(factors)
 
     def _new(self, function: Any) -> Symbol:
-        from sympy import Dummy
-
         symbol = Dummy(f"y{len(self.functions) + 1}")
         self.functions[symbol] = function
         return symbol
 
     def _inverse(self, base: Any) -> Any:
         """One over a polynomial in all variables, by an inverse for each of its factors."""
-        from sympy import factor_list
-
         content, factors = cast("tuple[Any, Any]", factor_list(base.expand(), *self.coordinates, *self.functions))
         total: Any = 1 / content
         for factor, power in factors:
@@ -211,8 +229,6 @@ class _Reader:
 
     def _expanded(self, expression: Any) -> Any:
         """The sine or cosine of a form, in those of the basis."""
-        from sympy import Dummy, cos, expand_trig, sin
-
         form, constant = self._form(expression.args[0], turns=True)
         multiples = _multiples([f for f, _, _ in self._angles], form)
         if (largest := sum(map(abs, multiples))) > _MOST_TURNS:
@@ -229,8 +245,6 @@ class _Reader:
 
     def _form(self, argument: Any, *, turns: bool = False) -> tuple[Form, Any]:
         """The coefficients of a linear form, and a constant, which may be a rational multiple of pi if it turns."""
-        from sympy import Poly, pi
-
         if not argument.is_polynomial(*self.coordinates):
             self._refuse(argument)
         polynomial = Poly(argument, *self.coordinates)
@@ -249,8 +263,6 @@ class _Reader:
         )
 
     def _add_roots(self, expressions: Iterable[Any]) -> None:
-        from sympy import Poly, Pow, default_sort_key, prod, sqrt
-
         bases: list[Any] = []
         powers = {p for e in expressions for p in e.atoms(Pow) if p.free_symbols & set(self.coordinates)}
         for power in sorted(powers, key=default_sort_key):
@@ -278,8 +290,6 @@ class _Reader:
             self.relations += [r**2 - base, u * r - 1]
 
     def _add_exponentials(self, expressions: Iterable[Any]) -> None:
-        from sympy import exp
-
         arguments = {f.args[0] for e in expressions for f in e.atoms(exp) if f.free_symbols & set(self.coordinates)}
         rays: dict[Form, list[Fraction]] = {}
         for argument in sorted(arguments, key=str):
@@ -297,8 +307,6 @@ class _Reader:
             self.relations += [_binomial(multiples, symbols) for multiples in relations]
 
     def _add_angles(self, expressions: Iterable[Any]) -> None:
-        from sympy import cos, sin
-
         found = {f.args[0] for e in expressions for f in e.atoms(sin, cos) if f.free_symbols & set(self.coordinates)}
         forms = [self._form(argument, turns=True)[0] for argument in sorted(found, key=str)]
         if not forms:
@@ -315,8 +323,6 @@ class _Reader:
 
 
 def _in_exp_sin_cos(expression: Any) -> Any:
-    from sympy import cos, cosh, cot, coth, csc, csch, exp, sec, sech, sin, sinh, tan, tanh
-
     def ratio(f: Any) -> Any:
         return sin(f) / cos(f)
 
@@ -334,16 +340,12 @@ def _in_exp_sin_cos(expression: Any) -> Any:
 
 def _with_one_exponential(product: Any) -> Any:
     r"""A product with $e^{f + g}$ for $e^f e^g$, into which SymPy expands it: one variable, and no relation."""
-    from sympy import Add, Mul, exp
-
     exponents: list[Any] = [f.args[0] for f in product.args if isinstance(f, exp)]
     return Mul(*(f for f in product.args if not isinstance(f, exp)), exp(Add(*exponents)))
 
 
 def _primitive(base: Any, coordinates: Sequence[Any]) -> tuple[Any, Any]:
     """A positive rational number times an expanded polynomial whose coefficients have no common factor."""
-    from sympy import Poly
-
     content, primitive = Poly(base, *coordinates).primitive()
     return (content, primitive.as_expr()) if content.is_Rational and content > 0 else (content * 0 + 1, base.expand())
 
@@ -365,8 +367,6 @@ def _opposite(form: Form) -> Form:
 
 def _lattice_basis(forms: Sequence[Form]) -> list[Form]:
     """Short forms of which all these are sums with whole coefficients."""
-    from flint import fmpz_mat
-
     scale = lcm(*(c.denominator for f in forms for c in f))
     lattice = fmpz_mat([[int(c * scale) for c in f] for f in forms]).hnf()
     rows = fmpz_mat(lattice.tolist()[: lattice.rank()]).lll()
@@ -379,8 +379,6 @@ def _lattice_basis(forms: Sequence[Form]) -> list[Form]:
 
 def _multiples(basis: Sequence[Form], form: Form) -> list[int]:
     """The whole coefficients of a form in a basis of the lattice."""
-    from flint import fmpq_mat
-
     rows = [[as_fmpq(c) for c in f] for f in (*basis, form)]
     reduced, rank = fmpq_mat([list(column) for column in zip(*rows, strict=True)]).rref()
     return [int(reduced[k, rank].p) for k in range(rank)]
@@ -396,8 +394,6 @@ def _with_inverses(forms: Sequence[Form]) -> list[Form]:
 
 def _relations(forms: Sequence[Form]) -> list[list[int]]:
     """A basis of the whole numbers with which the forms add up to zero."""
-    from flint import fmpz_mat
-
     if not forms:
         return []
     m, n = len(forms), len(forms[0])
@@ -409,8 +405,6 @@ def _relations(forms: Sequence[Form]) -> list[list[int]]:
 
 def _binomial(multiples: Sequence[int], symbols: Sequence[Any]) -> Any:
     """What vanishes if this sum of forms does; if no other does, all relations are its multiples [sturmfels1996]."""
-    from sympy import prod
-
     pairs = [(y, int(k)) for y, k in zip(symbols, multiples, strict=True)]
     positive: Any = prod(y**k for y, k in pairs if k > 0)
     negative: Any = prod(y**-k for y, k in pairs if k < 0)

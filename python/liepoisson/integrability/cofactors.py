@@ -20,6 +20,8 @@ from fractions import Fraction
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from flint import fmpq_mpoly_ctx, nmod_poly
+
 from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
@@ -106,8 +108,6 @@ class CofactorCases(CaseSplitting):
         monomials: Sequence[Exponents],
         field: Field,
     ) -> None:
-        from flint import fmpq_mpoly_ctx
-
         self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
         self.number_field: Field = field
         names = [f"k_{'_'.join(_name(derivation, m)) or '0'}" for m in monomials]
@@ -224,8 +224,6 @@ class CofactorCases(CaseSplitting):
         Modulo a prime ranks can only drop. The zeros of one irreducible equation are all alike, so that one of them
         modulo the prime suffices; with several equations all must be there.
         """
-        from flint import nmod_poly
-
         equations = self._equations(case)
         if not self._is_finite(case):
             return False

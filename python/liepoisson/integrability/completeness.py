@@ -27,6 +27,9 @@ from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
+from sympy import Add, Integer, Mul, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
 from liepoisson.algebra.coefficients import Coefficients, check_degree
 from liepoisson.algebra.echelon import transposed
 from liepoisson.algebra.exact_numbers import to_sympy
@@ -112,8 +115,6 @@ def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int
 
 def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> ClosedIntegrals | None:
     """The integrals, if they are closed under the bracket and as many as the theorem wants."""
-    from sympy import Symbol
-
     from liepoisson.structure.trace import traces_in
 
     # Casimirs that are traces of matrices are left out: written out they are long
@@ -153,8 +154,6 @@ def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
 
 def as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:
     """Functions as polynomials in generators of no higher degree; None if one is none."""
-    from sympy import Add, Integer, Mul
-
     equations, read = algebraic_equations(system, *functions, *generators.values())
     level, field = level_of(equations.derivation, equations.relations), equations.derivation.field
     remainders = [level.remainder(f) for f in read]
@@ -186,9 +185,6 @@ def as_polynomials(system: System, functions: Sequence[Expr], generators: Mappin
 
 def _generic_rank(names: Sequence[str], matrix: Mapping[tuple[str, str], Expr], generators: Sequence[Any]) -> int:
     """The rank of the antisymmetric matrix over the field of rational functions of the generators."""
-    from sympy import Poly
-    from sympy.polys.matrices import DomainMatrix
-
     if not matrix:
         return 0
     check_degree(matrix.values())
@@ -218,8 +214,6 @@ def commuting_combinations(system: System, integrals: Mapping[str, Expr], rank: 
 
     Each comes with the polynomial that it is in the names of the integrals.
     """
-    from sympy import Symbol
-
     functions = {name: f for name, f in integrals.items() if name != "H" and is_algebraic(system, f)}
     if len(functions) < 2 or rank < 4:
         return []
@@ -308,8 +302,6 @@ class _Algebra:
 
     def combined(self, combination: Combination, generators: Sequence[Expr]) -> Expr:
         """A combination of products of the generators, or of their names."""
-        from sympy import Add, Mul
-
         terms = [
             Mul(self.field.to_sympy(c), *(generators[i] for i in self.products[k])) for k, c in combination.items()
         ]

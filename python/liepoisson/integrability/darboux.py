@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
+from sympy import I, S, expand
+
 from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
@@ -73,15 +75,11 @@ class DarbouxPolynomial:
     @property
     def is_real(self) -> bool:
         """Whether all coefficients are real."""
-        from sympy import I
-
         return not self.expression.has(I)
 
     @property
     def equations(self) -> tuple[Expr, ...]:
         """The real polynomials that vanish on the invariant set p = 0: p, or its real and imaginary part."""
-        from sympy import I, S, expand
-
         if self.is_real:
             return (self.expression,)
         expanded: Any = expand(self.expression)

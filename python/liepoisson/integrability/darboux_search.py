@@ -16,6 +16,9 @@ from functools import cached_property
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from flint import fmpz_mat
+from sympy import Mul, expand
+
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
@@ -247,8 +250,6 @@ def rational_integrals(
     search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
 ) -> tuple[RationalIntegral, ...]:
     """A basis of the integrals that are products of powers of some Darboux polynomials."""
-    from sympy import Mul, expand
-
     at = _Point(search)
     rows = [at.gradient([f], [1]) for f in search.factors if not f.is_new]
     found: list[RationalIntegral] = []
@@ -297,8 +298,6 @@ class _Point:
 
 def _relations(factors: Sequence[Factor]) -> list[list[int]]:
     """A basis of the whole numbers n with sum n_i k_i = 0, short by the algorithm of Lenstra, Lenstra and Lovasz."""
-    from flint import fmpz_mat
-
     if not factors:
         return []
     rows = _whole([[x for c in f.cofactor for x in _coordinates(c)] for f in factors])

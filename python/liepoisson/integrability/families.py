@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
+from flint import fmpq
+from sympy import Function, I, Integer, NumberSymbol, Pow
+
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
@@ -275,9 +278,7 @@ def integrable_families(
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         general=tuple(general.values()),
         cases=tuple(members.described(case, splitting, matrix) for case in cases.found),
-        left=tuple(
-            dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)
-        ),
+        left=tuple(dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)),
         n_closed=cases.n_closed,
         casimirs=tuple(
             FurtherCasimirs(_conditions(case, splitting, matrix), tuple(_casimirs_of(system, case, matrix)))
@@ -288,8 +289,6 @@ def integrable_families(
 
 def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -> None:
     """Refuse other numbers than rational ones: between these relations may hide."""
-    from sympy import Function, I, NumberSymbol, Pow
-
     expressions: list[Any] = [system.hamiltonian, *system.equations.values(), *functions]
     kinds: Any = (Function, NumberSymbol, Pow, type(I))
     others = {a for e in expressions for a in e.atoms(*kinds) if not (a.is_Pow and a.exp.is_Integer)}
@@ -347,8 +346,6 @@ def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> di
 
 def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Expr]:
     """The Casimirs of the bracket in a case that gives values to some of its parameters; empty if it does not."""
-    from sympy import Integer
-
     values: dict[str, Any] = {matrix.names[v]: Integer(1) for v, _ in case.scaled}
     values |= {matrix.names[v]: matrix.fraction(a, b) for v, a, b in case.solved}
     own = {name: value for name, value in values.items() if name in set(map(str, system.bracket.symbols))}
@@ -419,8 +416,6 @@ def _example(
     case: Case, excepted: Sequence[Poly], positive: frozenset[int], matrix: ParameterMatrix
 ) -> dict[Any, Any] | None:
     """Values of the parameters in a case; None if none is found."""
-    from flint import fmpq
-
     points = CasePoints(case, matrix.context, positive).rational(_MOST_EXAMPLES)
     found = next((p for p in points if all(value_at(q.terms(), p, fmpq) for q in excepted)), None)
     return None if found is None else dict(zip(matrix.symbols, map(rational_to_sympy, found), strict=True))

@@ -34,6 +34,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from flint import arb, fmpq, fmpq_poly, nmod_poly
+from sympy import Poly as SymPyPoly
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
@@ -95,8 +96,6 @@ class ParameterMatrix:
 
         Modulo the level.
         """
-        from sympy import Poly as SymPyPoly
-
         n, numerator = len(variables), cast("Any", function).together().as_numer_denom()[0]
         found: dict[Exponents, dict[tuple[int, ...], Any]] = {}
         for m, c in cast("Any", SymPyPoly(numerator, *variables, *self.symbols)).terms():

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from sympy import Mul, Poly
+
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.exact_numbers import is_sympy
@@ -116,8 +118,6 @@ class _Form:
     """Linear combinations of monomials, and equations for their coefficients."""
 
     def __init__(self, system: System, monomials: list[Exponents]) -> None:
-        from sympy import Mul
-
         self.system, self.monomials = system, monomials
         x = system.variables
         self.products: list[Any] = [Mul(*(v**k for v, k in zip(x, m, strict=True) if k)) for m in monomials]
@@ -150,8 +150,6 @@ class _Form:
 
     def casimirs(self, degree: int) -> list[Any]:
         """Products of Casimirs up to a degree."""
-        from sympy import Poly
-
         generators = [(Poly(c, *self.system.variables).total_degree(), c) for c in self.system.bracket.casimirs()]
         found: list[tuple[int, Any]] = [(0, 1)]
         for d, c in generators:

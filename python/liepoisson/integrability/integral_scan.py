@@ -11,6 +11,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
+from hashlib import sha256
 from itertools import product
 from os import PathLike
 from pathlib import Path
@@ -283,8 +284,6 @@ def _pieces(missing: Mapping[int, Sequence[Fraction]], n_at_once: int) -> tuple[
 
 def _described(search: PointSearch) -> str:
     """A digest of everything that the numbers of the points depend on."""
-    from hashlib import sha256
-
     return sha256(repr(search).encode()).hexdigest()
 
 

@@ -23,6 +23,9 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from flint import ctx, fmpq_poly
+from sympy.polys.matrices import DomainMatrix
+
 from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
@@ -144,8 +147,6 @@ def logarithms(flag: Flag, point: Any) -> tuple[LogarithmOnFlag, ...]:
 
 def _ranks(r: int, classes: Sequence[tuple[Any, list[Any]]], local: LocalSystem) -> list[list[int]]:
     """The ranks of the blocks of N between the quotients of a flag, from where (column) to where (row)."""
-    from sympy.polys.matrices import DomainMatrix
-
     ranks = [[0] * r for _ in range(r)]
     for nilpotent, chain in classes:
         columns: list[Any] = []
@@ -189,8 +190,6 @@ def exact_obstruction(flag: Flag) -> ExactObstruction | None:
 
 def commutators(system: LinearSystem) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
     """Commutators of powers of local monodromies and of their conjugates, up to one that is not 0; what is left."""
-    from flint import ctx
-
     found: list[Commutator] = []
     left: list[str] = []
     before = ctx.prec
@@ -263,8 +262,6 @@ def _neat(name: str, balls: Any, power: int) -> NeatElement:
 
 def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[Any, list[Any]]:
     """N of a class of exponents, and for each subspace of the flag its solutions, as rows of coefficients."""
-    from sympy.polys.matrices import DomainMatrix
-
     found = local.solutions(exponent, terms=terms)
     weights: Sequence[int] = local.weights or ()
     n, count, field = flag.system.n, found.n, local.field
@@ -300,8 +297,6 @@ def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[A
 
 def _local_row(row: list[Any], local: LocalSystem, count: int) -> list[list[Any]]:
     """A row of rational functions, times their common denominator, as series at the point."""
-    from flint import fmpq_poly
-
     tops, _ = over_common_denominator(list(map(fraction, row)), fmpq_poly([1]))
     if local.point is None:
         size = max((top.degree() for top in tops), default=0)

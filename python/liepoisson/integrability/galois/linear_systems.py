@@ -11,6 +11,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
+from flint import fmpq, fmpq_poly
+from sympy import QQ, Symbol, together
+from sympy import Symbol as SymPySymbol
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.polyerrors import CoercionFailed, PolynomialError
+from sympy.utilities.iterables import connected_components
+
 from liepoisson.algebra.exact_numbers import is_sympy
 from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError, ShapeError
@@ -58,8 +65,6 @@ class LinearSystem:
     @cached_property
     def polynomials(self) -> tuple[list[list[Any]], Any]:
         """A = M/d: the numerators M and the common denominator d, which has leading coefficient 1."""
-        from flint import fmpq_poly
-
         rows = [[fraction(entry) for entry in row] for row in self.entries.to_dense().rep.to_list()]
         tops, common = over_common_denominator([entry for row in rows for entry in row], fmpq_poly([1]))
         lead, left = common.leading_coefficient(), iter(tops)
@@ -120,8 +125,6 @@ class LinearSystem:
     @cached_property
     def summands(self) -> tuple[tuple[int, ...], ...]:
         """The components in groups that do not influence each other, the smallest partition."""
-        from sympy.utilities.iterables import connected_components
-
         rows = self.entries.to_dense().rep.to_list()
         influences = [(i, j) for i, row in enumerate(rows) for j, entry in enumerate(row) if entry]
         groups = connected_components((list(range(self.n)), influences))
@@ -155,10 +158,6 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
         ShapeError: the matrix is not square, is too large, or has not as many rows as there are names.
         ParameterError: an entry is no rational function of the variable over the rational numbers.
     """
-    from sympy import QQ
-    from sympy import Symbol as SymPySymbol
-    from sympy.polys.matrices import DomainMatrix
-
     if not isinstance(variable, SymPySymbol):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
     rows = _rows(matrix)
@@ -180,9 +179,6 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
 
 def _restored(variable: Symbol, matrix: Any, names: tuple[str, ...], symbols: tuple[Symbol, ...]) -> LinearSystem:
     """The equations of a pickle."""
-    from sympy import QQ
-    from sympy.polys.matrices import DomainMatrix
-
     field = QQ.frac_field(*symbols)
     entries = [[field.from_sympy(entry) for entry in row] for row in matrix.tolist()]
     return LinearSystem(variable, DomainMatrix(entries, matrix.shape, field), names)
@@ -205,8 +201,6 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
         symbols: The symbols that a text may name.
         where: What to call it in an error message.
     """
-    from sympy import Symbol
-
     from liepoisson.algebra.exact_numbers import as_expression
     from liepoisson.formula.expression import read_expression
     from liepoisson.formula.scope import Scope
@@ -220,9 +214,6 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
 
 def rational_function(expression: Any, field: Any) -> Any:
     """An element of a field of rational functions."""
-    from sympy import together
-    from sympy.polys.polyerrors import CoercionFailed, PolynomialError
-
     try:
         return field.from_sympy(together(expression))
     except (CoercionFailed, PolynomialError, ValueError, TypeError, AttributeError, ZeroDivisionError):
@@ -244,8 +235,6 @@ def fraction(entry: Any) -> tuple[Any, Any]:
 
 def from_polynomial(polynomial: Any, field: Any) -> Any:
     """A polynomial of FLINT as a rational function."""
-    from sympy import QQ
-
     s, value = field.gens[0], field.zero
     for c in reversed(polynomial.coeffs()):
         value = value * s + field(QQ(c.p, c.q))
@@ -254,8 +243,6 @@ def from_polynomial(polynomial: Any, field: Any) -> Any:
 
 def reversed_fraction(entry: Any, field: Any) -> Any:
     """f(1/s) for a rational function f(s)."""
-    from flint import fmpq_poly
-
     top, bottom = fraction(entry)
     size = max(top.degree(), bottom.degree(), 0)
     turned = [fmpq_poly([f[size - k] for k in range(size + 1)]) for f in (top, bottom)]
@@ -280,7 +267,5 @@ def root_text(polynomial: Any, variable: Any) -> str:
 
 
 def _polynomial(element: Any) -> Any:
-    from flint import fmpq, fmpq_poly
-
     coefficients: list[Any] = list(reversed(element.to_dense())) if element else [0]
     return fmpq_poly([fmpq(int(c.numerator), int(c.denominator)) for c in coefficients])

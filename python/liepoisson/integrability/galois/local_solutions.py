@@ -24,6 +24,10 @@ from itertools import zip_longest
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
+from flint import fmpq, fmpq_poly
+from sympy import QQ, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -144,8 +148,6 @@ class LocalSystem:
     """
 
     def __init__(self, system: LinearSystem, point: Any) -> None:
-        from sympy import QQ, Poly, Symbol
-
         self.system = system
         self.point = point
         self._here = system.at_infinity if point is None else system
@@ -165,9 +167,6 @@ class LocalSystem:
     @cached_property
     def exponents(self) -> Exponents:
         """The exponents of u."""
-        from flint import fmpq_poly
-        from sympy import Poly, Symbol
-
         characteristic: Any = Poly(self.coefficient(0).charpoly(), Symbol("x"), domain=self.field)
         coordinates = [_coordinates(c, self.field) for c in reversed(characteristic.rep.to_list())]
         common = fmpq_poly()
@@ -243,8 +242,6 @@ class LocalSystem:
 
     def _value(self, polynomial: Any) -> Any:
         """A polynomial at the point."""
-        from sympy import QQ
-
         if self.point is None:
             c = polynomial[0]
             return QQ(c.p, c.q)
@@ -255,8 +252,6 @@ class LocalSystem:
 
     def _orders(self) -> tuple[list[list[int | None]], int]:
         """The orders of the entries of A at the point (None for zeros), and that of its common denominator."""
-        from flint import fmpq_poly
-
         numerators, denominator = self._here.polynomials
         point = fmpq_poly([0, 1]) if self.point is None else self.point
 
@@ -291,8 +286,6 @@ class LocalSystem:
 
     def _expanded(self, count: int) -> list[Any]:
         """B_0, B_1, ..., so many."""
-        from sympy.polys.matrices import DomainMatrix
-
         assert self.weights is not None
         w, n, pole, zero = self.weights, self.system.n, self._pole, self.field.zero
         numerators, denominator = self._here.polynomials
@@ -316,9 +309,6 @@ class LocalSystem:
 
     def _solved(self, exponent: Fraction, first: int, last: int, powers: int) -> list[list[Any]]:
         """The solutions with powers of ln p below a bound, as in `LocalSolutions.coefficients`."""
-        from sympy import QQ
-        from sympy.polys.matrices import DomainMatrix
-
         n, field = self.system.n, self.field
         e = field(QQ(exponent.numerator, exponent.denominator))
         identity = DomainMatrix.eye(n, field).to_dense()
@@ -363,8 +353,6 @@ class LocalSystem:
 
 def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, shape: tuple[int, int]) -> Any:
     """The sum of B_k u_(m-k,j) over k > 0."""
-    from sympy.polys.matrices import DomainMatrix
-
     total = DomainMatrix.zeros(shape, local.field)  # sparse, as are most of the factors
     for k in range(1, m + 1):
         total = total + local.coefficient(k).to_sparse() * found[m - k][j].to_sparse()
@@ -373,8 +361,6 @@ def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int,
 
 def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
     """N, with u_{m,j} N = u_{m,j+1}."""
-    from sympy.polys.matrices import DomainMatrix
-
     powers = len(found[0])
     zero = DomainMatrix.zeros((n, count), field).to_dense()
     left = DomainMatrix.vstack(*(row[j].to_dense() for row in found for j in range(powers)))
@@ -388,16 +374,12 @@ def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
 
 def _coordinates(element: Any, field: Any) -> list[Any]:
     """A number of the field by its coordinates, the coefficients of powers of theta."""
-    from flint import fmpq
-
     numbers = reversed(element.to_list()) if field.is_Algebraic else [element]
     return [fmpq(int(c.numerator), int(c.denominator)) for c in numbers]
 
 
 def rational_shift(f: Any, g: Any) -> Fraction | None:
     """The rational d with g(x) = f(x + d) up to a factor, f and g of FLINT; None if there is none."""
-    from flint import fmpq_poly
-
     n = f.degree()
     if n != g.degree():
         return None

@@ -24,6 +24,8 @@ from functools import cached_property
 from math import frexp
 from typing import TYPE_CHECKING, Any
 
+from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq
+
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
@@ -183,8 +185,6 @@ def loop_around_all(system: LinearSystem, like: Loop) -> Loop:
 
 def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -> Monodromy:
     """The monodromy along a loop."""
-    from flint import ctx
-
     from liepoisson.algebra.flint_pickles import register
 
     register()  # a result keeps its balls
@@ -208,8 +208,6 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -
 
 def _around(system: LinearSystem, loop: Loop, precision: int) -> Monodromy | None:
     """The monodromy with the bits that are set; None where they do not suffice."""
-    from flint import acb, acb_mat, arb, fmpq
-
     _, denominator = system.polynomials
     factors = [(power, [root for root, _ in f.numer().complex_roots()]) for f, power in denominator.factor()[1]]
     poles = [root for _, roots in factors for root in roots]
@@ -250,8 +248,6 @@ def _around(system: LinearSystem, loop: Loop, precision: int) -> Monodromy | Non
 
 def _step(system: LinearSystem, factors: Any, here: Any, h: Any, *, radius: float, precision: int) -> Any:
     """The matrix that continues a solution from `here` to `here` + h."""
-    from flint import acb, acb_mat, acb_poly, arb
-
     numerators, denominator = system.polynomials
     n = system.n
     moved = acb_poly([here, h])  # all in units of h: the step is from 0 to 1
@@ -299,8 +295,6 @@ def _step(system: LinearSystem, factors: Any, here: Any, h: Any, *, radius: floa
 
 def _largest(numerators: Any, factors: Any, here: Any, rho: Any) -> Any:
     """A bound of the row sums of |A| on the disc of radius rho; the denominator has the leading coefficient 1."""
-    from flint import acb, acb_poly, arb
-
     below = arb(1)
     for power, roots in factors:
         for root in roots:

@@ -24,6 +24,9 @@ from itertools import chain, combinations, count, islice, product
 from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from sympy import QQ, Poly, Rational, Symbol, degree, factor, solve, sqrt, symbols
+from sympy.polys.polyerrors import CoercionFailed, PolynomialError
+
 from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
@@ -219,9 +222,6 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
 
 def check_polynomial(system: System) -> None:
     """Refuse what is no polynomial vector field with rational coefficients."""
-    from sympy import QQ, Poly
-    from sympy.polys.polyerrors import CoercionFailed, PolynomialError
-
     if len(system.variables) != system.bracket.dimension:
         raise ParameterError(f"system: {system.name} has components found by quadrature; make it without quadratures")
     for x, rate in system.equations.items():
@@ -240,8 +240,6 @@ def check_polynomial(system: System) -> None:
 
 
 def _terms(system: System) -> list[list[tuple[int, ...]]]:
-    from sympy import Poly
-
     return [list(Poly(e, *system.variables).monoms()) if e != 0 else [] for e in system.equations.values()]
 
 
@@ -266,8 +264,6 @@ def _verified(
     system: System, state: Sequence[Any], variable: Any, rate: Any, *, root: tuple[Any, Any] | None, origin: str
 ) -> ParticularSolution:
     """A solution, after it was put into the equations."""
-    from sympy import Symbol
-
     from liepoisson.integrability.galois.linear_systems import exact_expression
 
     check_polynomial(system)
@@ -319,8 +315,6 @@ class Arithmetic:
     """Functions f + g y of s, where f and g are rational and y^2 = Q, as pairs (f, g)."""
 
     def __init__(self, variable: Any, root: tuple[Any, Any] | None) -> None:
-        from sympy import QQ
-
         from liepoisson.integrability.galois.linear_systems import rational_function
 
         self.field = QQ.frac_field(variable)
@@ -333,9 +327,6 @@ class Arithmetic:
 
     def read(self, expression: Any, where: str) -> tuple[Any, Any]:
         """A SymPy expression as such a function."""
-        from sympy import Poly
-        from sympy.polys.polyerrors import PolynomialError
-
         from liepoisson.integrability.galois.linear_systems import rational_function
 
         try:
@@ -372,8 +363,6 @@ class Arithmetic:
 
     def at(self, polynomial: Any, variables: Sequence[Any], powers: list[list[tuple[Any, Any]]]) -> tuple[Any, Any]:
         """A polynomial in the coordinates on the curve."""
-        from sympy import QQ, Poly
-
         total = (self.zero, self.zero)
         if polynomial == 0:
             return total
@@ -387,8 +376,6 @@ class Arithmetic:
 
     def text(self, a: tuple[Any, Any]) -> Any:
         """As a SymPy expression, factored."""
-        from sympy import factor
-
         value: Any = factor(a[0].as_expr())
         return value if self.root is None or not a[1] else value + factor(a[1].as_expr()) * self.root
 
@@ -418,8 +405,6 @@ def _separatrices(system: System, plane: Plane, field: _Restricted) -> Iterator[
 def _separatrix(
     system: System, plane: Plane, field: _Restricted, reduction: _Reduction, point: Sequence[Any]
 ) -> Iterator[ParticularSolution]:
-    from sympy import Poly, Rational, sqrt
-
     x = _new_symbol(system, "x", "u", "sigma")
     z0 = point[field.coordinates.index(reduction.z)]
     moved = Poly(reduction.square.subs(reduction.z, reduction.z + z0), reduction.z)
@@ -440,8 +425,6 @@ def _separatrix(
 
 def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[ParticularSolution]:
     """A solution with an elliptic curve, through a state with small coordinates."""
-    from sympy import Poly, Rational, degree
-
     s, y = _new_symbol(system, "s", "u", "sigma"), _new_symbol(system, "y", "w", "root")
     for point in ((1, 2, 3, 5), (2, -1, 1, 3), (1, 1, 2, 1)):
         at = [Rational(c) for c in point[: len(plane.basis)]]
@@ -459,8 +442,6 @@ class _Restricted:
     """The equations and integrals on an invariant plane."""
 
     def __init__(self, system: System, plane: Plane) -> None:
-        from sympy import symbols
-
         self.coordinates: tuple[Any, ...] = symbols(f"c1:{len(plane.basis) + 1}")
         at = dict(zip(system.variables, plane.at(self.coordinates), strict=True))
         equations: list[Any] = list(system.equations.values())
@@ -477,8 +458,6 @@ class _Restricted:
 
         Multiples of a point are tried, too: the square of the eigenvalue is often proportional to them.
         """
-        from sympy import Poly, Rational
-
         grid = [Fraction(c) for c in _GRID]
         rates = [_terms_of(rate, self.coordinates) for rate in self.rates]
         slopes = [[Poly(rate, *self.coordinates).diff(c).as_expr() for c in self.coordinates] for rate in self.rates]
@@ -493,8 +472,8 @@ class _Restricted:
             squared = _trace_of_square(jacobian, point) / 2
             if squared <= 0:
                 continue
-            for factor in (Fraction(1), squared, 1 / squared):
-                multiple = tuple(factor * c for c in point)
+            for scale in (Fraction(1), squared, 1 / squared):
+                multiple = tuple(scale * c for c in point)
                 here = _trace_of_square(jacobian, multiple) / 2
                 if _is_square(here) and not any(value_at(one, multiple) for one in rates):
                     yield tuple(Rational(c.numerator, c.denominator) for c in multiple)
@@ -502,8 +481,6 @@ class _Restricted:
 
     def reduced(self, point: Sequence[Any]) -> _Reduction | None:
         """One coordinate z with z'^2 = Q(z) on the level of the integrals through a point."""
-        from sympy import Poly, Symbol, solve
-
         constants = {c: point[self.coordinates.index(c)] for c in self.fixed}
         level = [f - f.subs(dict(zip(self.coordinates, point, strict=True))) for f in self.integrals]
         level = [f.subs(constants) for f in level]
@@ -543,8 +520,6 @@ class _Restricted:
 
 def _new_symbol(system: System, *names: str) -> Any:
     """A symbol that is no coordinate."""
-    from sympy import Symbol
-
     further = (f"{names[0]}_{k}" for k in count(1))
     return Symbol(next(name for name in chain(names, further) if name not in system.component_names))
 
@@ -553,8 +528,6 @@ Terms: TypeAlias = list[tuple[tuple[int, ...], Fraction]]
 
 
 def _terms_of(polynomial: Any, variables: Sequence[Any]) -> Terms:
-    from sympy import Poly
-
     if polynomial == 0:
         return []
     return [(m, Fraction(int(c.p), int(c.q))) for m, c in Poly(polynomial, *variables).terms()]

@@ -24,6 +24,10 @@ from functools import cached_property, reduce
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
+from flint import fmpq, fmpq_mat, fmpq_poly
+from sympy.polys.matrices import DomainMatrix
+from sympy.utilities.iterables import strongly_connected_components
+
 from liepoisson.algebra.echelon import dense, null_vectors, sparse
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
@@ -55,8 +59,6 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
     Raises:
         ParameterError: the solution is that of another system.
     """
-    from sympy.polys.matrices import DomainMatrix
-
     if not isinstance(solution, ParticularSolution):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a ParticularSolution", solution, "solution", "write particular_solution(system, ...)")
     same = solution.system is system or (
@@ -156,9 +158,6 @@ def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
 
     It is empty where a singular point is not recognised as regular, which then proves nothing.
     """
-    from flint import fmpq, fmpq_mat, fmpq_poly
-    from sympy.polys.matrices import DomainMatrix
-
     if (bounds := _bounds(system)) is None:
         return ()
     numerators, denominator = system.polynomials
@@ -193,8 +192,6 @@ def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
 
     They have integer exponents at each singular point.
     """
-    from flint import fmpq_poly
-
     bottom, degree = fmpq_poly([1]), 0
     for point in (*system.singular_points, *([None] if system.infinity_is_singular else [])):
         local = system.local(point)
@@ -212,8 +209,6 @@ def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
 
 
 def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
-    from sympy.polys.matrices import DomainMatrix
-
     n, field = system.n, system.entries.domain
     groups = _components(system)
     if len(groups) > 1:
@@ -256,8 +251,6 @@ def _completed(columns: Any) -> Any:
     Rows are reduced by Euclid's algorithm until the columns are those of the identity; the inverse steps give the
     matrix.
     """
-    from sympy.polys.matrices import DomainMatrix
-
     n, k = columns.shape
     ring = columns.domain.get_ring()
     work = _cleared(columns).to_dense().rep.to_list()
@@ -281,8 +274,6 @@ def _completed(columns: Any) -> Any:
 
 def _cleared(columns: Any) -> Any:
     """Each column times a rational function so that its entries are polynomials without a common divisor."""
-    from sympy.polys.matrices import DomainMatrix
-
     found: list[Any] = []
     for column in columns.transpose().to_dense().rep.to_list():
         common = columns.domain.get_ring().one
@@ -295,8 +286,6 @@ def _cleared(columns: Any) -> Any:
 
 
 def _block_diagonal(blocks: list[Any], field: Any) -> Any:
-    from sympy.polys.matrices import DomainMatrix
-
     n = sum(block.shape[0] for block in blocks)
     rows = [[field.zero] * n for _ in range(n)]
     start = 0
@@ -309,8 +298,6 @@ def _block_diagonal(blocks: list[Any], field: Any) -> Any:
 
 def _components(system: LinearSystem) -> list[list[int]]:
     """The strongly connected components, those that influence no others first."""
-    from sympy.utilities.iterables import strongly_connected_components
-
     rows, places = system.entries.to_dense().rep.to_list(), range(system.n)
     influences = [(i, j) for i in places for j in places if rows[j][i]]
     return [sorted(group) for group in strongly_connected_components((list(places), influences))]

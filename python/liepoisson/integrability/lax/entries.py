@@ -14,6 +14,9 @@ from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from sympy import Add, E, I, Mul, Rational, S, Symbol, collect, exp
+
 from liepoisson.algebra.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
 from liepoisson.algebra.matrices import Rows, characteristic_polynomial, product
 from liepoisson.algebra.number_fields import as_fmpq
@@ -41,8 +44,6 @@ _RESERVED = {IMAGINARY, "w"}
 
 def spectral_symbol(system: System, spectral: str | None) -> Symbol | None:
     """The symbol of the spectral parameter, a name that means nothing else in the system."""
-    from sympy import Symbol
-
     if spectral is None:
         return None
     name = str(spectral)
@@ -111,8 +112,6 @@ class _Reader:
 
     def vector(self, text: str) -> list[Expr]:
         """The components of a text such as "z*l + alpha"."""
-        from sympy import Symbol
-
         if self.system.bracket.has_scalar_fields:
             raise ShapeError(f"{self.what}: the fields of this system are scalars; got {shown(text)}; give a matrix")
         directions = [Symbol(f"{_DIRECTION}{k + 1}") for k in range(self.size)]
@@ -120,8 +119,6 @@ class _Reader:
         return [cast("Expr", form.coeff(d)) for d in directions]
 
     def _text(self, text: str, further: tuple[str, ...]) -> Expr:
-        from sympy import I, Symbol
-
         from liepoisson.formula.expression import read_expression
         from liepoisson.formula.grammar import parse
 
@@ -151,9 +148,6 @@ class EntryArithmetic:
     """Sums, products and canonical forms of entries."""
 
     def __init__(self, expressions: Iterable[Expr]) -> None:
-        from flint import Ordering, fmpq_mpoly_ctx
-        from sympy import I
-
         from liepoisson.algebra.flint_pickles import register
 
         register()  # pairs keep their entries
@@ -184,8 +178,6 @@ class EntryArithmetic:
 
     def number(self, value: Fraction | int) -> Element:
         """A rational number."""
-        from sympy import Rational
-
         if not self.is_rational:
             return Rational(value.numerator, value.denominator)
         return self.context.constant(as_fmpq(value))
@@ -206,8 +198,6 @@ class EntryArithmetic:
 
     def write(self, element: Element) -> Expr:
         """An element as an expression."""
-        from sympy import Add, Mul, Rational, exp
-
         if not self.is_rational:
             return element.expand()
         terms: list[Any] = []
@@ -236,8 +226,6 @@ class EntryArithmetic:
     def by_power(self, element: Element, symbol: Any) -> dict[int, Element]:
         """The coefficients of the powers of a symbol, negative ones too."""
         if not self.is_rational:
-            from sympy import collect
-
             found: Any = collect(element.expand(), symbol, evaluate=False)
             return {int(power.as_base_exp()[1]) if power != 1 else 0: c for power, c in found.items()}
         up, down = self.index.get((symbol, True)), self.index.get((symbol, False))
@@ -250,8 +238,6 @@ class EntryArithmetic:
 
     def parts(self, element: Element) -> tuple[Element, Element]:
         """Real and imaginary part, symbols being real."""
-        from sympy import I
-
         if not self.is_rational:
             expanded = element.expand()
             imaginary = expanded.coeff(I)
@@ -276,8 +262,6 @@ class EntryArithmetic:
         return {key: c for key, c in found.items() if c}
 
     def _made(self, terms: Mapping[tuple[tuple[Any, int], ...], Any]) -> Element:
-        from flint import fmpq
-
         n = len(self.variables) or 1
         data: dict[tuple[int, ...], Any] = {}
         for powers, coefficient in terms.items():
@@ -290,8 +274,6 @@ class EntryArithmetic:
 
 def _steps(expressions: Sequence[Any]) -> dict[Any, int]:
     """For each coordinate in an exponent the common denominator of its coefficients."""
-    from sympy import exp
-
     steps: dict[Any, int] = {}
     for argument in {e.args[0] for expression in expressions for e in expression.atoms(exp)}:
         for symbol, c in argument.as_coefficients_dict().items():
@@ -301,8 +283,6 @@ def _steps(expressions: Sequence[Any]) -> dict[Any, int]:
 
 def _terms(expanded: Any, steps: Mapping[Any, int]) -> dict[tuple[tuple[Any, int], ...], Any] | None:
     """The terms of an expanded expression by their powers; None if it is not of the kind that FLINT is given."""
-    from sympy import Add, E, I, S, exp
-
     found: dict[tuple[tuple[Any, int], ...], Any] = {}
     for term in Add.make_args(expanded):
         coefficient: Any = S.One

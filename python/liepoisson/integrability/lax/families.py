@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from sympy import Symbol, factor_list
+
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
 from liepoisson.algebra.sparse_polynomials import whole_expression
@@ -187,8 +189,6 @@ class _Splitting:
     def __init__(
         self, ansatz: Ansatz, names: Sequence[str], nonzero: Sequence[str], positive: Sequence[str], degree: int
     ) -> None:
-        from sympy import Symbol, factor_list
-
         self.ansatz, self.names, self.degree = ansatz, list(names), degree
         prefix = "B"
         while any(name.startswith(prefix) for name in names):

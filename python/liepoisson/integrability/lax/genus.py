@@ -30,6 +30,9 @@ from math import gcd, lcm
 from random import Random
 from typing import Any, TypeAlias
 
+from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly, fq_default_ctx, fq_default_poly_ctx, nmod_mpoly_ctx, nmod_poly
+from sympy import nextprime
+
 Curve: TypeAlias = Mapping[tuple[int, int], Fraction]
 """A polynomial in z, 1/z and w, monic in w, by the exponents of z and w."""
 
@@ -100,9 +103,6 @@ def at_infinity(curve: Curve) -> Curve:
 
 def genus(curve: Curve) -> Genus:
     """The genus of an irreducible curve."""
-    from flint import fmpz_poly
-    from sympy import nextprime
-
     d = max(j for _, j in curve)
     if d == 1:
         return Genus(0)
@@ -129,8 +129,6 @@ def genus(curve: Curve) -> Genus:
 
 def _discriminant(curve: Curve, denominator: int) -> Any:
     """A multiple of the discriminant, as a polynomial in z with whole coefficients."""
-    from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
-
     context = fmpz_mpoly_ctx.get(["z", "w"], Ordering.lex)
     f = context.from_dict({key: int(c * denominator) for key, c in curve.items()})
     found = f.discriminant("w")
@@ -140,8 +138,6 @@ def _discriminant(curve: Curve, denominator: int) -> Any:
 
 def _is_good(discriminant: Any, n_zeros: int, p: int) -> bool:
     """Whether the discriminant keeps its degree and the number of its zeros modulo p."""
-    from flint import nmod_poly
-
     image = nmod_poly([int(c) % p for c in discriminant.coeffs()], p)
     if image.degree() < discriminant.degree():
         return False
@@ -156,8 +152,6 @@ def _residue(c: Fraction, p: int) -> int:
 
 def _is_absolutely_irreducible(curve: Curve, p: int) -> bool:
     """Whether the curve modulo p is irreducible and has a simple point with coordinates modulo p."""
-    from flint import Ordering, nmod_mpoly_ctx, nmod_poly
-
     context = nmod_mpoly_ctx.get(["z", "w"], modulus=p, ordering=Ordering.lex)
     f = context.from_dict({key: v for key, c in curve.items() if (v := _residue(c, p))})
     factors = [(q, e) for q, e in f.factor()[1] if q.degrees()[1]]
@@ -177,8 +171,6 @@ def _is_absolutely_irreducible(curve: Curve, p: int) -> bool:
 
 def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> tuple[int, int]:
     """The sum of e - 1 over all places, and over how many points of the sphere it is not zero."""
-    from flint import fq_default_ctx, fq_default_poly_ctx
-
     field = fq_default_ctx(p, 1)
     ring: Any = fq_default_poly_ctx(field)
     total, n_points = 0, 0
@@ -200,8 +192,6 @@ def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> 
 
 def _defect(curve: Curve, field: Any, z: Any, p: int) -> int:
     """The sum of e - 1 over a point z of the affine line."""
-    from flint import fq_default_poly_ctx
-
     ring: Any = fq_default_poly_ctx(field)
     linear = ring([z, field.one()])
     rows: dict[int, dict[int, int]] = {}
@@ -281,8 +271,6 @@ def _substituted(f: Bivariate, xi: Any, q: int, m: int, field: Any) -> Bivariate
 
 def _shifted(f: Bivariate, c: Any, field: Any) -> Bivariate:
     """The polynomial f(x, c + y)."""
-    from flint import fq_default_poly_ctx
-
     ring: Any = fq_default_poly_ctx(field)
     rows: dict[int, dict[int, Any]] = {}
     for (i, j), value in f.items():
@@ -299,8 +287,6 @@ def _shifted(f: Bivariate, c: Any, field: Any) -> Bivariate:
 
 def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, int, int]]:
     """The roots up to conjugation: a field that contains one, it, its multiplicity, the number of its conjugates."""
-    from flint import fq_default_poly_ctx
-
     ring: Any = fq_default_poly_ctx(field)
     found: list[tuple[Any, Any, int, int]] = []
     coefficients = [polynomial.get(j, field.zero()) for j in range(max(polynomial) + 1)]
@@ -316,8 +302,6 @@ def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, in
 
 def _with_root(factor: Any, field: Any) -> tuple[Any, Any]:
     """The field that a root of an irreducible polynomial generates, and one."""
-    from flint import fq_default_ctx, fq_default_poly_ctx
-
     larger = fq_default_ctx(field.prime(), field.degree() * factor.degree())
     over: Any = fq_default_poly_ctx(larger)
     return larger, over([embedded(c, field, larger) for c in factor.coeffs()]).roots()[0][0]
@@ -336,8 +320,6 @@ def embedded(element: Any, field: Any, larger: Any) -> Any:
         return larger(int(element)) if field is not larger else element
     key = (str(field.modulus()), str(larger.modulus()) + str(larger.prime()))
     if key not in _IMAGES:
-        from flint import fq_default_poly_ctx
-
         over: Any = fq_default_poly_ctx(larger)
         modulus = over([larger(int(c)) for c in field.modulus().coeffs()])
         _IMAGES[key] = modulus.roots()[0][0]

@@ -19,6 +19,8 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from sympy import Add, ImmutableMatrix, Poly, S, Symbol
+
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
 from liepoisson.catalog.lax_pairs import LAX_PAIRS
@@ -71,8 +73,6 @@ class LaxPair:
         elements: tuple[tuple[Expr, ...], tuple[Expr, ...]] | None,
         source: str | None,
     ) -> None:
-        from sympy import ImmutableMatrix
-
         self.system, self.spectral, self.elements, self.source = system, spectral, elements, source
         self._matrices: tuple[Any, Any] = (ImmutableMatrix(entries[0]), ImmutableMatrix(entries[1]))
 
@@ -105,8 +105,6 @@ class LaxPair:
     @cached_property
     def characteristic_polynomial(self) -> Expr:
         r"""$\det(w - L(z))$ as an expression in w, the spectral parameter and the coordinates."""
-        from sympy import Add, Symbol
-
         w, n = Symbol("w"), self.size
         terms: list[Any] = [
             (self.arithmetic.write(c) * w ** (n - k)).expand() for k, c in enumerate(self.characteristic)
@@ -217,8 +215,6 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
 
 def _check_powers(entries: Iterable[Any], z: Symbol | None) -> None:
     """Refuse an L that is no polynomial in z and 1/z: its coefficients could not be read off."""
-    from sympy import Add
-
     for e in entries:
         for term in Add.make_args(e):
             if z is None or not term.has(z):
@@ -233,8 +229,6 @@ def _check_powers(entries: Iterable[Any], z: Symbol | None) -> None:
 
 def adjoint_matrix(algebra: LieAlgebra, element: Sequence[Expr]) -> list[list[Any]]:
     """The matrix of x -> [element, x]."""
-    from sympy import S
-
     n = algebra.dimension
     rows: list[list[Any]] = [[S.Zero] * n for _ in range(n)]
     for (i, j), values in algebra.brackets.items():
@@ -281,8 +275,6 @@ def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
 
 def time_derivative(system: System, function: Expr) -> Expr:
     """The derivative of a function along the motion, by the equations that the bracket gives."""
-    from sympy import Add
-
     used = function.free_symbols
     terms: list[Any] = [function.diff(x) * rate for x, rate in system.equations.items() if x in used]
     return Add(*terms).expand()
@@ -459,8 +451,6 @@ def _sorted_one(
 
 
 def _formula(system: System, f: Expr, generators: Mapping[str, Expr]) -> Expr | None:
-    from sympy import Symbol
-
     written = as_polynomials(system, [f], {Symbol(name): g for name, g in generators.items()})
     return None if written is None else written[0]
 
@@ -484,8 +474,6 @@ def _power(name: str, exponent: int) -> str:
 
 
 def _degree(f: Any, system: System) -> int:
-    from sympy import Poly
-
     return Poly(f, *system.variables).total_degree() if f.is_polynomial(*system.variables) else Poly(f).total_degree()
 
 

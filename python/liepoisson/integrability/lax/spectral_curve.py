@@ -17,6 +17,9 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from flint import Ordering, fmpq_mpoly_ctx
+from sympy import Add, Rational, Symbol, exp, log
+
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError
@@ -144,8 +147,6 @@ class SpectralCurve:
 
 def _written(polynomial: Any, z: Any) -> str:
     """A polynomial in w and z by falling powers."""
-    from sympy import Add, Symbol
-
     terms: list[tuple[tuple[int, int], Any]] = []
     for term in Add.make_args(polynomial):
         powers = term.as_powers_dict()
@@ -167,8 +168,6 @@ def _genus_in_words(value: int | None) -> str:
 
 def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | None, *, seed: int = 0) -> SpectralCurve:
     """The spectral curve at a state; see `LaxPair.spectral_curve`."""
-    from sympy import Add, Rational, Symbol
-
     if pair.spectral is None:
         raise ParameterError(
             "spectral: wanted a Lax pair with a spectral parameter, whose eigenvalues are a curve; got none"
@@ -221,8 +220,6 @@ def _values(
     pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | None, seed: int
 ) -> tuple[dict[str, Fraction], dict[Any, Any]]:
     """The values by name, and what is inserted for the symbols; coordinates in exponents are twice logarithms."""
-    from sympy import exp, log
-
     matrix: Any = pair.L
     used = {s for s in matrix.free_symbols if s != pair.spectral}
     exponents = {s for e in matrix.atoms(exp) for s in e.free_symbols}
@@ -263,8 +260,6 @@ def _values(
 
 def _factors(curve: Curve) -> Iterator[tuple[Curve, int]]:
     """The irreducible factors over the rationals that contain w, monic in w, with multiplicities; low degrees first."""
-    from flint import Ordering, fmpq_mpoly_ctx
-
     lowest = min(i for i, _ in curve)
     context = fmpq_mpoly_ctx.get(["z", "w"], Ordering.lex)
     f = context.from_dict({(i - lowest, j): as_fmpq(c) for (i, j), c in curve.items()})

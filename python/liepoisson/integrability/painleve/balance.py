@@ -10,6 +10,7 @@ import cmath
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from re import fullmatch
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
@@ -382,8 +383,6 @@ def _leading_term(name: str, c: str, order: Fraction) -> str:
 
 def _is_solved(equation: str) -> bool:
     """Whether an equation says that one coordinate is a rational number."""
-    from re import fullmatch
-
     return fullmatch(r"\w+( [+-] [\d/]+)?", equation) is not None
 
 

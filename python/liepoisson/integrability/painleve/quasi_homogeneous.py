@@ -24,6 +24,9 @@ from functools import cached_property
 from math import prod
 from typing import Any
 
+from sympy import Rational
+from sympy.solvers.simplex import UnboundedLPError, linprog
+
 from liepoisson.algebra.function_fields import FunctionField, over_common_denominator, polynomial_at
 from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import rational_context
@@ -207,9 +210,6 @@ def maximal_weights(derivation: Derivation) -> tuple[tuple[Fraction, ...], ...]:
 
 def _largest(rows: Sequence[Row], k: int, n: int) -> Fraction | None:
     """The largest value of one weight, by SymPy's exact simplex method; None if there is none."""
-    from sympy import Rational
-    from sympy.solvers.simplex import UnboundedLPError, linprog
-
     checkpoint("the weights")
     if not rows:
         return None

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from re import findall, sub
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
@@ -444,8 +445,6 @@ class _NotConstantError(Exception):
 
 def _readable(equation: str, variables: Sequence[Symbol]) -> str:
     """An equation in which variables that stand for functions have no underscore before them."""
-    from re import sub
-
     for v in variables:
         if str(v).startswith("_"):
             equation = sub(rf"\b{v}\b", str(v).lstrip("_"), equation)
@@ -453,8 +452,6 @@ def _readable(equation: str, variables: Sequence[Symbol]) -> str:
 
 
 def _names_in(equation: str) -> set[str]:
-    from re import findall
-
     return set(findall(r"[^\W\d]\w*", equation))
 
 
