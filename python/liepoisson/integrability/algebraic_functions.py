@@ -25,15 +25,17 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
 from math import gcd, lcm
-from typing import TYPE_CHECKING, Any, NoReturn, cast
+from typing import Any, NoReturn, cast
 
 from flint import fmpq_mat, fmpz_mat
 from sympy import (
     Add,
     Dummy,
+    Expr,
     Mul,
     Poly,
     Pow,
+    Symbol,
     cos,
     cosh,
     cot,
@@ -64,11 +66,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of, derivation_of_rates
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
+from liepoisson.model.system import System
 
 _MOST_ROOTS = 5
 """Products of all subsets of more roots are not tested."""

@@ -18,9 +18,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, product
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from flint import fmpq_mpoly_ctx, nmod_poly
+from sympy import Expr
 
 from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 from liepoisson.algebra.ideals.limits import NotDecidedError
@@ -32,9 +33,6 @@ from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, of_degree
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State
-
-if TYPE_CHECKING:
-    from sympy import Expr
 
 Field: TypeAlias = Literal["complex", "real", "rational"]
 Values: TypeAlias = "tuple[Expr, ...]"

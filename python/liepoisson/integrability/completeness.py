@@ -25,9 +25,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, combinations_with_replacement
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from sympy import Add, Integer, Mul, Poly, Symbol
+from sympy import Add, Expr, Integer, Mul, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from liepoisson.algebra.coefficients import Coefficients, check_degree
@@ -39,11 +39,7 @@ from liepoisson.integrability.algebraic_functions import algebraic_equations, is
 from liepoisson.integrability.derivation import Level, level_of
 from liepoisson.integrability.modular import modular, residues_of
 from liepoisson.integrability.search import point_on_level
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
+from liepoisson.model.system import System
 
 _MOST_PRIMES = 2
 """Primes of which one may be unlucky: modulo it a rank drops."""

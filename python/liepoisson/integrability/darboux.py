@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import lcm
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
-from sympy import I, S, expand
+from sympy import Expr, I, S, expand
 
 from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
@@ -39,12 +39,8 @@ from liepoisson.integrability.search_problem import (
     zeros_on_level,
 )
 from liepoisson.io.display import as_text
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 1000
 """Monomials of the largest search that is begun; the systems of equations contain the cofactor as parameters."""

@@ -14,10 +14,10 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from flint import fmpz_mat
-from sympy import Mul, expand
+from sympy import Expr, Mul, expand
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
@@ -30,9 +30,6 @@ from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, homogeneous_parts, order
 from liepoisson.integrability.modular import modular
 from liepoisson.integrability.search import Search
-
-if TYPE_CHECKING:
-    from sympy import Expr
 
 Cofactor: TypeAlias = "tuple[Element, ...]"
 """The coefficients of a cofactor, in the order of its monomials."""

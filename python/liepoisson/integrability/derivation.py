@@ -42,7 +42,6 @@ from liepoisson.report.printing import Formula
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.algebra.coefficients import Coefficients
     from liepoisson.model.system import System
 
 Exponents: TypeAlias = Monomial

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from flint import fmpq
-from sympy import Function, I, Integer, NumberSymbol, Pow
+from sympy import Expr, Function, I, Integer, NumberSymbol, Pow, Symbol
 
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
@@ -35,12 +35,8 @@ from liepoisson.integrability.search_problem import (
     where,
     zeros_on_level,
 )
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 3000
 _MOST_EXAMPLES = 200

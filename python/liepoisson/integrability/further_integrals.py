@@ -31,9 +31,10 @@ from itertools import islice
 from math import lcm, prod
 from operator import not_
 from random import Random
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from flint import arb, fmpq, fmpq_poly, nmod_poly
+from sympy import Expr, Symbol
 from sympy import Poly as SymPyPoly
 
 from liepoisson.algebra.coefficients import Coefficients
@@ -59,9 +60,6 @@ from liepoisson.integrability.derivation import Derivation, Exponents, Level, gr
 from liepoisson.integrability.modular import random_point
 from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly, SparseRow
 from liepoisson.integrability.search import Label, point_on_level, products
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
 
 
 class ParameterMatrix:

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
-from sympy import Mul, Poly
+from sympy import Expr, Mul, Poly
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
-from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.algebra.exact_numbers import Exact, is_sympy
 from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
@@ -26,11 +26,6 @@ from liepoisson.integrability.derivation import Exponents, n_monomials, of_degre
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.bracket import Bracket
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.algebra.exact_numbers import Exact
 
 Symmetry: TypeAlias = "Mapping[str, str | Expr] | str | Expr"
 

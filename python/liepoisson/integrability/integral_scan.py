@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from liepoisson.algebra.sparse_polynomials import expression
 from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import Parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
@@ -40,13 +41,11 @@ from liepoisson.integrability.search_problem import (
 )
 from liepoisson.io.files import exclusive
 from liepoisson.io.result import Result, labelled, names_along, recorded
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from xarray import DataArray
-
-    from liepoisson.formula.parameters import Parameter
-    from liepoisson.model.system import System
 
 MOST_POINTS = 1_000_000
 _LARGEST_PIECE = 16

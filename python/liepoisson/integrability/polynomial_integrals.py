@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from sympy import Expr
 
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.names import check_title
@@ -20,12 +22,8 @@ from liepoisson.integrability.search_problem import (
     where,
     zeros_on_level,
 )
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 100_000
 """Monomials of the largest search that is begun; 92 000 of a top without gradings take half a minute and 0.5 GB."""

@@ -9,6 +9,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sympy import Expr
+
 from liepoisson import _core
 from liepoisson.errors import OutputError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import as_count, as_deadline
@@ -28,15 +30,13 @@ from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_
 from liepoisson.integrability.search import next_name
 from liepoisson.integrability.search_problem import casimirs_of, with_hamiltonian
 from liepoisson.io.files import write_atomically
+from liepoisson.model.system import System
 from liepoisson.model.system_text import system_text
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.integrability.galois.obstruction import GaloisObstruction
     from liepoisson.integrability.painleve.singularity_analysis import PainleveTest
-    from liepoisson.model.system import System
 
 FORMAT = "liepoisson report of integrability/1"
 _GROWTH = 12.0

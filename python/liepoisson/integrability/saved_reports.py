@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
+
+from sympy import Expr
 
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
@@ -26,12 +28,8 @@ from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIn
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
 from liepoisson.integrability.search_problem import casimirs_of
 from liepoisson.io.files import another_format, read_text
+from liepoisson.model.system import System
 from liepoisson.model.system_text import read_system_text
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
 
 TOLD = "note of the file: "
 """Stands before what a file notes."""

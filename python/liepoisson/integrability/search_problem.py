@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, count
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
+
+from sympy import Expr
 
 from liepoisson.algebra.exact_numbers import is_sympy, to_sympy
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
-from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.refusals import not_a, shown
@@ -34,14 +36,9 @@ from liepoisson.integrability.derivation import (
     up_to_degree,
 )
 from liepoisson.integrability.search import Generator, Search
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.formula.parameters import Parameter
-    from liepoisson.model.system import System
-    from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.bracket import Bracket
 
 Equations: TypeAlias = "str | Expr | Sequence[str | Expr] | Mapping[str, Parameter]"
 """Equations of a level set: texts or functions that vanish, one or several, or values by name."""

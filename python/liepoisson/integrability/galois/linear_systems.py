@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 from flint import fmpq, fmpq_poly
-from sympy import QQ, Symbol, together
+from sympy import QQ, Matrix, Symbol, together
 from sympy import Symbol as SymPySymbol
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.polyerrors import CoercionFailed, PolynomialError
@@ -26,8 +26,6 @@ from liepoisson.inputs.given import listed, texts
 from liepoisson.inputs.refusals import shown
 
 if TYPE_CHECKING:
-    from sympy import Matrix, Symbol
-
     from liepoisson.integrability.galois.local_solutions import LocalSystem
 
 MOST_COMPONENTS = 24

@@ -30,10 +30,10 @@ from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS, root
 from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, solutions_on_planes
 from liepoisson.integrability.galois.variational import Flag, flag, variational_equations
 from liepoisson.io.display import as_text
+from liepoisson.model.system import System
 
 if TYPE_CHECKING:
     from liepoisson.integrability.galois.linear_systems import LinearSystem
-    from liepoisson.model.system import System
 
 Verdict = Literal["not integrable", "no obstruction found", "open"]
 How = Literal["checked exactly", "enclosed", "theorem", "not decided"]

@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, combinations, count, islice, product
 from math import isqrt
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
-from sympy import QQ, Poly, Rational, Symbol, degree, factor, solve, sqrt, symbols
+from sympy import QQ, Expr, Poly, Rational, Symbol, degree, factor, solve, sqrt, symbols
 from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 
 from liepoisson.algebra.sparse_polynomials import value_at
@@ -34,12 +34,8 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_data_set, is_named, listed
 from liepoisson.inputs.refusals import shown
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 MOST_COORDINATES = 12
 """Of systems with more, coordinate planes are not searched: there are 2^N."""

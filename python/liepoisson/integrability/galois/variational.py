@@ -22,7 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 from sympy.polys.matrices import DomainMatrix
@@ -34,9 +34,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import not_a
 from liepoisson.integrability.galois.linear_systems import LinearSystem, from_polynomial
 from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution, degrees
-
-if TYPE_CHECKING:
-    from liepoisson.model.system import System
+from liepoisson.model.system import System
 
 _MOST_UNKNOWNS = 600
 """Of the search for rational solutions."""

@@ -12,10 +12,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
-from sympy import Add, E, I, Mul, Rational, S, Symbol, collect, exp
+from sympy import Add, E, Expr, I, Mul, Rational, S, Symbol, collect, exp
 
 from liepoisson.algebra.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
 from liepoisson.algebra.matrices import Rows, characteristic_polynomial, product
@@ -25,12 +25,8 @@ from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import shown
 from liepoisson.model.hamiltonian import read_expression_in, with_exact_numbers
+from liepoisson.model.system import System
 from liepoisson.structure.bracket_scope import scope_of
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 Element: TypeAlias = Any
 """A polynomial of FLINT, or a SymPy expression."""

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from sympy import Symbol, factor_list
+from sympy import Expr, Symbol, factor_list
 
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
@@ -19,18 +19,14 @@ from liepoisson.algebra.sparse_polynomials import whole_expression
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.pair import LaxPair
 from liepoisson.integrability.lax.search import MOST_DEGREE, Ansatz, member, pairs_with, split, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 from liepoisson.integrability.search_problem import at_values
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.inputs.deadline import Deadline
-    from liepoisson.model.system import System
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,13 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from sympy import Add, ImmutableMatrix, Poly, S, Symbol
+from sympy import Add, Expr, ImmutableMatrix, Matrix, Poly, S, Symbol
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
 from liepoisson.catalog.lax_pairs import LAX_PAIRS
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.formula.parameters import read_values
+from liepoisson.formula.parameters import GivenValue, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
@@ -34,16 +34,13 @@ from liepoisson.integrability.derivation import level_of
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
 from liepoisson.integrability.search import next_name
 from liepoisson.integrability.search_problem import known_functions, with_hamiltonian
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
+from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.structure.trace import traces_in
 
 if TYPE_CHECKING:
-    from sympy import Expr, Matrix, Symbol
-
-    from liepoisson.formula.parameters import GivenValue
     from liepoisson.integrability.lax.spectral_curve import SpectralCurve
-    from liepoisson.model.system import System
-    from liepoisson.structure.lie_algebra import LieAlgebra
 
 _MOST_SHOWN = 400
 """Characters of a residual in a message."""

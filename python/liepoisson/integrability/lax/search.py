@@ -34,6 +34,7 @@ from liepoisson.algebra.sparse_polynomials import add_multiple, multiply, value_
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
@@ -42,7 +43,6 @@ from liepoisson.structure.lie.defining_matrices import defining_matrices
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.inputs.deadline import Deadline
     from liepoisson.model.system import System
 
 Linear: TypeAlias = dict[tuple[int, ...], Fraction]

@@ -18,7 +18,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from flint import Ordering, fmpq_mpoly_ctx
-from sympy import Add, Rational, Symbol, exp, log
+from sympy import Add, Expr, Rational, Symbol, exp, log
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.number_fields import as_fmpq
@@ -30,8 +30,6 @@ from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.integrability.lax.pair import LaxPair
 
 _LARGEST = 9

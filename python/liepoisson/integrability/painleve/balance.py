@@ -11,11 +11,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from re import fullmatch
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 from flint import acb, fmpq
 from numpy.typing import NDArray
+from sympy import Symbol
 
 from liepoisson.algebra.function_fields import AlgebraicFunctions, AlgebraicNumbers, FunctionField
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, RingElement
@@ -30,9 +31,6 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.painleve.expansion import Expansion, Exponents, FreeConstant, Resonance
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
-
-if TYPE_CHECKING:
-    from sympy import Symbol
 
 
 @dataclass(frozen=True)

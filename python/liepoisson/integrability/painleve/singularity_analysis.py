@@ -14,7 +14,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from re import findall, sub
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
+
+from sympy import Expr, Symbol
 
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, DivisionError, Resolvent
@@ -40,12 +42,8 @@ from liepoisson.integrability.painleve.quasi_homogeneous import (
     maximal_weights,
 )
 from liepoisson.io.display import as_text
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 Verdict: TypeAlias = Literal["passes", "passes weakly", "fails", "undecided", "no balances"]
 
