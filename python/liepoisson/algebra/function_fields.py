@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
+from re import sub
 from typing import Any, Protocol
 
 from flint import fmpq, fmpq_poly
@@ -312,6 +313,11 @@ class AlgebraicFunction:
 
     def __mul__(self, other: AlgebraicFunction) -> AlgebraicFunction:
         return self.field.product(self, other)
+
+
+def readable(polynomial: str) -> str:
+    """FLINT's text of a polynomial with minus signs for negative numbers."""
+    return sub(r"\+ \((-[\d/]+)\)", r"+ \1", polynomial).replace("+ -", "- ")
 
 
 def over_common_denominator(fractions: Sequence[tuple[Any, Any]], one: Any) -> tuple[list[Any], Any]:

@@ -123,10 +123,6 @@ def is_algebraic(system: System, function: Expr) -> bool:
     if not function.has(log):
         return True
     try:
-        algebraic_equations(system)
-    except ParameterError:
-        return True  # the equations are to blame, and reading them tells why
-    try:
         algebraic_equations(system, function)
     except ParameterError:
         return False

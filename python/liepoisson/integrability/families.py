@@ -330,7 +330,7 @@ def _blocks(search: Search, matrix: ParameterMatrix, degree: int) -> list[Block]
 
 def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> dict[str, Expr]:
     """The integrals for all parameters that are no polynomials in H and the Casimirs."""
-    drawn = CasePoints(Case(nonzero=splitting.assumed), splitting.context, splitting.positive).modular()
+    drawn = CasePoints(Case(nonzero=splitting.assumed), splitting).modular()
     new = [g for g in search.generators if g.is_new]
     found: dict[str, Expr] = {}
     for g, polynomial in zip(new, cases.general, strict=True):
@@ -367,7 +367,7 @@ class _Members:
         conditions = _conditions(case, splitting, matrix)
         excepted = _excepted(one, splitting)
         nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
-        example = _example(case, excepted, splitting.positive, matrix)
+        example = _example(case, excepted, splitting, matrix)
         if example is None:
             return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
         member = at_values(self.system, {s: Fraction(int(v.p), int(v.q)) for s, v in example.items()})
@@ -409,9 +409,9 @@ def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
 
 
 def _example(
-    case: Case, excepted: Sequence[Poly], positive: frozenset[int], matrix: ParameterMatrix
+    case: Case, excepted: Sequence[Poly], splitting: CaseSplitting, matrix: ParameterMatrix
 ) -> dict[Any, Any] | None:
     """Values of the parameters in a case; None if none is found."""
-    points = CasePoints(case, matrix.context, positive).rational(_MOST_EXAMPLES)
+    points = CasePoints(case, splitting).rational(_MOST_EXAMPLES)
     found = next((p for p in points if all(value_at(q.terms(), p, fmpq) for q in excepted)), None)
     return None if found is None else dict(zip(matrix.symbols, map(rational_to_sympy, found), strict=True))

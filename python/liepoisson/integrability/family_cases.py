@@ -82,7 +82,7 @@ class FamilyCases:
                 self.left.append(case)
             elif compared.is_further:
                 closure, exceptions = self._closure_and_exceptions(case)
-                is_real = CasePoints(case, self.splitting.context, self.splitting.positive).is_real()
+                is_real = CasePoints(case, self.splitting).is_real()
                 self.found.append(FurtherCase(case, closure, exceptions, compared.is_independent, is_real))
             else:
                 self.n_closed += 1
@@ -107,7 +107,7 @@ class FamilyCases:
         """The integrals of a case at random points; None where these do not agree, or none was found."""
         own = self.casimirs_of(case)
         known = [self.hamiltonian, *self.casimirs, *own, *self.general]
-        points = CasePoints(case, self.splitting.context, self.splitting.positive)
+        points = CasePoints(case, self.splitting)
         found: list[Comparison] = []
         try:
             for _ in range(_POINTS):

@@ -58,7 +58,7 @@ from liepoisson.algebra.sparse_polynomials import (
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation, Exponents, Level, gradings
 from liepoisson.integrability.modular import random_point
-from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly, SparseRow
+from liepoisson.integrability.parameter_cases import LIMITS, Case, CaseSplitting, Poly, SparseRow
 from liepoisson.integrability.search import Label, point_on_level, products
 
 
@@ -319,10 +319,10 @@ _PRIMES = tuple(islice(primes(), 10))
 class CasePoints:
     """Points of one case."""
 
-    def __init__(self, case: Case, context: Any, positive: frozenset[int], seed: int = 1) -> None:
-        self.case, self.context, self.positive = case, context, positive
-        self.names = tuple(context.names())
-        self._random = Random(seed)
+    def __init__(self, case: Case, splitting: CaseSplitting) -> None:
+        self.case, self.positive = case, splitting.positive
+        self.names = tuple(splitting.context.names())
+        self._random = Random(1)
         bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
         self._free = [v for v in range(len(self.names)) if v not in bound]
         occurring = {v for q in case.unsolved for v, k in enumerate(q.degrees()) if k}
@@ -335,25 +335,25 @@ class CasePoints:
             number = PrimeField(p).number
             values = {v: number(self._random.randrange(2, p)) for v in self._free}
             if self.case.unsolved:
-                rational, rest, found = self._finitely_many()
-                t = _root(found, p, self._random)
-                if t is None:
+                if not (tied := self._tied_modulo(p)):
                     continue
-
-                def at_root(q: fmpq_poly, t: Element = t, number: Callable[[Any], Element] = number) -> Element:
-                    return value_at((((k,), c) for k, c in enumerate(q.coeffs())), [t], number)
-
-                below = at_root(found.numerator(found.quotient.ideal.context.constant(1)))
-                gens = dict(zip(rest, found.quotient.ideal.context.gens(), strict=True))
-                if not below:
-                    continue
-                for v, x in gens.items():
-                    values[v] = at_root(found.numerator(x)) / below
-                for v, x in rational.items():
-                    values[v] = number(x)
+                values |= tied
             if (point := self._completed(values, number)) is not None:
                 return p, point
         return None
+
+    def _tied_modulo(self, p: int) -> dict[int, Element]:
+        """The parameters of the unsolved equations at a solution modulo a prime; empty if there is none."""
+        rational, rest, found = self._finitely_many()
+        number, context, t = PrimeField(p).number, found.quotient.ideal.context, _root(found, p, self._random)
+
+        def at_root(q: fmpq_poly) -> Element:
+            return value_at((((k,), c) for k, c in enumerate(q.coeffs())), [t], number)
+
+        if t is None or not (below := at_root(found.numerator(context.constant(1)))):
+            return {}
+        algebraic = {v: at_root(found.numerator(x)) / below for v, x in zip(rest, context.gens(), strict=True)}
+        return algebraic | {v: number(x) for v, x in rational.items()}
 
     def _completed(
         self, values: Mapping[int, Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_

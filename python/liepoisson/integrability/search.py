@@ -193,12 +193,12 @@ class Search:
 
     def _simplest(self, polynomial: Polynomial, label: Label) -> Polynomial:
         """A sum of the polynomial and multiples of known products with few terms, by a greedy search."""
-        products = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
+        shorter = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
         best, zero = polynomial, self.derivation.field.zero
         while len(best) <= _MOST_TERMS:
             found = [
                 {m: c for m in best.keys() | q.keys() if (c := best.get(m, zero) - best[k] / q[k] * q.get(m, zero))}
-                for q in products
+                for q in shorter
                 for k in best.keys() & q.keys()
             ]
             shortest = min(found, key=len, default=best)
@@ -209,18 +209,18 @@ class Search:
 
     def _products(self, highest: int, label: Label) -> list[Polynomial]:
         """The products of integrals in a block, up to a degree, exactly."""
-        field_one, found = self.derivation.field.one, list[Polynomial]()
-        factors = [
-            (max(map(sum, part)), part)
-            for generator in self.generators
-            for part in homogeneous_parts(generator.polynomial, self.gradings).values()
-            if any(map(any, part))
-        ]
+        factors = [(max(map(sum, part)), part) for _, part in self._parts(self.gradings)]
+        found = (
+            {m: c for m, c in self.level.remainder(product).items() if any(m)}
+            for _, _, product in products(factors, highest, _MOST_TERMS**2)
+            if tuple(g.of(next(iter(product))) for g in self.gradings) == label
+        )
+        return [p for p in found if p]
 
-        for _, _, product in products(factors, highest, _MOST_TERMS**2):
-            if tuple(g.of(next(iter(product))) for g in self.gradings) == label:
-                found.append({m: c for m, c in self.level.remainder(product).items() if any(m)})
-        return [{m: field_one * c for m, c in p.items()} for p in found if p]
+    def _parts(self, gradings: Sequence[Grading]) -> list[tuple[int, Polynomial]]:
+        """The homogeneous parts of the known integrals with the numbers of these."""
+        divided = [homogeneous_parts(generator.polynomial, gradings) for generator in self.generators]
+        return [(k, part) for k, parts in enumerate(divided) for part in parts.values()]
 
     def _insert_products(
         self,
@@ -235,14 +235,10 @@ class Search:
         Those of parts of one weight; of whole integrals into one span, with an empty label.
         """
         gradings = () if whole else self.gradings
-        factors: list[tuple[int, Polynomial]] = []
-        indices: list[int] = []
-        for index, generator in enumerate(self.generators):
-            for part in homogeneous_parts(generator.polynomial, gradings).values():
-                factors.append((max(map(sum, part)), modular(part, self.residues)))
-                indices.append(index)
+        parts = self._parts(gradings)
+        factors = [(max(map(sum, part)), modular(part, self.residues)) for _, part in parts]
         for chosen, _, product in products(factors, highest):
-            if must_contain is not None and all(indices[k] != must_contain for k in chosen):
+            if must_contain is not None and all(parts[k][0] != must_contain for k in chosen):
                 continue
             label = tuple(g.of(next(iter(product))) for g in gradings)
             if label in spans:

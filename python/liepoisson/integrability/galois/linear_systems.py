@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from re import sub
 from typing import TYPE_CHECKING, Any, cast
 
 from flint import fmpq, fmpq_poly
@@ -19,7 +20,7 @@ from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 from sympy.utilities.iterables import connected_components
 
 from liepoisson.algebra.exact_numbers import is_sympy
-from liepoisson.algebra.function_fields import over_common_denominator
+from liepoisson.algebra.function_fields import over_common_denominator, readable
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, texts
@@ -251,17 +252,8 @@ def root_text(polynomial: Any, variable: Any) -> str:
     """The roots of an irreducible polynomial in words, for example "s = -1" or "s^2 + 1 = 0"."""
     if polynomial.degree() == 1:
         return f"{variable} = {-polynomial[0] / polynomial[1]}"
-    terms: list[str] = []
-    for k in range(polynomial.degree(), -1, -1):
-        c = polynomial[k]
-        if c == 0:
-            continue
-        sign = "-" if c < 0 else "+"
-        size = abs(c)
-        power = "" if k == 0 else f"{variable}" if k == 1 else f"{variable}^{k}"
-        body = str(size) if not power else power if size == 1 else f"{size}*{power}"
-        terms.append(f"{sign} {body}" if terms else body if sign == "+" else f"-{body}")
-    return f"{' '.join(terms)} = 0"
+    text = readable(str(polynomial).replace("x", str(variable)))
+    return sub(r"\b1\*", "", text) + " = 0"
 
 
 def _polynomial(element: Any) -> Any:

@@ -311,63 +311,31 @@ class LocalSystem:
         """The solutions with powers of ln p below a bound, as in `LocalSolutions.coefficients`."""
         n, field = self.system.n, self.field
         e = field(QQ(exponent.numerator, exponent.denominator))
-        identity = DomainMatrix.eye(n, field).to_dense()
+        identity, zero = DomainMatrix.eye(n, field), DomainMatrix.zeros((n, n), field)
         found: list[list[Any]] = []
         n_columns = 0
         for m in range(first, last + 1):
-            shifted = self.coefficient(0) - identity * (e + field(m))
+            shifted = self.coefficient(0).to_sparse() - identity * (e + field(m))
             # unknowns: u_{m,0}, ..., u_{m,powers-1}, then the coefficients of the solutions found so far
-            rows: list[list[Any]] = []
-            known = [_sum_of_products(self, found, j, m - first, (n, n_columns)) for j in range(powers)]
-            dense = shifted.to_dense().rep.to_list()
+            rows: list[Any] = []
             for j in range(powers):
-                given = known[j].to_dense().rep.to_list() if n_columns else [[]] * n
-                for i in range(n):
-                    row = [field.zero] * (n * powers)
-                    row[n * j : n * (j + 1)] = dense[i]
-                    if j + 1 < powers:
-                        row[n * (j + 1) + i] = -field.one
-                    rows.append([*row, *given[i]])
-            matrix = DomainMatrix(rows, (n * powers, n * powers + n_columns), field)
-            basis = matrix.to_sparse().nullspace().to_dense().rep.to_list()
-            if basis:
-                combine = (
-                    DomainMatrix([v[n * powers :] for v in basis], (len(basis), n_columns), field)
-                    .transpose()
-                    .to_sparse()
-                )
-            else:
-                combine = DomainMatrix.zeros((n_columns, 0), field)
-            found = [
-                [u.to_sparse() * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row]
-                for row in found
-            ]
-            n_columns = len(basis)
-            new = [
-                DomainMatrix([[v[n * j + i] for v in basis] for i in range(n)], (n, n_columns), field)
-                for j in range(powers)
-            ]
-            found.append(new)
+                blocks = [shifted if i == j else -identity if i == j + 1 else zero for i in range(powers)]
+                known = DomainMatrix.zeros((n, n_columns), field)  # the sum of B_k u_(m-k,j) over k > 0
+                for k in range(1, m - first + 1):
+                    known = known + self.coefficient(k).to_sparse() * found[m - first - k][j]
+                rows.append(DomainMatrix.hstack(*blocks, known))
+            basis = DomainMatrix.vstack(*rows).nullspace().transpose()
+            found = [[u * basis[n * powers :, :] for u in row] for row in found]
+            found.append([basis[n * j : n * (j + 1), :] for j in range(powers)])
+            n_columns = basis.shape[1]
         return found
-
-
-def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, shape: tuple[int, int]) -> Any:
-    """The sum of B_k u_(m-k,j) over k > 0."""
-    total = DomainMatrix.zeros(shape, local.field)  # sparse, as are most of the factors
-    for k in range(1, m + 1):
-        total = total + local.coefficient(k).to_sparse() * found[m - k][j].to_sparse()
-    return total.to_dense()
 
 
 def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
     """N, with u_{m,j} N = u_{m,j+1}."""
-    powers = len(found[0])
-    zero = DomainMatrix.zeros((n, count), field).to_dense()
-    left = DomainMatrix.vstack(*(row[j].to_dense() for row in found for j in range(powers)))
-    right = DomainMatrix.vstack(
-        *(row[j + 1].to_dense() if j + 1 < powers else zero for row in found for j in range(powers))
-    )
-    reduced, pivots = left.hstack(right).rref()
+    left = DomainMatrix.vstack(*(u for row in found for u in row))
+    right = DomainMatrix.vstack(*(u for row in found for u in (*row[1:], DomainMatrix.zeros((n, count), field))))
+    reduced, pivots = left.hstack(right).to_dense().rref()
     assert pivots[:count] == tuple(range(count)), "solutions that are not independent"
     return reduced.extract(list(range(count)), list(range(count, 2 * count)))
 

@@ -23,7 +23,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
-from re import sub
 from typing import Any, TypeAlias, cast
 
 from flint import acb, acb_poly, fmpq_poly
@@ -36,6 +35,7 @@ from liepoisson.algebra.function_fields import (
     polynomial_at,
     polynomial_gcd,
     polynomial_quotient,
+    readable,
 )
 from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
@@ -117,7 +117,7 @@ class Exponents:
         for p, k in self.over_rationals:
             with precision(_BITS[0]):
                 roots = ", ".join(shown_number(z) for z in _roots(p))
-            parts += [f"the roots of {_readable(str(p).replace('x', 'r'))} ({roots})"] * k
+            parts += [f"the roots of {readable(str(p).replace('x', 'r'))} ({roots})"] * k
         if len(self.rest) > 1:
             degree = len(self.rest) - 1
             if isinstance(self.field, AlgebraicNumbers):
@@ -141,16 +141,11 @@ class Exponents:
                 text = self.field.text(monic[k])
                 simple = text if text.isalnum() or not power else f"({text})"
                 terms.append(power if text == "1" and power else f"{simple}*{power}" if power else text)
-        return self._explained(f"the roots of {_readable(' + '.join(terms))}")
+        return self._explained(f"the roots of {readable(' + '.join(terms))}")
 
     def _explained(self, text: str) -> str:
         """A text, with the equation of theta if it occurs."""
         return f"{text}, where {self.field.generator}" if "theta" in text else text
-
-
-def _readable(polynomial: str) -> str:
-    """A polynomial with minus signs for negative numbers."""
-    return sub(r"\+ \((-[\d/]+)\)", r"+ \1", polynomial).replace("+ -", "- ")
 
 
 def exponents_of(characteristic: Sequence[Element], field: FunctionField) -> Exponents:
