@@ -22,7 +22,7 @@ from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
-from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, over, rational_integrals
+from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, rational_integrals
 from liepoisson.integrability.derivation import (
     Exponents,
     in_blocks,
@@ -241,10 +241,9 @@ def darboux_polynomials(
     with deadline.running():
         values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
     numbers = square_root_field(v for of_block in values for one in of_block for v in one)
-    equations = tuple(zero for zero in problem.zeros if zero)
-    search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
+    search = DarbouxSearch(problem.search(gradings).over(numbers), tuple(monomials))
     for polynomial in problem.known.values():
-        search.add_known(over(numbers, [polynomial])[0])
+        search.add_known(polynomial)
     n_known = len(search.factors)
     elements = [[tuple(square_root_element(v, numbers) for v in one) for one in of_block] for of_block in values]
     search.run(
@@ -252,7 +251,7 @@ def darboux_polynomials(
         lambda f: listen(0.7 + 0.3 * f),
     )
     new = sorted(search.factors[n_known:], key=lambda f: (f.degree, len(f.polynomial)))
-    expressions = [search.derivation.expression(_tidied(f.polynomial, numbers)) for f in new]
+    expressions = [search.search.derivation.expression(_tidied(f.polynomial, numbers)) for f in new]
     found = tuple(
         DarbouxPolynomial(f"P{k}", e, search.cofactor_expression(f), f.degree)
         for k, (f, e) in enumerate(zip(new, expressions, strict=True), start=1)

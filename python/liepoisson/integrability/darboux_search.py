@@ -9,27 +9,25 @@ A product $\prod p_i^{n_i}$ is a rational integral if $\sum n_i k_i = 0$.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import reduce
 from math import lcm
+from operator import add
 from typing import Any, TypeAlias
 
 from flint import fmpz_mat
 from sympy import Expr, Mul, expand
 
-from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element
-from liepoisson.algebra.residues import Residues
-from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
-from liepoisson.errors import ParameterError
+from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply, value_at
 from liepoisson.integrability.cofactors import image
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, homogeneous_parts, order
+from liepoisson.integrability.derivation import Exponents, homogeneous_parts, order
 from liepoisson.integrability.modular import modular
-from liepoisson.integrability.search import Search
+from liepoisson.integrability.search import Search, in_field
 
 Cofactor: TypeAlias = "tuple[Element, ...]"
 """The coefficients of a cofactor, in the order of its monomials."""
@@ -65,34 +63,17 @@ class _Entry:
 class DarbouxSearch:
     """The search with given cofactors."""
 
-    derivation: Derivation  # the equations, over a field that contains the cofactors
-    gradings: tuple[Grading, ...]  # integer gradings, in which the cofactors are homogeneous
-    level: Level  # the level set, or all of phase space
-    equations: tuple[Polynomial, ...]  # the polynomials that vanish on the level
-    monomials: tuple[Exponents, ...]  # those of the cofactors
+    search: Search  # equations over a field that contains the cofactors, a level, and integer gradings
+    monomials: tuple[Exponents, ...]  # those of the cofactors, homogeneous in the gradings
     factors: list[Factor] = field(default_factory=list[Factor])  # what is known, to which is added what is found
 
-    @property
-    def field(self) -> Coefficients:
-        """Where coefficients live."""
-        return self.derivation.field
-
-    def over(self, field: Coefficients) -> DarbouxSearch:
-        """The same search over a larger field than the rational numbers, with nothing known."""
-        return DarbouxSearch(
-            Derivation(self.derivation.variables, tuple(over(field, self.derivation.components)), field),
-            self.gradings,
-            self.level.mapped(lambda generator: over(field, [generator])[0]),
-            tuple(over(field, self.equations)),
-            self.monomials,
-        )
-
     def add_known(self, polynomial: Polynomial) -> None:
-        """Take the homogeneous parts of an integral as known."""
-        zero = self.field.zero
-        for part in homogeneous_parts(self.level.remainder(polynomial), self.gradings).values():
+        """Take the homogeneous parts of an integral with rational coefficients as known."""
+        numbers = self.search.derivation.field
+        remainder = self.search.level.remainder(in_field(polynomial, numbers))
+        for part in homogeneous_parts(remainder, self.search.gradings).values():
             if any(map(any, part)):
-                self.factors.append(Factor(part, (zero,) * len(self.monomials), is_new=False))
+                self.factors.append(Factor(part, (numbers.zero,) * len(self.monomials), is_new=False))
 
     def run(
         self,
@@ -123,90 +104,80 @@ class DarbouxSearch:
                     entry.exact = self._exact(entry.block, entry.cofactor)
                 for polynomial in entry.exact:
                     found = Factor(polynomial, entry.cofactor, is_new=True)
-                    if found.degree == degree and span.insert(modular(polynomial, self.residues)):
+                    if found.degree == degree and span.insert(modular(polynomial, self.search.residues)):
                         new.append(found)
             self.factors += new
             progress(degree / highest)
 
     def cofactor_expression(self, factor: Factor) -> Expr:
         """The cofactor of a Darboux polynomial."""
-        return self.derivation.expression(self._of(factor.cofactor))
-
-    @cached_property
-    def residues(self) -> Residues:
-        """The homomorphism modulo a prime."""
-        found = self.field.residues(seed=1)
-        if found is None:
-            raise ParameterError(
-                "the square roots in the cofactors generate a field that is too large; take field='real'"
-            )
-        return found
-
-    @cached_property
-    def _level_mod(self) -> Level:
-        return self.level.mapped(lambda generator: modular(generator, self.residues))
+        return self.search.derivation.expression(self._of(factor.cofactor))
 
     def _of(self, cofactor: Cofactor) -> dict[Exponents, Element]:
         return {m: c for m, c in zip(self.monomials, cofactor, strict=True) if c}
 
     def _rows(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[dict[int, Element]]:
-        return transposed(image(self.derivation, self._of(cofactor), monomial, self.level) for monomial in block)
+        here, k = self.search, self._of(cofactor)
+        return transposed(image(here.derivation, k, monomial, here.level) for monomial in block)
 
     def _degrees(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[int]:
         """The degrees of a basis of the null space modulo the prime, as low as possible.
 
         For no degree there are fewer up to it than there are exactly.
         """
-        rows = [
-            {c: residue for c, v in row.items() if (residue := self.residues(v))} for row in self._rows(block, cofactor)
-        ]
+        residues = self.search.residues
+        rows = [{c: r for c, v in row.items() if (r := residues(v))} for row in self._rows(block, cofactor)]
         # vectors end in columns of their own, which increase with the degree
-        return [sum(block[max(vector)]) for vector in nullspace_mod(rows, len(block), self.residues.p)]
+        return [sum(block[max(vector)]) for vector in nullspace_mod(rows, len(block), residues.p)]
 
     def _exact(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[Polynomial]:
         """The null space, as polynomials of the lowest degrees possible, those with few terms first."""
-        vectors = nullspace(self._rows(block, cofactor), len(block), self.field).vectors
+        vectors = nullspace(self._rows(block, cofactor), len(block), self.search.derivation.field).vectors
         return sorted(({block[c]: v for c, v in vector.items()} for vector in vectors), key=len)
 
     def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Echelon:
         """The products of factors up to a degree with a cofactor and in a block, modulo the prime."""
-        p = self.residues.p
-        span = Echelon(self.residues.field)
-        wanted = tuple(self.residues(c) for c in cofactor)
-        one: Polynomial = {(0,) * len(self.derivation.variables): self.residues.field.one}
-        factors = [
-            (
-                f.degree,
-                modular(f.polynomial, self.residues),
-                tuple(self.residues(c) for c in f.cofactor),
-                tuple(g.of(next(iter(f.polynomial))) for g in self.gradings),
-            )
-            for f in self.factors
-        ]
+        here, residues = self.search, self.search.residues
+        span, one = Echelon(residues.field), {(0,) * len(here.derivation.variables): residues.field.one}
 
-        def extend(start: int, left: int, chosen: tuple[int, ...], rate: tuple[int, ...], weights: Label) -> None:
-            if rate == wanted and weights == label:
-                product = one
-                for k in chosen:
-                    product = multiply(product, factors[k][1])
-                span.insert(self._level_mod.remainder(product))
+        def rate(cofactor: Cofactor, weights: Label) -> tuple[Any, ...]:
+            return (*(residues.field.number(residues(c)) for c in cofactor), *weights)
+
+        wanted = rate(cofactor, label)
+        factors: list[tuple[int, Polynomial, tuple[Any, ...]]] = []
+        for f in self.factors:
+            weights = tuple(g.of(next(iter(f.polynomial))) for g in here.gradings)
+            factors.append((f.degree, modular(f.polynomial, residues), rate(f.cofactor, weights)))
+
+        def extend(start: int, left: int, chosen: tuple[int, ...], reached: tuple[Any, ...]) -> None:
+            if reached == wanted:
+                span.insert(here.level_mod.remainder(reduce(multiply, (factors[k][1] for k in chosen), one)))
             for k in range(start, len(factors)):
-                degree, _, more, moved = factors[k]
+                degree, _, more = factors[k]
                 if 0 < degree <= left:
-                    further = tuple((a + b) % p for a, b in zip(rate, more, strict=True))
-                    extend(k, left - degree, (*chosen, k), further, _sum(weights, moved))
+                    extend(k, left - degree, (*chosen, k), tuple(map(add, reached, more)))
 
-        extend(0, highest, (), (0,) * len(self.monomials), (0,) * len(self.gradings))
+        zero = here.derivation.field.zero
+        extend(0, highest, (), rate((zero,) * len(self.monomials), (0,) * len(here.gradings)))
         return span
 
+    def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, Element]:
+        """The gradient of the logarithm of a product of powers at a random point of the level modulo the prime."""
+        total: dict[int, Element] = {}
+        for factor, power in zip(factors, powers, strict=True):
+            if power:
+                polynomial, point = modular(factor.polynomial, self.search.residues), self.search.point
+                value = value_at(polynomial.items(), point)
+                if not value:
+                    return {}  # it vanishes on a component of the level
+                add_multiple(total, gradient_at(polynomial, point), power / value)
+        return total
 
-def _sum(first: Label, second: Label) -> Label:
-    return tuple(a + b for a, b in zip(first, second, strict=True))
-
-
-def over(field: Coefficients, polynomials: Sequence[Mapping[Exponents, Element]]) -> list[Polynomial]:
-    """Polynomials with rational coefficients over a larger field."""
-    return [{m: field.number(c) for m, c in polynomial.items()} for polynomial in polynomials]
+    def rank(self, rows: Sequence[dict[int, Element]]) -> int:
+        """The rank of gradients at the same point, along the level."""
+        residues, point = self.search.residues, self.search.point
+        level = [gradient_at(modular(e, residues), point) for e in self.search.equations]
+        return rank_mod([*level, *rows], len(point), residues.p)
 
 
 @dataclass(frozen=True)
@@ -247,12 +218,11 @@ def rational_integrals(
     search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
 ) -> tuple[RationalIntegral, ...]:
     """A basis of the integrals that are products of powers of some Darboux polynomials."""
-    at = _Point(search)
-    rows = [at.gradient([f], [1]) for f in search.factors if not f.is_new]
+    rows = [search.gradient([f], [1]) for f in search.factors if not f.is_new]
     found: list[RationalIntegral] = []
     for relation in _relations(factors):
-        row = at.gradient(factors, relation)
-        is_independent = at.rank([*rows, row]) > at.rank(rows)
+        row = search.gradient(factors, relation)
+        is_independent = search.rank([*rows, row]) > search.rank(rows)
         rows.append(row)
         product: Any = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
         found.append(
@@ -264,33 +234,6 @@ def rational_integrals(
             )
         )
     return tuple(found)
-
-
-class _Point:
-    """A random point modulo a prime, on the level of a search, and gradients of logarithms there."""
-
-    def __init__(self, search: DarbouxSearch) -> None:
-        here = Search(search.derivation, search.gradings, search.level, search.equations, [])
-        self.point, self.residues = here.point, here.residues
-        self.level = [gradient_at(modular(e, self.residues), self.point) for e in search.equations]
-
-    def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, Element]:
-        """The gradient of the logarithm of a product of powers."""
-        total: dict[int, Element] = {}
-        for factor, power in zip(factors, powers, strict=True):
-            if power:
-                polynomial = modular(factor.polynomial, self.residues)
-                value = value_at(polynomial.items(), self.point)
-                if not value:
-                    return {}  # it vanishes on a component of the level
-                scale = power / value
-                for i, slope in gradient_at(polynomial, self.point).items():
-                    total[i] = total.get(i, 0) + scale * slope
-        return {i: slope for i, slope in total.items() if slope}
-
-    def rank(self, rows: Sequence[dict[int, Element]]) -> int:
-        """The rank of gradients, along the level."""
-        return rank_mod([*self.level, *rows], len(self.point), self.residues.p)
 
 
 def _relations(factors: Sequence[Factor]) -> list[list[int]]:

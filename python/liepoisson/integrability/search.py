@@ -20,6 +20,7 @@ from itertools import count
 from math import gcd, lcm
 from typing import Any
 
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element
@@ -82,6 +83,17 @@ class Search:
     # the gradient of another known integral, which is no polynomial; empty if there is none
     slope: tuple[Polynomial, ...] = ()
     counts: list[BlockCount] = field(default_factory=list)  # what was found, block by block
+
+    def over(self, field: Coefficients) -> Search:
+        """The same over a larger field than the rational numbers, with nothing known."""
+        components = tuple(in_field(f, field) for f in self.derivation.components)
+        return Search(
+            Derivation(self.derivation.variables, components, field),
+            self.gradings,
+            self.level.mapped(lambda generator: in_field(generator, field)),
+            tuple(in_field(f, field) for f in self.equations),
+            [],
+        )
 
     @property
     def complete(self) -> bool:
@@ -156,7 +168,7 @@ class Search:
             if progress and not len(columns) % 100:
                 progress(len(columns) / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
-            columns.append(self._level_mod.remainder(image))
+            columns.append(self.level_mod.remainder(image))
         return len(nullspace_mod(transposed(columns), len(block), self.residues.p))
 
     def _image(self, monomial: Exponents) -> Polynomial:
@@ -242,11 +254,12 @@ class Search:
                 continue
             label = tuple(g.of(next(iter(product))) for g in gradings)
             if label in spans:
-                reduced = self._level_mod.remainder(product)
+                reduced = self.level_mod.remainder(product)
                 spans[label].insert({m: c for m, c in reduced.items() if any(m)})
 
     @cached_property
-    def _level_mod(self) -> Level:
+    def level_mod(self) -> Level:
+        """The level modulo the prime."""
         return self.level.mapped(lambda generator: modular(generator, self.residues))
 
     @cached_property
@@ -271,6 +284,11 @@ class Search:
     def point(self) -> list[Element]:
         """A random point modulo the prime, on the level."""
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
+
+
+def in_field(polynomial: Polynomial, field: Coefficients) -> Polynomial:
+    """A polynomial with rational coefficients over a larger field."""
+    return {m: field.number(c) for m, c in polynomial.items()}
 
 
 def next_name(*known: Collection[str]) -> str:

@@ -327,7 +327,7 @@ class Balance:
         return "\n".join(lines)
 
     def _leading(self) -> str:
-        names = [str(v).lstrip("_") for v in self.variables]
+        names = list(map(str, self.variables))
         shown = [(name, self._field.rational(c)) for name, c in zip(names, self._point, strict=True)]
         orders = dict(zip(names, self.weights, strict=True))
         simple = [_leading_term(name, str(c), orders[name]) for name, c in shown if c]
@@ -424,7 +424,7 @@ def as_record(balance: Balance) -> dict[str, Any]:
     """A balance as data that JSON can write."""
     return {
         "status": balance.status,
-        "weights": {str(v).lstrip("_"): str(w) for v, w in zip(balance.variables, balance.weights, strict=True)},
+        "weights": {str(v): str(w) for v, w in zip(balance.variables, balance.weights, strict=True)},
         "equations": list(balance.equations),
         "family": list(balance.family),
         "conjugates": balance.n_conjugates,

@@ -13,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from re import findall, sub
+from re import findall
 from typing import Any, Literal, TypeAlias
 
 from sympy import Expr, Symbol
 
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, DivisionError, Resolvent
+from liepoisson.algebra.ideals.groebner import new_name
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.matrices import characteristic_polynomial
@@ -163,7 +164,7 @@ class PainleveTest:
 def _words(variables: Sequence[Symbol], weights: Sequence[Fraction]) -> str:
     groups: dict[Fraction, list[str]] = {}
     for v, w in zip(variables, weights, strict=True):
-        groups.setdefault(w, []).append(str(v).lstrip("_"))
+        groups.setdefault(w, []).append(str(v))
     return "; ".join(f"{w} for {', '.join(names)}" for w, names in groups.items())
 
 
@@ -241,22 +242,20 @@ def _equations(system: System) -> tuple[Derivation, dict[str, Expr]]:
     if not found.functions:
         return derivation, {}
     # coordinates that only occur in functions follow the others by quadrature
-    used = {
-        v
-        for component in derivation.components
-        for m in component
-        for v, k in zip(derivation.variables, m, strict=True)
-        if k
-    }
-    kept = [k for k, v in enumerate(derivation.variables) if v in used or v in found.functions]
-    rates = [derivation.expression(derivation.components[k]) for k in kept]
-    smaller, _ = derivation_of_rates([derivation.variables[k] for k in kept], rates)
-    return smaller, {str(v).lstrip("_"): f for v, f in found.functions.items()}
+    used = {k for component in derivation.components for m in component for k, power in enumerate(m) if power}
+    kept = [k for k, v in enumerate(derivation.variables) if k in used or v in found.functions]
+    # variables that stand for functions have names, too
+    taken = list(map(str, system.variables))
+    written: dict[Any, Any] = {v: Symbol(new_name(taken, v.name)) for v in found.functions}
+    rates = [derivation.expression(derivation.components[k]).xreplace(written) for k in kept]
+    variables = [written.get(v, v) for k, v in enumerate(derivation.variables) if k in kept]
+    smaller, _ = derivation_of_rates(variables, rates)
+    return smaller, {str(written[v]): f for v, f in found.functions.items()}
 
 
 def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
     """Weights that a caller gives, checked."""
-    names = [str(v).lstrip("_") for v in derivation.variables]
+    names = list(map(str, derivation.variables))
     wanted = f"weights: wanted one for each of {', '.join(names)}"
     if (by_name := named(weights, "weights")) is not None:
         if set(by_name) != set(names):
@@ -422,7 +421,7 @@ class _Analysis:
         return Balance(
             variables=system.derivation.variables,
             weights=system.weights,
-            equations=tuple(_readable(e, system.derivation.variables) for e in equations),
+            equations=equations,
             family=family,
             n_conjugates=field.degree,
             kovalevskaya=exponents,
@@ -441,14 +440,6 @@ class _NotConstantError(Exception):
     """Exponents depend on the member of a family."""
 
 
-def _readable(equation: str, variables: Sequence[Symbol]) -> str:
-    """An equation in which variables that stand for functions have no underscore before them."""
-    for v in variables:
-        if str(v).startswith("_"):
-            equation = sub(rf"\b{v}\b", str(v).lstrip("_"), equation)
-    return equation
-
-
 def _names_in(equation: str) -> set[str]:
     return set(findall(r"[^\W\d]\w*", equation))
 
@@ -458,9 +449,7 @@ def record(found: PainleveTest) -> dict[str, Any]:
     return {
         "system": found.system.name,
         "functions": {name: Formula(f).plain for name, f in found.functions.items()},
-        "weights": [
-            {str(v).lstrip("_"): str(w) for v, w in zip(found.variables, one, strict=True)} for one in found.weights
-        ],
+        "weights": [{str(v): str(w) for v, w in zip(found.variables, one, strict=True)} for one in found.weights],
         "balances": [as_record(balance) for balance in found.balances],
         "special": list(found.special),
         "left": list(found.left),
