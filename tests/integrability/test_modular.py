@@ -6,9 +6,9 @@ from searched_systems import TOP
 
 import liepoisson as lp
 from liepoisson.algebra.linear_algebra import nullspace_mod
-from liepoisson.integrability import modular
+from liepoisson.integrability import search
 from liepoisson.integrability.derivation import derivation_of, of_degree, of_weight
-from liepoisson.integrability.modular import modular_nullity
+from liepoisson.integrability.search import modular_nullity
 
 CASES = {
     "top": (TOP, [m for d in (1, 2) for m in of_degree(9, d)]),
@@ -47,8 +47,8 @@ def test_no_terms_no_rows():
 def test_monomials_of_many_coordinates_get_different_numbers(monkeypatch):
     rows = np.random.default_rng(0).integers(0, 5, (200, 40))
     rows[100:] = rows[:100]
-    for largest in (modular._LARGEST_KEY, 1000):
-        monkeypatch.setattr(modular, "_LARGEST_KEY", largest)
-        numbers = modular._numbered(rows)
+    for largest in (search._LARGEST_KEY, 1000):
+        monkeypatch.setattr(search, "_LARGEST_KEY", largest)
+        numbers = search._numbered(rows)
         assert (numbers[:100] == numbers[100:]).all()
         assert sorted(set(numbers.tolist())) == list(range(100))

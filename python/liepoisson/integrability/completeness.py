@@ -24,7 +24,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import combinations, combinations_with_replacement
+from math import prod
 from typing import Any
 
 from sympy import Add, Expr, Integer, Mul, Poly, Symbol
@@ -37,8 +39,7 @@ from liepoisson.algebra.linear_algebra import nullspace, rank_mod, solve
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Level, level_of
-from liepoisson.integrability.modular import modular, residues_of
-from liepoisson.integrability.search import point_on_level
+from liepoisson.integrability.search import modular, point_on_level, residues_of
 from liepoisson.model.system import System
 
 _MOST_PRIMES = 2
@@ -246,22 +247,11 @@ class _Algebra:
             table |= {(i, j): bracket, (j, i): {m: -c for m, c in bracket.items()}}
         found = cls(functions, remainders[:n], table, [], field, level)
         products = [*((i,) for i in range(n)), *combinations_with_replacement(range(n), 2)]
-        images = {p: found._product(p) for p in products if found._size(p) <= _MOST_TERMS}
+        small = [p for p in products if prod(len(remainders[i]) for i in p) <= _MOST_TERMS]
+        images = {p: level.remainder(reduce(multiply, (remainders[i] for i in p))) for p in small}
         dependent = {max(v) for v in _null_vectors(list(images.values()), field)}
         found.products.extend(p for k, p in enumerate(images) if k not in dependent)
         return found
-
-    def _size(self, product: tuple[int, ...]) -> int:
-        sizes = [len(self.polynomials[i]) for i in product]
-        return sizes[0] * sizes[-1] if len(sizes) > 1 else sizes[0]
-
-    def _product(self, product: tuple[int, ...]) -> Polynomial:
-        i, *others = product
-        return (
-            self.level.remainder(multiply(self.polynomials[i], self.polynomials[others[0]]))
-            if others
-            else self.polynomials[i]
-        )
 
     def with_generators(self, combination: Combination) -> list[Polynomial]:
         """The brackets of each generator with a combination, by the rule of Leibniz."""
@@ -269,9 +259,8 @@ class _Algebra:
         for i in range(len(self.generators)):
             total: Polynomial = {}
             for k, coefficient in combination.items():
-                add_multiple(
-                    total, self._leibniz(self.products[k], [self.brackets[i, j] for j in self.products[k]]), coefficient
-                )
+                derivatives = [self.brackets[i, j] for j in self.products[k]]
+                add_multiple(total, self._leibniz(self.products[k], derivatives), coefficient)
             found.append(self.level.remainder(total))
         return found
 
@@ -298,10 +287,8 @@ class _Algebra:
 
     def combined(self, combination: Combination, generators: Sequence[Expr]) -> Expr:
         """A combination of products of the generators, or of their names."""
-        terms = [
-            Mul(self.field.to_sympy(c), *(generators[i] for i in self.products[k])) for k, c in combination.items()
-        ]
-        return Add(*terms)
+        to_sympy = self.field.to_sympy
+        return Add(*(Mul(to_sympy(c), *(generators[i] for i in self.products[k])) for k, c in combination.items()))
 
 
 class _Chains:

@@ -26,8 +26,7 @@ from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply, value_at
 from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Exponents, homogeneous_parts, order
-from liepoisson.integrability.modular import modular
-from liepoisson.integrability.search import Search, in_field
+from liepoisson.integrability.search import Search, in_field, modular
 
 Cofactor: TypeAlias = "tuple[Element, ...]"
 """The coefficients of a cofactor, in the order of its monomials."""

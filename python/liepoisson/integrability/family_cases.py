@@ -16,6 +16,7 @@ from typing import Any
 
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.matrices import determinant
+from liepoisson.algebra.sparse_polynomials import gradient_at
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.further_integrals import CasePoints, Comparison, IntegralsAtPoints, ParameterPolynomial
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly
@@ -203,13 +204,6 @@ class FamilyCases:
         zero = self.splitting.context.constant(0)
         rows: list[list[Poly]] = []
         for f in functions:
-            gradient = [zero] * n
-            for m, q in f.items():
-                for i, k in enumerate(m):
-                    if k:
-                        value = k * x[i] ** (k - 1)
-                        for j, power in enumerate(m):
-                            value *= x[j] ** power if j != i else 1
-                        gradient[i] = gradient[i] + q * value
-            rows.append([sum((g * u for g, u in zip(gradient, d, strict=True)), zero) for d in directions])
+            gradient = gradient_at(f, x)
+            rows.append([sum((g * d[i] for i, g in gradient.items()), zero) for d in directions])
         return determinant(rows, zero)

@@ -57,9 +57,8 @@ from liepoisson.algebra.sparse_polynomials import (
 )
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation, Exponents, Level, gradings
-from liepoisson.integrability.modular import random_point
 from liepoisson.integrability.parameter_cases import LIMITS, Case, CaseSplitting, Poly, SparseRow
-from liepoisson.integrability.search import Label, point_on_level, products
+from liepoisson.integrability.search import Label, point_on_level, products, random_point
 
 
 class ParameterMatrix:

@@ -187,7 +187,9 @@ def scan_integrals(
     ordered = {k: [dict(zip(grid, point, strict=True))[name] for name in names] for k, point in enumerate(points)}
     equations = tuple(map(str, chosen))
     done: dict[int, PointResult] = {}
-    with _opened(store, fresh, {"search": _described(search), "axes": grid, "degree": d, "on": equations}) as kept:
+    # the digest is one of everything that the numbers of the points depend on
+    digest = sha256(repr(search).encode()).hexdigest()
+    with _opened(store, fresh, {"search": digest, "axes": grid, "degree": d, "on": equations}) as kept:
         if kept is not None:
             done |= {k: result for k, result in kept.known.items() if k in ordered}
         missing = {k: values for k, values in ordered.items() if k not in done}
@@ -279,11 +281,6 @@ def _pieces(missing: Mapping[int, Sequence[Fraction]], n_at_once: int) -> tuple[
     points = list(missing.items())
     pieces = [dict(points[k : k + size]) for k in range(0, len(points), size)]
     return pieces, max(1, min(n_at_once, len(pieces) // _PIECES_OF_A_PROCESS))
-
-
-def _described(search: PointSearch) -> str:
-    """A digest of everything that the numbers of the points depend on."""
-    return sha256(repr(search).encode()).hexdigest()
 
 
 @contextmanager

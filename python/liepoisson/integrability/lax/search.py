@@ -94,12 +94,12 @@ class Ansatz:
         self.form = form
         self.movers = movers = [_numeric(matrices.movers[j]) for j in range(algebra.dimension)]
         size = algebra.dimension
-        self.fields = [
-            [(first + k, dual[k]) for k in range(size)] for first in range(0, self.n, size)
-        ]  # each field as pairs of a coordinate and its matrix
+        # each field as pairs of a coordinate and its matrix
+        self.fields = [[(first + k, dual[k]) for k in range(size)] for first in range(0, self.n, size)]
         self.parameters = tuple(parameters)
         self.parts, self.denominator = self._read(movers)
-        self.constants = dual if form == "algebra" else _all_matrices(self.size)
+        places = product(range(self.size), repeat=2)
+        self.constants = dual if form == "algebra" else [{place: Fraction(1)} for place in places]
         self.partners = movers if form == "algebra" else [{(i, i): Fraction(1)} for i in range(1, self.size)]
 
     def _read(self, movers: Sequence[Mapping[tuple[int, int], Fraction]]) -> tuple[dict[tuple[int, ...], Part], Any]:
@@ -128,7 +128,7 @@ class Ansatz:
                     continue
                 part = parts.setdefault(powers, ([{} for _ in x], {}))
                 if k < self.n:
-                    part[0][k][factors] = Fraction(int(c.p), int(c.q))
+                    part[0][k][factors] = _fraction(c)
                     continue
                 if sum(factors) > 1:
                     raise ParameterError(
@@ -136,7 +136,7 @@ class Ansatz:
                         f"{shown(str(e))}; verify a pair of your own with lax_pair"
                     )
                 for place, factor in movers[k - self.n].items():
-                    add_multiple(part[1].setdefault(place, {}), {factors: Fraction(int(c.p), int(c.q))}, factor)
+                    add_multiple(part[1].setdefault(place, {}), {factors: _fraction(c)}, factor)
         return parts, common
 
     @property
@@ -150,8 +150,9 @@ class Ansatz:
         if k >= len(self.fields):
             return self._constant(self.constants[k - len(self.fields)])
         for x, matrix in self.fields[k]:
+            unit = tuple(int(j == x) for j in range(self.n))
             for place, c in matrix.items():
-                add_multiple(found.setdefault(place, {}), {_unit(x, self.n): c}, Fraction(1))
+                add_multiple(found.setdefault(place, {}), {unit: c}, Fraction(1))
         return found
 
     def residual(self, k: int, part: Part) -> EntryMatrix:
@@ -219,14 +220,6 @@ class Ansatz:
 
 def _numeric(matrix: Mapping[tuple[int, int], Any]) -> dict[tuple[int, int], Fraction]:
     return {place: sum((q for q, _ in roots), Fraction(0)) for place, roots in matrix.items()}
-
-
-def _all_matrices(size: int) -> list[dict[tuple[int, int], Fraction]]:
-    return [{(i, j): Fraction(1)} for i in range(size) for j in range(size)]
-
-
-def _unit(x: int, n: int) -> tuple[int, ...]:
-    return tuple(int(k == x) for k in range(n))
 
 
 def _commutator(a: EntryMatrix, b: EntryMatrix) -> EntryMatrix:
@@ -423,7 +416,7 @@ def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], contex
         row = rows.setdefault(key, {})
         row[column] = row[column] + value if column in row else value
 
-    factors = {powers: _monomial(powers, context) for powers in ansatz.parts}
+    factors = {p: context.from_dict({(*p, *(0,) * (context.nvars() - len(p))): 1}) for p in ansatz.parts}
     for k in range(ansatz.n_per_power):
         residuals = [(factors[powers], ansatz.residual(k, part)) for powers, part in ansatz.parts.items()]
         partners = ansatz.partner_terms(k)
@@ -440,13 +433,6 @@ def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], contex
 
 def _terms(matrix: EntryMatrix) -> Iterator[tuple[tuple[int, int], tuple[int, ...], Fraction]]:
     return ((place, monomial, c) for place, entry in matrix.items() for monomial, c in entry.items())
-
-
-def _monomial(powers: tuple[int, ...], context: Any) -> Any:
-    product_ = context.constant(1)
-    for k, e in enumerate(powers):
-        product_ = product_ * context.gen(k) ** e
-    return product_
 
 
 def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[Fraction, ...] | None:
@@ -471,7 +457,7 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
     components = [context.constant(as_fmpq(c)) for c in b]
     n = ansatz.n_per_power
     rows = [
-        {column: _constant(value) for column, value in row.items()}
+        {column: _fraction(value.leading_coefficient()) for column, value in row.items()}
         for row in linear_system(ansatz, degree, components, context)
     ]
     solutions = nullspace(rows, (degree + 1) * n, Coefficients()).vectors
@@ -490,6 +476,5 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
     return found
 
 
-def _constant(p: Any) -> Fraction:
-    [(_, c)] = list(p.terms())
+def _fraction(c: Any) -> Fraction:
     return Fraction(int(c.p), int(c.q))
