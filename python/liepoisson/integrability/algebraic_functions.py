@@ -60,6 +60,7 @@ from sympy import (
 )
 
 from liepoisson.algebra.coefficients import check_degree
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.number_fields import Element, as_fmpq
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
@@ -311,8 +312,6 @@ class _Reader:
             self.relations.append(s**2 + c**2 - 1)
 
     def _written(self, form: Form) -> Any:
-        from liepoisson.algebra.exact_numbers import to_sympy
-
         return sum(to_sympy(c) * x for c, x in zip(form, self.coordinates, strict=True))
 
 

@@ -41,6 +41,7 @@ from liepoisson.integrability.algebraic_functions import algebraic_equations, is
 from liepoisson.integrability.derivation import Level, level_of
 from liepoisson.integrability.search import modular, point_on_level, residues_of
 from liepoisson.model.system import System
+from liepoisson.structure.trace import traces_in
 
 _MOST_PRIMES = 2
 """Primes of which one may be unlucky: modulo it a rank drops."""
@@ -112,8 +113,6 @@ def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int
 
 def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> ClosedIntegrals | None:
     """The integrals, if they are closed under the bracket and as many as the theorem wants."""
-    from liepoisson.structure.trace import traces_in
-
     # Casimirs that are traces of matrices are left out: written out they are long
     names, casimirs = list(integrals), [c for c in system.bracket.casimirs() if not traces_in(c)]
     pairs = list(combinations(names, 2))

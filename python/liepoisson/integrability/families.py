@@ -15,8 +15,10 @@ from typing import Any, cast
 from flint import fmpq
 from sympy import Expr, Function, I, Integer, NumberSymbol, Pow, Symbol
 
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import read_values
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
@@ -94,9 +96,6 @@ class ParameterCase:
         Raises:
             ParameterError: a parameter of the conditions has no value.
         """
-        from liepoisson.algebra.exact_numbers import to_sympy
-        from liepoisson.formula.parameters import read_values
-
         at = {name: to_sympy(cast("Any", v)) for name, v in read_values(values).items()}
         missing = {str(s) for c in (*self.conditions, *self.nonzero) for s in c.free_symbols} - at.keys()
         if missing:

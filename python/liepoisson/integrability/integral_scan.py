@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from liepoisson.algebra.sparse_polynomials import expression
 from liepoisson.errors import ParameterError
-from liepoisson.formula.parameters import Parameter
+from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
@@ -249,8 +249,6 @@ def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, li
 
 def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """The values of the parameters as texts of fractions."""
-    from liepoisson.formula.parameters import read_parameter
-
     given = named(axes, "axes")
     if given is None or set(given) != set(names):
         raise ParameterError(

@@ -24,6 +24,7 @@ from liepoisson.integrability.search_problem import (
 )
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
+from liepoisson.structure.trace import traces_in
 
 MOST_MONOMIALS = 100_000
 """Monomials of the largest search that is begun; 92 000 of a top without gradings take half a minute and 0.5 GB."""
@@ -246,8 +247,6 @@ def first_integrals(
 
 def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
     """The known integrals, traces of products of matrices written out; those of a higher degree are not needed."""
-    from liepoisson.structure.trace import traces_in
-
     used: dict[str, Expr] = {}
     for name, f in known.items():
         traces = traces_in(f)

@@ -36,6 +36,7 @@ from liepoisson.integrability.derivation import (
     up_to_degree,
 )
 from liepoisson.integrability.search import Generator, Search
+from liepoisson.model.hamiltonian import symbols_in
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.bracket import Bracket
@@ -192,9 +193,6 @@ def casimirs_of(system: System) -> dict[str, Expr]:
 
 def with_hamiltonian(system: System, energy: Expr, bracket: Bracket | None = None) -> System:
     """The system with another Hamiltonian, and perhaps another bracket; without quadratures."""
-    from liepoisson.model.hamiltonian import symbols_in
-    from liepoisson.model.system import System
-
     symbols = symbols_in(energy, system.component_names)
     return System(bracket or system.bracket, energy, name=system.name, symbols=symbols)
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flint import ctx, fmpq_poly
 from sympy.polys.matrices import DomainMatrix
@@ -29,11 +29,9 @@ from sympy.polys.matrices import DomainMatrix
 from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
+from liepoisson.integrability.galois.local_solutions import LocalSystem
 from liepoisson.integrability.galois.monodromy import PRECISION, Monodromy, continued, generators, loop_around_all
-
-if TYPE_CHECKING:
-    from liepoisson.integrability.galois.local_solutions import LocalSystem
-    from liepoisson.integrability.galois.variational import Flag
+from liepoisson.integrability.galois.variational import Flag
 
 _MOST_TERMS = 64
 """Terms of local series in which solutions are compared with a flag."""

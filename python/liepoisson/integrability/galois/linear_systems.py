@@ -19,12 +19,15 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 from sympy.utilities.iterables import connected_components
 
-from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.algebra.exact_numbers import as_expression, is_sympy
 from liepoisson.algebra.function_fields import over_common_denominator, readable
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, texts
 from liepoisson.inputs.refusals import shown
+from liepoisson.model.hamiltonian import with_exact_numbers
 
 if TYPE_CHECKING:
     from liepoisson.integrability.galois.local_solutions import LocalSystem
@@ -200,11 +203,6 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
         symbols: The symbols that a text may name.
         where: What to call it in an error message.
     """
-    from liepoisson.algebra.exact_numbers import as_expression
-    from liepoisson.formula.expression import read_expression
-    from liepoisson.formula.scope import Scope
-    from liepoisson.model.hamiltonian import with_exact_numbers
-
     if isinstance(given, str):
         read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))
         return read.xreplace({Symbol(str(s)): s for s in symbols})

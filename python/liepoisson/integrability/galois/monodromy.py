@@ -26,18 +26,19 @@ from typing import TYPE_CHECKING, Any
 
 from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq
 
+from liepoisson.algebra.flint_pickles import register
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
+from liepoisson.integrability.galois.linear_systems import LinearSystem, root_text
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from liepoisson.integrability.galois.linear_systems import LinearSystem
 
 PRECISION = 64
 """Bits that are wanted: the radii of the balls are at most 2^-64 times the largest entry."""
@@ -185,8 +186,6 @@ def loop_around_all(system: LinearSystem, like: Loop) -> Loop:
 
 def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -> Monodromy:
     """The monodromy along a loop."""
-    from liepoisson.algebra.flint_pickles import register
-
     register()  # a result keeps its balls
 
     before, bits = ctx.prec, 4 * precision
@@ -346,8 +345,6 @@ def _distance(start: complex, end: complex, point: complex) -> float:
 
 def _lasso(base: tuple[Fraction, Fraction], z: complex, near: float, point: Any, system: LinearSystem) -> Loop:
     """From the base point towards z, around it counterclockwise, and back."""
-    from liepoisson.integrability.galois.linear_systems import root_text
-
     radius = near / 2
     angle = phase(complex(*map(float, base)) - z)
     around = [z + radius * exp(1j * (angle + 2 * pi * k / _SIDES)) for k in range(_SIDES)]

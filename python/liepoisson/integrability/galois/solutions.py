@@ -34,6 +34,8 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_data_set, is_named, listed
 from liepoisson.inputs.refusals import shown
+from liepoisson.integrability.galois.linear_systems import exact_expression, rational_function
+from liepoisson.model.discrete_symmetries import discrete_symmetries
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 
@@ -189,8 +191,6 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
     They are the coordinate planes and the fixed sets of those symmetries that are signed permutations and keep the
     direction of time.
     """
-    from liepoisson.model.discrete_symmetries import discrete_symmetries
-
     n = len(system.variables)
     found: dict[tuple[tuple[int, ...], ...], str] = {}
     if n <= MOST_COORDINATES:
@@ -260,8 +260,6 @@ def _verified(
     system: System, state: Sequence[Any], variable: Any, rate: Any, *, root: tuple[Any, Any] | None, origin: str
 ) -> ParticularSolution:
     """A solution, after it was put into the equations."""
-    from liepoisson.integrability.galois.linear_systems import exact_expression
-
     check_polynomial(system)
     if not isinstance(variable, Symbol):
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
@@ -311,8 +309,6 @@ class Arithmetic:
     """Functions f + g y of s, where f and g are rational and y^2 = Q, as pairs (f, g)."""
 
     def __init__(self, variable: Any, root: tuple[Any, Any] | None) -> None:
-        from liepoisson.integrability.galois.linear_systems import rational_function
-
         self.field = QQ.frac_field(variable)
         self.s = self.field.gens[0]
         self.zero, self.one = self.field.zero, self.field.one
@@ -323,8 +319,6 @@ class Arithmetic:
 
     def read(self, expression: Any, where: str) -> tuple[Any, Any]:
         """A SymPy expression as such a function."""
-        from liepoisson.integrability.galois.linear_systems import rational_function
-
         try:
             if self.root is None or not expression.has(self.root):
                 return rational_function(expression, self.field), self.zero

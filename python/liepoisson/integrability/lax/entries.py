@@ -17,10 +17,13 @@ from typing import Any, TypeAlias, cast
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from sympy import Add, E, Expr, I, Mul, Rational, S, Symbol, collect, exp
 
-from liepoisson.algebra.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import is_sympy, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.algebra.flint_pickles import register
 from liepoisson.algebra.matrices import Rows, characteristic_polynomial, product
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.grammar import parse
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import shown
@@ -115,9 +118,6 @@ class _Reader:
         return [cast("Expr", form.coeff(d)) for d in directions]
 
     def _text(self, text: str, further: tuple[str, ...]) -> Expr:
-        from liepoisson.formula.expression import read_expression
-        from liepoisson.formula.grammar import parse
-
         parse(text)  # what is no formula is refused as it was written
         scope = scope_of(self.system.symbolic_bracket, self.system.values, (*self.declared, *further))
         try:
@@ -144,8 +144,6 @@ class EntryArithmetic:
     """Sums, products and canonical forms of entries."""
 
     def __init__(self, expressions: Iterable[Expr]) -> None:
-        from liepoisson.algebra.flint_pickles import register
-
         register()  # pairs keep their entries
         expanded = [e.expand() for e in expressions]
         self.steps = _steps(expanded)
@@ -187,8 +185,6 @@ class EntryArithmetic:
     def vanishes(self, element: Element) -> bool:
         """Whether an element is zero."""
         if not self.is_rational:
-            from liepoisson.algebra.exact_numbers import is_zero
-
             return is_zero(element)
         return not self.canonical(element)
 
