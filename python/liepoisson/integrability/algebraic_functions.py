@@ -86,17 +86,11 @@ Form = tuple[Fraction, ...]
 
 @dataclass(frozen=True)
 class AlgebraicEquations:
-    """Equations of a system that are polynomials in the coordinates and in some functions of them.
+    """Equations of a system that are polynomials in the coordinates and in some functions of them."""
 
-    Attributes:
-        derivation: The equations; its variables are the coordinates and one for each function.
-        functions: The functions by their variables.
-        relations: Polynomials in all variables that vanish.
-    """
-
-    derivation: Derivation
-    functions: dict[Symbol, Expr]
-    relations: tuple[Polynomial, ...]
+    derivation: Derivation  # the equations; its variables are the coordinates and one for each function
+    functions: dict[Symbol, Expr]  # the functions by their variables
+    relations: tuple[Polynomial, ...]  # polynomials in all variables that vanish
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
         """A polynomial in all variables as a function of the coordinates."""

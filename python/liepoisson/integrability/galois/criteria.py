@@ -42,36 +42,22 @@ _MOST_LOOPS = 12
 
 @dataclass(frozen=True)
 class LogarithmOnFlag:
-    """The logarithm N of the local monodromy on a quotient F_high / F_low on which it is minimal.
+    """The logarithm N of the local monodromy on a quotient F_high / F_low on which it is minimal."""
 
-    Attributes:
-        point: The irreducible polynomial of the singular point; None for infinity.
-        low: a.
-        high: b.
-        rank: The rank of the map from F_b / F_(b-1) to F_(a+1) / F_a.
-    """
-
-    point: Any
-    low: int
-    high: int
-    rank: int
+    point: Any  # the irreducible polynomial of the singular point; None for infinity
+    low: int  # a
+    high: int  # b
+    rank: int  # the rank of the map from F_b / F_(b-1) to F_(a+1) / F_a
 
 
 @dataclass(frozen=True)
 class ExactObstruction:
-    """The exact criterion, with the points at which it holds.
+    """The exact criterion, with the points at which it holds."""
 
-    Attributes:
-        logarithm: N.
-        other: The irreducible polynomial of the other point; None for infinity.
-        image: The exponents there on F_(a+1) / F_a.
-        source: Those on F_b / F_(b-1).
-    """
-
-    logarithm: LogarithmOnFlag
-    other: Any
-    image: Any
-    source: Any
+    logarithm: LogarithmOnFlag  # N
+    other: Any  # the irreducible polynomial of the other point; None for infinity
+    image: Any  # the exponents there on F_(a+1) / F_a
+    source: Any  # those on F_b / F_(b-1)
 
 
 @dataclass(frozen=True)

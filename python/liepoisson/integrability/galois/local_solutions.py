@@ -112,19 +112,13 @@ class Exponents:
 
 @dataclass(frozen=True)
 class LocalSolutions:
-    """The solutions whose exponents are e + n, n integers.
+    """The solutions whose exponents are e + n, n integers."""
 
-    Attributes:
-        exponent: e, at least 0 and below 1.
-        first: The smallest n.
-        coefficients: u[n - first][j], each a matrix with one row for each component and one column for each solution.
-        nilpotent: N, the derivative by ln p of the solutions, a square matrix.
-    """
-
-    exponent: Fraction
-    first: int
+    exponent: Fraction  # e, at least 0 and below 1
+    first: int  # the smallest n
+    # u[n - first][j], each a matrix with one row for each component and one column for each solution
     coefficients: tuple[tuple[Any, ...], ...]
-    nilpotent: Any
+    nilpotent: Any  # N, the derivative by ln p of the solutions, a square matrix
 
     @property
     def n(self) -> int:

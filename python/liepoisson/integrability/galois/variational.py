@@ -99,19 +99,12 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
 
 @dataclass(frozen=True, eq=False)
 class Flag:
-    r"""A chain of invariant subspaces of a linear system.
+    r"""A chain of invariant subspaces of a linear system."""
 
-    Attributes:
-        system: The system.
-        basis: P; the first columns span the first subspace, and so on.
-        sizes: The dimensions of the quotients of a subspace by the one before it.
-        reasons: What each quotient comes from.
-    """
-
-    system: LinearSystem
-    basis: Any
-    sizes: tuple[int, ...]
-    reasons: tuple[str, ...]
+    system: LinearSystem  # the system
+    basis: Any  # P; the first columns span the first subspace, and so on
+    sizes: tuple[int, ...]  # the dimensions of the quotients of a subspace by the one before it
+    reasons: tuple[str, ...]  # what each quotient comes from
 
     @cached_property
     def triangular(self) -> LinearSystem:

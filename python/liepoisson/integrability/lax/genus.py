@@ -45,21 +45,13 @@ _LARGEST_DISCRIMINANT = 320
 
 @dataclass(frozen=True)
 class Genus:
-    """The genus of a curve, with what it was computed from.
+    """The genus of a curve, with what it was computed from."""
 
-    Attributes:
-        value: The genus; None if it was not decided.
-        ramification: Sum of e - 1 over all places.
-        n_branch_points: Number of points of the sphere over which a place is ramified.
-        prime: The prime of good reduction.
-        reason: Why it was not decided; empty if it was.
-    """
-
-    value: int | None
-    ramification: int = 0
-    n_branch_points: int = 0
-    prime: int = 0
-    reason: str = ""
+    value: int | None  # the genus; None if it was not decided
+    ramification: int = 0  # sum of e - 1 over all places
+    n_branch_points: int = 0  # number of points of the sphere over which a place is ramified
+    prime: int = 0  # the prime of good reduction
+    reason: str = ""  # why it was not decided; empty if it was
 
 
 def interior_points(curve: Curve) -> int:
