@@ -70,13 +70,7 @@ class Case:
     def completed(
         self, point: Sequence[Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
     ) -> list[Any] | None:
-        """A point with the parameters that are solved for; None where a denominator vanishes.
-
-        Args:
-            point: Numbers for all parameters, those of parameters that are solved for without a meaning.
-            number: Maps rational numbers to such numbers.
-            vanishes: Whether a number is zero, or may be.
-        """
+        """A point with the parameters that are solved for in their places; None where a denominator vanishes."""
         found = list(point)
         for v, a, b in self.solved:
             below = value_at(b.terms(), point, number)
@@ -141,12 +135,8 @@ class CaseSplitting:
     ) -> None:
         """Find all cases in which the null space is larger than `n_known`; what is not decided by the deadline is left.
 
-        Args:
-            rows: The matrix.
-            n_columns: Number of unknowns.
-            n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
-            into: Cases found before, of other systems; those inside of them are not looked at again.
-            equations: Polynomials that vanish on all parameters that are looked at.
+        Cases that lie in those found before, of other systems, are not looked at again, nor those outside of some
+        equations.
         """
         stack = [State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
         most = into.n_cases + MOST_CASES

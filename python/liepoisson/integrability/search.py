@@ -407,10 +407,7 @@ def products(
 ) -> Iterator[tuple[tuple[int, ...], int, Polynomial]]:
     """The products of factors of positive degree up to a degree: the numbers of the factors, the degree left, and it.
 
-    Args:
-        factors: The factors with their degrees.
-        highest: The degree.
-        most_terms: Of products before terms are collected; longer ones are left out.
+    Products of more than `most_terms` terms, before these are collected, are left out.
     """
 
     def extended(

@@ -149,11 +149,7 @@ class SizeAsked:
     ) -> tuple[Iterator[Exponents], int, tuple[int, ...]]:
         """The monomials of the search, the number of those that are not constant, and the weights of the coordinates.
 
-        Args:
-            derivation: The equations.
-            found: Their gradings.
-            most: Of how many monomials a search is begun.
-            up_to: Whether monomials of smaller weights belong to it.
+        Up to a weight, or of it alone; not more than `most`.
         """
         n, w = len(derivation.variables), self.weight
         if w is None:

@@ -196,13 +196,7 @@ def _rows(matrix: Any) -> list[list[Any]]:
 
 
 def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
-    """A SymPy expression: texts are read as formulas, never as code, and doubles as the decimals that they print as.
-
-    Args:
-        given: An expression, a number or a text.
-        symbols: The symbols that a text may name.
-        where: What to call it in an error message.
-    """
+    """A SymPy expression: texts are read as formulas, never as code, and doubles as the decimals that they print as."""
     if isinstance(given, str):
         read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))
         return read.xreplace({Symbol(str(s)): s for s in symbols})

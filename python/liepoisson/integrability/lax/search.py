@@ -61,18 +61,8 @@ _FORMS = ("algebra", "diagonal")
 class Ansatz:
     """The matrices of the form, and the linear equation for L.
 
-    Args:
-        system: The system.
-        form: "algebra" or "diagonal".
-        parameters: Symbols of the system, of which its equations are rational functions.
-
-    Attributes:
-        parts: Rates and angular velocity, times their common denominator: the coefficients of the monomials in the
-            parameters, by the exponents of these.
-        denominator: That denominator.
-
-    Raises:
-        ParameterError: the system has no such form.
+    The equations of motion are rational functions of the parameters. In `parts` are the rates and the angular velocity,
+    times their common denominator: the coefficients of the monomials in the parameters, by the exponents of these.
     """
 
     def __init__(self, system: System, form: str, parameters: Sequence[Symbol] = ()) -> None:

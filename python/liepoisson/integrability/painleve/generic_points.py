@@ -84,13 +84,7 @@ def generic_points(
 
 
 def of_family(component: Component, singular: Sequence[str], budget: Budget) -> GenericPoint:
-    """The coordinate ring of a family, with a random point of it.
-
-    Args:
-        component: The component.
-        singular: Coordinates that do not all vanish: their common zeros are left out, if they are a part.
-        budget: Where the work is accounted.
-    """
+    """The coordinate ring of a family, without the common zeros of some coordinates, and a random point of it."""
     basis = component.basis if component.is_irreducible else _without_zeros(component.basis, singular, budget)
     independent = next((c for c in _independent(basis, ()) if _is_independent(basis, c)), ())
     samples = random_points(basis, budget)
