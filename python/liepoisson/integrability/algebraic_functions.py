@@ -23,6 +23,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations
 from math import gcd, lcm
 from typing import Any, NoReturn, cast
@@ -66,7 +67,14 @@ from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of, derivation_of_rates
+from liepoisson.integrability.derivation import (
+    Derivation,
+    Exponents,
+    Level,
+    derivation_of,
+    derivation_of_rates,
+    level_of,
+)
 from liepoisson.model.system import System
 
 _MOST_ROOTS = 5
@@ -91,6 +99,11 @@ class AlgebraicEquations:
     derivation: Derivation  # the equations; its variables are the coordinates and one for each function
     functions: dict[Symbol, Expr]  # the functions by their variables
     relations: tuple[Polynomial, ...]  # polynomials in all variables that vanish
+
+    @cached_property
+    def level(self) -> Level:
+        """The level set of the relations: remainders on it agree where functions do."""
+        return level_of(self.derivation, self.relations)
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
         """A polynomial in all variables as a function of the coordinates."""

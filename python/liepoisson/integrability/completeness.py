@@ -38,7 +38,7 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank_mod, solve
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Level, level_of
+from liepoisson.integrability.derivation import Level
 from liepoisson.integrability.search import modular, point_on_level, residues_of
 from liepoisson.model.system import System
 from liepoisson.structure.trace import traces_in
@@ -144,14 +144,13 @@ def _brackets(system: System, pairs: Iterable[tuple[Expr, Expr]]) -> list[Expr]:
 
 def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
     equations, polynomials = algebraic_equations(system, *functions)
-    level = level_of(equations.derivation, equations.relations)
-    return [not level.remainder(f) for f in polynomials]
+    return [not equations.level.remainder(f) for f in polynomials]
 
 
 def as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:
     """Functions as polynomials in generators of no higher degree; None if one is none."""
     equations, read = algebraic_equations(system, *functions, *generators.values())
-    level, field = level_of(equations.derivation, equations.relations), equations.derivation.field
+    level, field = equations.level, equations.derivation.field
     remainders = [level.remainder(f) for f in read]
     targets, factors = remainders[: len(functions)], remainders[len(functions) :]
     degrees = [max(map(sum, f), default=0) for f in factors]
@@ -239,7 +238,7 @@ class _Algebra:
         n = len(functions)
         pairs, brackets = list(combinations(range(n), 2)), _brackets(system, combinations(functions, 2))
         equations, read = algebraic_equations(system, *functions, *brackets)
-        field, level = equations.derivation.field, level_of(equations.derivation, equations.relations)
+        field, level = equations.derivation.field, equations.level
         remainders = [level.remainder(f) for f in read]
         table: dict[tuple[int, int], Polynomial] = {(i, i): {} for i in range(n)}
         for (i, j), bracket in zip(pairs, remainders[n:], strict=True):

@@ -69,9 +69,8 @@ class SearchProblem:
 
     def check(self, known: Mapping[str, Expr]) -> None:
         """Refuse functions that are no integrals; `known` has them as they were given."""
-        level = level_of(self.derivation, self.equations.relations)
         for name, polynomial in self.known.items():
-            if rate := level.remainder(self.derivation(polynomial)):
+            if rate := self.equations.level.remainder(self.derivation(polynomial)):
                 raise ParameterError(
                     f"known: wanted integrals; got {name} = {shown(known[name])}, whose derivative "
                     f"{shown(self.equations.expression(rate))} is not zero"
