@@ -300,7 +300,8 @@ class _Reader:
         units = [tuple(_common(powers) * c for c in form) for form, powers in rays.items()]
         relations = _relations(units)
         if len(relations) > 1:
-            units = _with_inverses(units)
+            # many exponentials of few forms satisfy many relations; powers of these, negative ones too, one each
+            units = [one for form in _lattice_basis(units) for one in (form, _opposite(form))]
         self._exponentials = {unit: self._new(exp(self._written(unit))) for unit in units}
         symbols = list(self._exponentials.values())
         if len(relations) > 1:
@@ -382,14 +383,6 @@ def _multiples(basis: Sequence[Form], form: Form) -> list[int]:
     rows = [[as_fmpq(c) for c in f] for f in (*basis, form)]
     reduced, rank = fmpq_mat([list(column) for column in zip(*rows, strict=True)]).rref()
     return [int(reduced[k, rank].p) for k in range(rank)]
-
-
-def _with_inverses(forms: Sequence[Form]) -> list[Form]:
-    """A basis of the lattice of the forms, and after each form of it its opposite.
-
-    Many exponentials of few forms satisfy many relations; the powers of these, also negative ones, satisfy one each.
-    """
-    return [one for form in _lattice_basis(forms) for one in (form, _opposite(form))]
 
 
 def _relations(forms: Sequence[Form]) -> list[list[int]]:

@@ -142,16 +142,12 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
     except (OSError, ValueError, RecursionError) as error:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
-    if (named := data.get("format") if isinstance(data, dict) else None) != FORMAT and _is_of_a_version(named):
+    named = data.get("format") if isinstance(data, dict) else None
+    if named != FORMAT and isinstance(named, str) and named.rpartition("/")[0] == FORMAT.rpartition("/")[0]:
         raise DamagedFileError(f"{path}: {another_format(named, FORMAT)}")
     if wrong := checker.fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data
-
-
-def _is_of_a_version(named: object) -> bool:
-    """Whether a file says that it is a certificate, of whichever version of the format."""
-    return isinstance(named, str) and named.rpartition("/")[0] == FORMAT.rpartition("/")[0]
 
 
 def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:

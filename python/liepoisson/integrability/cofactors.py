@@ -108,7 +108,9 @@ class CofactorCases(CaseSplitting):
     ) -> None:
         self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
         self.number_field: Field = field
-        names = [f"k_{'_'.join(_name(derivation, m)) or '0'}" for m in monomials]
+        x = derivation.variables
+        factors = [[f"{v}{k}" if k > 1 else f"{v}" for v, k in zip(x, m, strict=True) if k] for m in monomials]
+        names = [f"k_{'_'.join(of_one) or '0'}" for of_one in factors]
         super().__init__(fmpq_mpoly_ctx.get(names, "degrevlex"), frozenset(), [])
 
     def candidates(self, block: Sequence[Exponents]) -> Candidates:
@@ -265,7 +267,3 @@ class CofactorCases(CaseSplitting):
 
     def _text(self, case: Case) -> str:
         return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"
-
-
-def _name(derivation: Derivation, monomial: Exponents) -> list[str]:
-    return [f"{x}" if k == 1 else f"{x}{k}" for x, k in zip(derivation.variables, monomial, strict=True) if k]

@@ -239,25 +239,20 @@ def _relations(factors: Sequence[Factor]) -> list[list[int]]:
     """A basis of the whole numbers n with sum n_i k_i = 0, short by the algorithm of Lenstra, Lenstra and Lovasz."""
     if not factors:
         return []
-    rows = _whole([[x for c in f.cofactor for x in _coordinates(c)] for f in factors])
+    table = [[x for c in f.cofactor for x in _coordinates(c)] for f in factors]
+    scale = lcm(*(x.denominator for row in table for x in row))
+    rows = [[int(x * scale) for x in row] for row in table]
     rank = fmpz_mat(rows).rank() if rows[0] else 0
     n, weight = len(factors), 1
     while True:
         weight *= 1000
-        reduced = fmpz_mat(
-            [[weight * x for x in row] + [int(i == k) for k in range(n)] for i, row in enumerate(rows)]
-        ).lll()
-        width = len(rows[0])
-        table = [[int(x) for x in row] for row in reduced.tolist()]
-        found = [row[width:] for row in table if not any(row[:width])]
+        matrix = [[weight * x for x in row] + [int(i == k) for k in range(n)] for i, row in enumerate(rows)]
+        reduced = [[int(x) for x in row] for row in fmpz_mat(matrix).lll().tolist()]
+        found = [row[len(rows[0]) :] for row in reduced if not any(row[: len(rows[0])])]
         if len(found) == n - rank:
             break
-    signed = [[-x for x in row] if sum(row) < 0 or (not sum(row) and _first(row) < 0) else row for row in found]
+    signed = [[-x for x in row] if (sum(row) or next(filter(None, row))) < 0 else row for row in found]
     return sorted(signed, key=lambda row: (sum(map(abs, row)), [-x for x in row]))
-
-
-def _first(row: Sequence[int]) -> int:
-    return next(x for x in row if x)
 
 
 def _coordinates(number: Any) -> list[Fraction]:
@@ -267,12 +262,6 @@ def _coordinates(number: Any) -> list[Fraction]:
     degree = len(number.mod_to_list()) - 1
     values = [Fraction(int(c.numerator), int(c.denominator)) for c in reversed(number.to_list())]
     return values + [Fraction(0)] * (degree - len(values))
-
-
-def _whole(rows: Sequence[Sequence[Fraction]]) -> list[list[int]]:
-    """The rows with all columns multiplied by one denominator."""
-    scale = lcm(*(x.denominator for row in rows for x in row))
-    return [[int(x * scale) for x in row] for row in rows]
 
 
 def _power(name: str, n: int) -> str:

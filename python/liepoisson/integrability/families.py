@@ -370,22 +370,14 @@ class _Members:
         if example is None:
             return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
         member = at_values(self.system, {s: Fraction(int(v.p), int(v.q)) for s, v in example.items()})
-        functions = {name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number}
+        tops: dict[str, Any] = {name: f.as_numer_denom()[0] for name, f in self.known.items()}
+        functions = {name: value for name, f in tops.items() if not (value := f.xreplace(example)).is_number}
         if self.system.bracket.symbols:
             functions |= casimirs_of(member)
-        found = first_integrals(
-            member,
-            degree=self.degree,
-            on=[cast("Expr", f.xreplace(example)) for f in self.on],
-            known=functions,
-        )
+        on = [cast("Expr", f.xreplace(example)) for f in self.on]
+        found = first_integrals(member, degree=self.degree, on=on, known=functions)
         integrals = tuple(f.expression for f in found.independent)
         return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
-
-
-def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:
-    """A function, whose coefficients have no denominators, at values of the parameters."""
-    return cast("Expr", cast("Any", function).as_numer_denom()[0].xreplace(dict(example)))
 
 
 def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:

@@ -529,11 +529,10 @@ class CaseSplitting:
             return False
         if p.is_constant():
             return True
-        return all(str(q) in case.nonzero or self._never_vanishes(q) for q in self.factors(p))
-
-    def _never_vanishes(self, q: Poly) -> bool:
-        terms = self._definite_terms(q)
-        return terms is not None and any(term.is_constant() for term in terms)
+        return all(
+            str(q) in case.nonzero or any(term.is_constant() for term in self._definite_terms(q) or ())
+            for q in self.factors(p)
+        )
 
     def _definite_terms(self, q: Poly) -> list[Poly] | None:
         """Its terms without positive parameters and powers, or its squares, if all have one sign and are several.

@@ -17,6 +17,7 @@ term are made at once, as the compiled elimination takes them.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -64,20 +65,14 @@ def residues_of(field: Coefficients, polynomials: Iterable[Polynomial], skipped:
         found = field.residues(seed=1 + attempt, skipped=attempt)
         if found is None:
             break
-        if _all_nonzero(found, values):
-            if not skipped:
-                return found
-            skipped -= 1
+        with suppress(ValueError, ZeroDivisionError):  # a denominator vanishes modulo the prime
+            if all(map(found, values)):
+                if not skipped:
+                    return found
+                skipped -= 1
     raise ParameterError(
         "the coefficients have no images modulo primes, which every search begins with; give rational numbers or roots"
     )
-
-
-def _all_nonzero(residues: Residues, values: Iterable[Element]) -> bool:
-    try:
-        return all(residues(value) for value in values)
-    except (ValueError, ZeroDivisionError):  # a denominator vanishes modulo the prime
-        return False
 
 
 def random_point(n: int, residues: Residues, seed: int = 1) -> list[Element]:

@@ -196,14 +196,10 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
         )
     _check_powers(chain(*first) if kinds[0] else first, z)
     if kinds[0]:
-        _verify(system, first, second, _matrix_commutator)
+        _verify(system, first, second, lambda a, b, arithmetic: arithmetic.commutator(a, b))
         return LaxPair(system, (first, second), z, None, source)
     algebra = system.bracket.algebra
-
-    def in_algebra(a: Any, b: Any, arithmetic: EntryArithmetic) -> Any:
-        return [_algebra_bracket(algebra, a[0], b[0], arithmetic)]
-
-    _verify(system, [first], [second], in_algebra)
+    _verify(system, [first], [second], lambda a, b, arithmetic: [_algebra_bracket(algebra, a[0], b[0], arithmetic)])
     elements: Any = (tuple(first), tuple(second))
     matrices = adjoint_matrix(algebra, elements[0]), adjoint_matrix(algebra, elements[1])
     return LaxPair(system, matrices, z, elements, source)
@@ -242,10 +238,6 @@ def _algebra_bracket(
         for k, c in values.items():
             found[k] = found[k] + arithmetic.read(to_sympy(c)) * (a[i] * b[j] - a[j] * b[i])
     return found
-
-
-def _matrix_commutator(a: Any, b: Any, arithmetic: EntryArithmetic) -> Any:
-    return arithmetic.commutator(a, b)
 
 
 def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:

@@ -334,7 +334,8 @@ class Balance:
         zero = [name for name, c in shown if c is not None and not c]
         if all(c is not None for _, c in shown):
             return ", ".join(simple)
-        rest = [e for e in self.equations if not _is_solved(e)]
+        # without those that say that one coordinate is a rational number
+        rest = [e for e in self.equations if not fullmatch(r"\w+( [+-] [\d/]+)?", e)]
         more = f", ... ({len(rest)} equations)" if len(rest) > _MOST_EQUATIONS else ""
         text = [*simple, *(f"{e} = 0" for e in rest[:_MOST_EQUATIONS])]
         return f"{', '.join(text)}{more}" + (f"; {', '.join(zero)} = 0" if zero else "")
@@ -379,11 +380,6 @@ def _leading_term(name: str, c: str, order: Fraction) -> str:
     )
 
 
-def _is_solved(equation: str) -> bool:
-    """Whether an equation says that one coordinate is a rational number."""
-    return fullmatch(r"\w+( [+-] [\d/]+)?", equation) is not None
-
-
 def obstructions_of(exponents: Exponents, resonances: tuple[Resonance, ...], dimension: int) -> tuple[str, ...]:
     """What makes solutions branch."""
     found: list[str] = []
@@ -412,12 +408,9 @@ def _unless(conditions: tuple[str, ...], generator: str) -> str:
     if "1" in conditions:
         return ""
     shown = conditions[:_MOST_CONDITIONS]
-    words = ", unless " + " and ".join(f"{_shortened(text)} = 0" for text in shown)
+    short = [text if len(text) <= 100 else f"{text[:90]} ..." for text in shown]
+    words = ", unless " + " and ".join(f"{text} = 0" for text in short)
     return words + (f", where {generator}" if any("theta" in text for text in shown) else "")
-
-
-def _shortened(text: str) -> str:
-    return text if len(text) <= 100 else f"{text[:90]} ..."
 
 
 def as_record(balance: Balance) -> dict[str, Any]:

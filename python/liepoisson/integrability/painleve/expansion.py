@@ -102,7 +102,7 @@ class Exponents:
             with precision(bits):
                 try:
                     found: list[acb] = []
-                    for theta in _embeddings(field):
+                    for theta in _roots(field.modulus) if isinstance(field, AlgebraicNumbers) else [acb(0)]:
                         coefficients = [_at(c, theta) for c in squarefree]
                         while coefficients[-1] == 0:
                             coefficients.pop()
@@ -172,12 +172,6 @@ def exponents_of(characteristic: Sequence[Element], field: FunctionField) -> Exp
 
 def _roots(p: fmpq_poly) -> list[acb]:
     return [root for root, _ in cast("list[tuple[acb, int]]", p.complex_roots())]
-
-
-def _embeddings(field: FunctionField) -> list[acb]:
-    if isinstance(field, AlgebraicNumbers):
-        return _roots(field.modulus)
-    return [acb(0)]
 
 
 def _at(element: Element, theta: acb) -> acb:

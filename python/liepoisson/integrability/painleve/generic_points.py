@@ -86,7 +86,9 @@ def generic_points(
 def of_family(component: Component, singular: Sequence[str], budget: Budget) -> GenericPoint:
     """The coordinate ring of a family, without the common zeros of some coordinates, and a random point of it."""
     basis = component.basis if component.is_irreducible else _without_zeros(component.basis, singular, budget)
-    independent = next((c for c in _independent(basis, ()) if _is_independent(basis, c)), ())
+    # leading monomials prove that these are independent
+    supports = [{basis.names[k] for k, e in enumerate(lead) if e} for lead in basis.leads]
+    independent = next((c for c in _independent(basis, ()) if not any(s <= set(c) for s in supports)), ())
     samples = random_points(basis, budget)
     ring = CoordinateRing(
         basis,
@@ -97,12 +99,6 @@ def of_family(component: Component, singular: Sequence[str], budget: Budget) -> 
     )
     values = {name: ring.element(x) for name, x in zip(basis.names, basis.context.gens(), strict=True)}
     return GenericPoint(ring, values, sample=samples[0])
-
-
-def _is_independent(basis: GroebnerBasis, names: Sequence[str]) -> bool:
-    """Whether leading monomials prove that coordinates are independent."""
-    supports = [{basis.names[k] for k, e in enumerate(lead) if e} for lead in basis.leads]
-    return not any(s <= set(names) for s in supports)
 
 
 def _without_zeros(basis: GroebnerBasis, names: Sequence[str], budget: Budget) -> GroebnerBasis:

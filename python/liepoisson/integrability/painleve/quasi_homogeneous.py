@@ -144,15 +144,12 @@ class LocalField:
             for exponents, c, defect in of_one:
                 if defect:
                     continue
-                for j, k in enumerate(exponents):
-                    if k:
-                        row[j] = row[j] + self._derivative(exponents, c, j, point)
+                for j, power in enumerate(exponents):
+                    if power:
+                        factors = (point[i] for i, k in enumerate(exponents) for _ in range(k - int(i == j)))
+                        row[j] = row[j] + prod(factors, start=c * self.field.number(power))
             found.append(row)
         return found
-
-    def _derivative(self, exponents: Exponents, c: Element, j: int, point: Sequence[Element]) -> Element:
-        factors = (point[i] for i, k in enumerate(exponents) for _ in range(k - int(i == j)))
-        return prod(factors, start=c * self.field.number(exponents[j]))
 
     def indicial_residuals(self, point: Sequence[Element]) -> list[Element]:
         r"""$g_i c_i + \hat f_i(c)$, zero for the leading coefficients of a balance."""

@@ -349,7 +349,8 @@ class _Analysis:
             self.left.append(f"the balances {described}: {error}")
             return
         if not tested and system.parameter_names:
-            conditions = [e for e in equations if not _names_in(e) & {str(v) for v in system.derivation.variables}]
+            names = set(map(str, system.derivation.variables))
+            conditions = [e for e in equations if not names & set(findall(r"[^\W\d]\w*", e))]
             self.special.append(", ".join(f"{e} = 0" for e in conditions) or described)
         self.balances += tested
 
@@ -438,10 +439,6 @@ class _Analysis:
 
 class _NotConstantError(Exception):
     """Exponents depend on the member of a family."""
-
-
-def _names_in(equation: str) -> set[str]:
-    return set(findall(r"[^\W\d]\w*", equation))
 
 
 def record(found: PainleveTest) -> dict[str, Any]:
