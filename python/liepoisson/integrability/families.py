@@ -221,7 +221,7 @@ def integrable_families(
     """
     d, deadline = as_count(degree, "degree", least=1), as_deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
-    check_numbers(system, "integrable_families", zeros)
+    check_numbers(system, zeros)
     problem = SearchProblem.of(system, known, zeros)
     derivation = problem.derivation
     check_parameters(system, derivation, "integrable_families")
@@ -259,7 +259,6 @@ def integrable_families(
     cases.search({count.label: count.n_known for count in search.counts}, progress=progress)
     cases.settle()
     general = _general(search, cases, splitting)
-    members = _Members(system, d, zeros, known | general)
     assumed = [f"{', '.join(positive)} > 0"] if positive else []
     assumed += [f"{name} not 0" for name in nonzero]
     assumed += [
@@ -272,7 +271,7 @@ def integrable_families(
         parameters=matrix.symbols,
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         general=tuple(general.values()),
-        cases=tuple(members.described(case, splitting, matrix) for case in cases.found),
+        cases=tuple(_described(case, splitting, matrix, system, d, zeros, known | general) for case in cases.found),
         left=tuple(dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)),
         n_closed=cases.n_closed,
         casimirs=tuple(
@@ -282,7 +281,7 @@ def integrable_families(
     )
 
 
-def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -> None:
+def check_numbers(system: System, functions: Sequence[Expr]) -> None:
     """Refuse other numbers than rational ones: between these relations may hide."""
     expressions: list[Any] = [system.hamiltonian, *system.equations.values(), *functions]
     kinds: Any = (Function, NumberSymbol, Pow, type(I))
@@ -290,8 +289,8 @@ def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -
     if others:
         named = ", ".join(sorted(Formula(a).plain for a in others))
         raise ParameterError(
-            f"{caller}: wanted symbols for parameters and rational numbers; got {named} in {system.name}; relations "
-            "may hide between them; write a symbol for each"
+            f"integrable_families: wanted symbols for parameters and rational numbers; got {named} in {system.name}; "
+            "relations may hide between them; write a symbol for each"
         )
 
 
@@ -354,30 +353,30 @@ def _conditions(case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -
     return tuple(matrix.sympy(q) for q in splitting.conditions(case))
 
 
-class _Members:
-    """Random members of the cases, at which integrals are searched again."""
-
-    def __init__(self, system: System, degree: int, on: Sequence[Expr], known: Mapping[str, Expr]) -> None:
-        self.system, self.degree, self.on, self.known = system, degree, on, known
-
-    def described(self, one: FurtherCase, splitting: CaseSplitting, matrix: ParameterMatrix) -> ParameterCase:
-        """A case with an example at which the integrals are found again."""
-        case = one.case
-        conditions = _conditions(case, splitting, matrix)
-        excepted = _excepted(one, splitting)
-        nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
-        example = _example(case, excepted, splitting, matrix)
-        if example is None:
-            return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
-        member = at_values(self.system, {s: Fraction(int(v.p), int(v.q)) for s, v in example.items()})
-        tops: dict[str, Any] = {name: f.as_numer_denom()[0] for name, f in self.known.items()}
-        functions = {name: value for name, f in tops.items() if not (value := f.xreplace(example)).is_number}
-        if self.system.bracket.symbols:
-            functions |= casimirs_of(member)
-        on = [cast("Expr", f.xreplace(example)) for f in self.on]
-        found = first_integrals(member, degree=self.degree, on=on, known=functions)
-        integrals = tuple(f.expression for f in found.independent)
-        return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
+def _described(
+    one: FurtherCase,
+    splitting: CaseSplitting,
+    matrix: ParameterMatrix,
+    system: System,
+    degree: int,
+    on: Sequence[Expr],
+    known: Mapping[str, Expr],
+) -> ParameterCase:
+    """A case with an example, a random member at which the integrals are found again."""
+    case, conditions = one.case, _conditions(one.case, splitting, matrix)
+    excepted = _excepted(one, splitting)
+    nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
+    example = _example(case, excepted, splitting, matrix)
+    if example is None:
+        return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
+    member = at_values(system, {s: Fraction(int(v.p), int(v.q)) for s, v in example.items()})
+    tops: dict[str, Any] = {name: f.as_numer_denom()[0] for name, f in known.items()}
+    functions = {name: value for name, f in tops.items() if not (value := f.xreplace(example)).is_number}
+    if system.bracket.symbols:
+        functions |= casimirs_of(member)
+    found = first_integrals(member, degree=degree, on=[cast("Expr", f.xreplace(example)) for f in on], known=functions)
+    integrals = tuple(f.expression for f in found.independent)
+    return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
 
 
 def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
