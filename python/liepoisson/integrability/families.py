@@ -271,7 +271,10 @@ def integrable_families(
         parameters=matrix.symbols,
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         general=tuple(general.values()),
-        cases=tuple(_described(case, splitting, matrix, system, d, zeros, known | general) for case in cases.found),
+        cases=tuple(
+            _described(case, splitting, matrix, system, degree=d, on=zeros, known=known | general)
+            for case in cases.found
+        ),
         left=tuple(dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)),
         n_closed=cases.n_closed,
         casimirs=tuple(
@@ -358,6 +361,7 @@ def _described(
     splitting: CaseSplitting,
     matrix: ParameterMatrix,
     system: System,
+    *,
     degree: int,
     on: Sequence[Expr],
     known: Mapping[str, Expr],
