@@ -153,10 +153,9 @@ def _ranks(r: int, classes: Sequence[tuple[Any, list[Any]]], local: LocalSystem)
 def exact_obstruction(flag: Flag) -> ExactObstruction | None:
     """The exact criterion on a flag; None where it says nothing."""
     system = flag.system
-    points = [*system.singular_points, *([None] if system.infinity_is_singular else [])]
-    for point in points:
+    for point in system.points:
         for log in logarithms(flag, point):
-            for other in points:
+            for other in system.points:
                 if other is point:
                     continue
                 image = flag.quotient(log.low, log.low + 1).local(other)

@@ -78,6 +78,11 @@ class LinearSystem:
         _, denominator = self.polynomials
         return tuple(sorted((f for f, _ in denominator.factor()[1]), key=lambda f: (f.degree(), str(f))))
 
+    @property
+    def points(self) -> tuple[Any, ...]:
+        """All singular points, with None for infinity if it is one."""
+        return (*self.singular_points, None) if self.infinity_is_singular else self.singular_points
+
     def part(self, places: Sequence[int]) -> LinearSystem:
         """The equations of some components among themselves."""
         chosen = list(places)

@@ -21,12 +21,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from itertools import accumulate
+from itertools import accumulate, product
 from typing import Any
 
 from flint import fmpq, fmpq_mat, fmpq_poly
 from sympy.polys.matrices import DomainMatrix
-from sympy.utilities.iterables import strongly_connected_components
+from sympy.utilities.iterables import connected_components, strongly_connected_components
 
 from liepoisson.algebra.echelon import dense, null_vectors, sparse
 from liepoisson.errors import ParameterError
@@ -184,7 +184,7 @@ def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
     They have integer exponents at each singular point.
     """
     bottom, degree = fmpq_poly([1]), 0
-    for point in (*system.singular_points, *([None] if system.infinity_is_singular else [])):
+    for point in system.points:
         local = system.local(point)
         if not local.is_regular:
             return None
@@ -204,9 +204,7 @@ def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
     groups = _components(system)
     if len(groups) > 1:
         order = [k for group in groups for k in group]
-        permutation = DomainMatrix(
-            [[field.one if order[j] == i else field.zero for j in range(n)] for i in range(n)], (n, n), field
-        )
+        permutation = DomainMatrix.eye(n, field).to_dense().extract(list(range(n)), order)
         parts = [_refined(system.part(group)) for group in groups]
         blocks = _block_diagonal([part[0] for part in parts], field)
         return permutation * blocks, [s for part in parts for s in part[1]], [r for part in parts for r in part[2]]
@@ -310,24 +308,17 @@ def _doubled(entries: list[list[tuple[Any, Any]]], square: Any, c: Any, arithmet
 
 def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool] | None:
     """Which components are y times a function, so that the coefficients become rational; None if none are."""
-    n = len(entries)
-    odd: dict[int, bool] = {}
-    for start in range(n):
-        if start in odd:
-            continue
-        odd[start] = False
-        waiting = [start]
-        while waiting:
-            i = waiting.pop()
-            for j in range(n):
-                for even_part, odd_part in (entries[i][j], entries[j][i]):
-                    for part, differ in ((even_part, True), (odd_part, False)):
-                        if not part:
-                            continue
-                        wanted = odd[i] != differ
-                        if j not in odd:
-                            odd[j] = wanted
-                            waiting.append(j)
-                        elif odd[j] != wanted:
-                            return None
+    n, odd = len(entries), dict[int, bool]()
+    # an even part of an entry joins components of different parity, an odd one those of the same
+    joined = [
+        ((i, p), (j, p ^ (1 - k)))
+        for i, j, p in product(range(n), range(n), (0, 1))
+        for k, part in enumerate(entries[i][j])
+        if part
+    ]
+    for group in connected_components((list(product(range(n), (0, 1))), joined)):
+        if len({i for i, _ in group}) < len(group):
+            return None
+        if not min(group)[1]:
+            odd |= {i: bool(p) for i, p in group}
     return [odd[k] for k in range(n)]
