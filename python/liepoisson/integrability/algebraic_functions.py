@@ -62,7 +62,7 @@ from sympy import (
 
 from liepoisson.algebra.coefficients import check_degree
 from liepoisson.algebra.exact_numbers import to_sympy
-from liepoisson.algebra.number_fields import Element, as_fmpq
+from liepoisson.algebra.number_fields import Element, as_fmpq, as_fraction
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
@@ -256,7 +256,7 @@ class _Reader:
         constant = polynomial.coeff_monomial(1)
         if not all(v.is_Rational for v in values) or not (constant == 0 or (turns and (constant / pi).is_Rational)):
             self._refuse(argument)
-        return tuple(Fraction(int(v.p), int(v.q)) for v in values), constant
+        return tuple(as_fraction(v) for v in values), constant
 
     def _refuse(self, expression: Any) -> NoReturn:
         raise ParameterError(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from itertools import combinations, count
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, named
@@ -162,5 +162,5 @@ def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:
                 f"a certificate: wanted rational coefficients, which a short checker understands; got {coefficient}"
             )
         if coefficient != 0:
-            found.append([str(Fraction(int(coefficient.p), int(coefficient.q))), list(map(int, monomial))])
+            found.append([str(as_fraction(coefficient)), list(map(int, monomial))])
     return found

@@ -26,7 +26,7 @@ from sympy import Expr
 from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
-from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
+from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq, as_fraction
 from liepoisson.algebra.residues import primes
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, value_at
 from liepoisson.errors import TimeLimitError
@@ -260,7 +260,7 @@ class CofactorCases(CaseSplitting):
     def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
         coefficients = [Fraction(0)] * 3
         for monomial, c in q.terms():
-            coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
+            coefficients[int(monomial[v])] = as_fraction(c)
         return quadratic_roots(
             *reversed(coefficients)
         )  # real if that is wanted: `_has_real_zero` has excluded the others

@@ -22,7 +22,7 @@ from sympy import Expr, Mul, expand
 
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
-from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.number_fields import Element, as_fraction
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply, value_at
 from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Exponents, homogeneous_parts, order
@@ -260,7 +260,7 @@ def _coordinates(number: Any) -> list[Fraction]:
     if isinstance(number, Fraction):
         return [number]
     degree = len(number.mod_to_list()) - 1
-    values = [Fraction(int(c.numerator), int(c.denominator)) for c in reversed(number.to_list())]
+    values = [as_fraction(c) for c in reversed(number.to_list())]
     return values + [Fraction(0)] * (degree - len(values))
 
 

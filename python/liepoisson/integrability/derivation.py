@@ -32,7 +32,7 @@ from liepoisson.algebra import sparse_polynomials
 from liepoisson.algebra.coefficients import Coefficients, check_degree
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
-from liepoisson.algebra.number_fields import Element, as_fmpq
+from liepoisson.algebra.number_fields import Element, as_fmpq, as_fraction
 from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, divides, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
@@ -142,7 +142,7 @@ def polynomial_terms(expression: Any, variables: Sequence[Symbol], what: str) ->
         terms = cast("Any", Poly(expression, *variables)).terms()
     except PolynomialError as error:
         raise ParameterError(f"{what}: wanted a polynomial; got {shown(expression)} ({error})") from error
-    return {m: Fraction(int(c.p), int(c.q)) if c.is_Rational else c for m, c in terms if c != 0}
+    return {m: as_fraction(c) if c.is_Rational else c for m, c in terms if c != 0}
 
 
 MODULI = (2, 3)

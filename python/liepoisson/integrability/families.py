@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, cast
 
 from flint import fmpq
 from sympy import Expr, Function, I, Integer, NumberSymbol, Pow, Symbol
 
 from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_values
@@ -373,7 +373,7 @@ def _described(
     example = _example(case, excepted, splitting, matrix)
     if example is None:
         return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
-    member = at_values(system, {s: Fraction(int(v.p), int(v.q)) for s, v in example.items()})
+    member = at_values(system, {s: as_fraction(v) for s, v in example.items()})
     tops: dict[str, Any] = {name: f.as_numer_denom()[0] for name, f in known.items()}
     functions = {name: value for name, f in tops.items() if not (value := f.xreplace(example)).is_number}
     if system.bracket.symbols:

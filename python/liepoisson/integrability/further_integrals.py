@@ -45,7 +45,7 @@ from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.ideals.operations import in_context
 from liepoisson.algebra.ideals.solutions import Solutions, solutions
 from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
-from liepoisson.algebra.number_fields import Element, PrimeField
+from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
 from liepoisson.algebra.residues import Residues, primes
 from liepoisson.algebra.sparse_polynomials import (
     Polynomial,
@@ -74,7 +74,7 @@ class ParameterMatrix:
         self.level = self._level(level or Level())
 
     def _read(self, polynomial: Any) -> Poly:
-        terms = {tuple(map(int, m)): fmpq(int(c.numerator), int(c.denominator)) for m, c in polynomial.terms()}
+        terms = {tuple(map(int, m)): as_fmpq(c) for m, c in polynomial.terms()}
         return self.context.from_dict(terms)
 
     def without_denominators(self, polynomial: Polynomial) -> dict[Exponents, Poly]:
@@ -96,7 +96,7 @@ class ParameterMatrix:
         n, numerator = len(variables), cast("Any", function).together().as_numer_denom()[0]
         found: dict[Exponents, dict[tuple[int, ...], Any]] = {}
         for m, c in cast("Any", SymPyPoly(numerator, *variables, *self.symbols)).terms():
-            found.setdefault(m[:n], {})[m[n:]] = fmpq(int(c.p), int(c.q))
+            found.setdefault(m[:n], {})[m[n:]] = as_fmpq(c)
         return self.level.remainder({m: self.context.from_dict(terms) for m, terms in found.items()})
 
     def _level(self, level: Level) -> Level:

@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from zlib import crc32
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import Polynomial, value_at
 from liepoisson.errors import DamagedFileError, OutputError, TimeLimitError
 from liepoisson.inputs.deadline import Deadline
@@ -98,7 +99,7 @@ class PointSearch:
 
 def plain(polynomial: Poly) -> Terms:
     """The terms of a polynomial of flint."""
-    return tuple((tuple(map(int, m)), Fraction(int(c.p), int(c.q))) for m, c in polynomial.terms())
+    return tuple((tuple(map(int, m)), as_fraction(c)) for m, c in polynomial.terms())
 
 
 def plain_family(family: Mapping[Exponents, Poly]) -> Family:

@@ -12,7 +12,7 @@ from functools import cached_property
 from re import sub
 from typing import TYPE_CHECKING, Any, cast
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq_poly
 from sympy import QQ, Matrix, Symbol, together
 from sympy import Symbol as SymPySymbol
 from sympy.polys.matrices import DomainMatrix
@@ -21,6 +21,7 @@ from sympy.utilities.iterables import connected_components
 
 from liepoisson.algebra.exact_numbers import as_expression, is_sympy
 from liepoisson.algebra.function_fields import over_common_denominator, readable
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
@@ -255,4 +256,4 @@ def root_text(polynomial: Any, variable: Any) -> str:
 
 def _polynomial(element: Any) -> Any:
     coefficients: list[Any] = list(reversed(element.to_dense())) if element else [0]
-    return fmpq_poly([fmpq(int(c.numerator), int(c.denominator)) for c in coefficients])
+    return fmpq_poly([as_fmpq(c) for c in coefficients])

@@ -24,10 +24,11 @@ from itertools import zip_longest
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq_poly
 from sympy import QQ, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
+from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -167,7 +168,7 @@ class LocalSystem:
         for part in zip_longest(*coordinates, fillvalue=0):
             common = common.gcd(fmpq_poly(list(part)))
         roots = [(-f[0] / f[1], k) for f, k in common.factor()[1] if f.degree() == 1]
-        rational = {Fraction(int(r.p), int(r.q)): int(k) for r, k in roots}
+        rational = {as_fraction(r): int(k) for r, k in roots}
         others: list[Any] = []
         if sum(rational.values()) < self.system.n:
             norm = characteristic.norm() if self.field.is_Algebraic else characteristic
@@ -337,7 +338,7 @@ def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
 def _coordinates(element: Any, field: Any) -> list[Any]:
     """A number of the field by its coordinates, the coefficients of powers of theta."""
     numbers = reversed(element.to_list()) if field.is_Algebraic else [element]
-    return [fmpq(int(c.numerator), int(c.denominator)) for c in numbers]
+    return [as_fmpq(c) for c in numbers]
 
 
 def rational_shift(f: Any, g: Any) -> Fraction | None:
@@ -349,4 +350,4 @@ def rational_shift(f: Any, g: Any) -> Fraction | None:
     moved = f(fmpq_poly([d, 1]))
     if moved / moved.leading_coefficient() != g / g.leading_coefficient():
         return None
-    return Fraction(int(d.p), int(d.q))
+    return as_fraction(d)

@@ -27,6 +27,7 @@ from typing import Any, TypeAlias
 from sympy import QQ, Expr, Poly, Rational, Symbol, degree, factor, solve, sqrt, symbols
 from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
@@ -520,7 +521,7 @@ Terms: TypeAlias = list[tuple[tuple[int, ...], Fraction]]
 def _terms_of(polynomial: Any, variables: Sequence[Any]) -> Terms:
     if polynomial == 0:
         return []
-    return [(m, Fraction(int(c.p), int(c.q))) for m, c in Poly(polynomial, *variables).terms()]
+    return [(m, as_fraction(c)) for m, c in Poly(polynomial, *variables).terms()]
 
 
 def _trace_of_square(jacobian: list[list[Terms]], point: Sequence[Fraction]) -> Fraction:

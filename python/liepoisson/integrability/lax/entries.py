@@ -14,7 +14,7 @@ from fractions import Fraction
 from math import lcm
 from typing import Any, TypeAlias, cast
 
-from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, fmpq_mpoly_ctx
 from sympy import Add, E, Expr, I, Mul, Rational, S, Symbol, collect, exp
 
 from liepoisson.algebra.exact_numbers import is_sympy, is_zero, substituted, symbols_of, to_sympy
@@ -260,7 +260,7 @@ class EntryArithmetic:
             exponents = [0] * n
             for key, power in powers:
                 exponents[self.index[key, power > 0]] = abs(power)
-            data[tuple(exponents)] = fmpq(int(coefficient.p), int(coefficient.q))
+            data[tuple(exponents)] = as_fmpq(coefficient)
         return self.context.from_dict(data)
 
 

@@ -29,7 +29,7 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.linear_algebra import nullspace
-from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.algebra.sparse_polynomials import add_multiple, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
@@ -118,7 +118,7 @@ class Ansatz:
                     continue
                 part = parts.setdefault(powers, ([{} for _ in x], {}))
                 if k < self.n:
-                    part[0][k][factors] = _fraction(c)
+                    part[0][k][factors] = as_fraction(c)
                     continue
                 if sum(factors) > 1:
                     raise ParameterError(
@@ -126,7 +126,7 @@ class Ansatz:
                         f"{shown(str(e))}; verify a pair of your own with lax_pair"
                     )
                 for place, factor in movers[k - self.n].items():
-                    add_multiple(part[1].setdefault(place, {}), {factors: _fraction(c)}, factor)
+                    add_multiple(part[1].setdefault(place, {}), {factors: as_fraction(c)}, factor)
         return parts, common
 
     @property
@@ -447,7 +447,7 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
     components = [context.constant(as_fmpq(c)) for c in b]
     n = ansatz.n_per_power
     rows = [
-        {column: _fraction(value.leading_coefficient()) for column, value in row.items()}
+        {column: as_fraction(value.leading_coefficient()) for column, value in row.items()}
         for row in linear_system(ansatz, degree, components, context)
     ]
     solutions = nullspace(rows, (degree + 1) * n, Coefficients()).vectors
@@ -464,7 +464,3 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
             found.append({-k: c / lead for k, c in rest.items()})
             known.append((degree, found[-1]))
     return found
-
-
-def _fraction(c: Any) -> Fraction:
-    return Fraction(int(c.p), int(c.q))

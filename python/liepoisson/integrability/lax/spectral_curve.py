@@ -21,7 +21,7 @@ from flint import Ordering, fmpq_mpoly_ctx
 from sympy import Add, Expr, Rational, Symbol, exp, log
 
 from liepoisson.algebra.exact_numbers import to_sympy
-from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.given import listed, named
@@ -184,7 +184,7 @@ def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | Non
                     "choose other values of the coordinates and parameters"
                 )
             if value:
-                curve[power, n - k] = Fraction(int(value.p), int(value.q))
+                curve[power, n - k] = as_fraction(value)
     z, w = pair.spectral, Symbol("w")
 
     def expression(f: Curve, x: Any = z, y: Any = w) -> Expr:
@@ -263,7 +263,7 @@ def _factors(curve: Curve) -> Iterator[tuple[Curve, int]]:
     f = context.from_dict({(i - lowest, j): as_fmpq(c) for (i, j), c in curve.items()})
     found: list[tuple[Curve, int]] = []
     for factor, multiplicity in f.factor()[1]:
-        terms = {(int(m[0]), int(m[1])): Fraction(int(c.p), int(c.q)) for m, c in factor.terms()}
+        terms = {(int(m[0]), int(m[1])): as_fraction(c) for m, c in factor.terms()}
         d = max(j for _, j in terms)
         if d:
             [(power, lead)] = [(i, c) for (i, j), c in terms.items() if j == d]

@@ -40,7 +40,7 @@ from liepoisson.algebra.function_fields import (
 from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
 from liepoisson.algebra.matrices import Matrix, Solved, eliminated, independent_columns
-from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.number_fields import Element, as_fraction
 from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, add_multiple
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
@@ -160,7 +160,7 @@ def exponents_of(characteristic: Sequence[Element], field: FunctionField) -> Exp
         p = fmpq_poly(factor)
         if p.degree() == 1:
             root = -p[0] / p[1]
-            rational[Fraction(int(root.p), int(root.q))] = int(k)
+            rational[as_fraction(root)] = int(k)
         elif p.degree() > 1:
             others.append((p, int(k)))
     divisor = [field.number(c) for c in common.coeffs()]
