@@ -220,24 +220,16 @@ def _values(
     """The values by name, and what is inserted for the symbols; coordinates in exponents are twice logarithms."""
     matrix: Any = pair.L
     used = {s for s in matrix.free_symbols if s != pair.spectral}
-    exponents = {s for e in matrix.atoms(exp) for s in e.free_symbols}
+    in_exponents = {str(s) for e in matrix.atoms(exp) for s in e.free_symbols} if point is None else set[str]()
     names = [*pair.system.component_names, *sorted(str(s) for s in used - set(pair.system.variables))]
     if point is None:
         random = Random(seed)
         sizes = random.choices(range(1, _LARGEST + 1), k=len(names))
-        free = {str(s) for s in exponents} | set(names[len(pair.system.component_names) :])
+        free = in_exponents | set(names[len(pair.system.component_names) :])
         given: dict[str, Any] = {
             name: size if name in free else random.choice((-1, 1)) * size
             for name, size in zip(names, sizes, strict=True)
         }
-        if exponents:
-            inserted = {
-                s: 2 * log(given[str(s)]) if s in exponents else to_sympy(Fraction(given[str(s)])) for s in used
-            }
-            shown_values = {
-                f"exp({n}/2)" if n in {str(s) for s in exponents} else n: Fraction(v) for n, v in given.items()
-            }
-            return shown_values, inserted
     elif (by_name := named(point, "point")) is not None:
         given = by_name
     else:
@@ -253,7 +245,9 @@ def _values(
         if not isinstance(value, Fraction):
             raise ParameterError(f"point: wanted rational numbers; got {name} = {shown(given[name])}")
         values[name] = value
-    return values, {s: to_sympy(values[str(s)]) for s in used}
+    inserted = {s: to_sympy(values[str(s)]) for s in used}
+    turned = {s: 2 * log(value) if str(s) in in_exponents else value for s, value in inserted.items()}
+    return {f"exp({name}/2)" if name in in_exponents else name: v for name, v in values.items()}, turned
 
 
 def _factors(curve: Curve) -> Iterator[tuple[Curve, int]]:
