@@ -144,7 +144,8 @@ def expansion(rates, variables, weights, point):
     system = QuasiHomogeneous.of(field, tuple(map(Fraction, weights)))
     local = LocalField.of(system, Q, {})
     values = [fmpq(c) for c in point]
-    assert not any(local.indicial_residuals(values))
+    at = dict(zip(system.context.names(), values, strict=True))
+    assert not any(polynomial_at(e, at, Q) for e in system.indicial_equations())
     matrix = local.kovalevskaya_matrix(values)
     exponents = exponents_of(characteristic_polynomial(matrix, Q.number), Q)
     return expand(local, values, OverField(matrix, Q), exponents)

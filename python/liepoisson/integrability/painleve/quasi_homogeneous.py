@@ -151,18 +151,6 @@ class LocalField:
             found.append(row)
         return found
 
-    def indicial_residuals(self, point: Sequence[Element]) -> list[Element]:
-        r"""$g_i c_i + \hat f_i(c)$, zero for the leading coefficients of a balance."""
-        found: list[Element] = []
-        for i, of_one in enumerate(self.terms):
-            values = (
-                prod((point[j] for j, k in enumerate(exponents) for _ in range(k)), start=c)
-                for exponents, c, defect in of_one
-                if not defect
-            )
-            found.append(sum(values, self.field.number(self.weights[i]) * point[i]))
-        return found
-
 
 _MOST_NODES = 200_000
 """Partial choices of whole weights that are tried where there is no largest one."""
