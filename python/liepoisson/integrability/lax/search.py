@@ -23,14 +23,17 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice, product
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
+
+from sympy import Expr, Integer, Poly, Symbol, lcm
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
-from liepoisson.algebra.sparse_polynomials import add_multiple, multiply, value_at
+from liepoisson.algebra.sparse_polynomials import add_multiple, expression, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
@@ -38,12 +41,8 @@ from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
+from liepoisson.model.system import System
 from liepoisson.structure.lie.defining_matrices import defining_matrices
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 Linear: TypeAlias = dict[tuple[int, ...], Fraction]
 """A polynomial in the coordinates by its exponents."""
@@ -94,8 +93,6 @@ class Ansatz:
 
     def _read(self, movers: Sequence[Mapping[tuple[int, int], Fraction]]) -> tuple[dict[tuple[int, ...], Part], Any]:
         """The parts of the equations by powers of the parameters, and what they were multiplied by."""
-        from sympy import Integer, Poly, lcm
-
         system, x = self.system, self.system.variables
         rates: list[Any] = [e.together() for e in system.equations.values()]
         slopes: list[Any] = [system.hamiltonian.diff(v).together() for v in x[: len(movers)]]
@@ -168,8 +165,6 @@ class Ansatz:
 
     def pair(self, vector: Vector, b: Sequence[Fraction]) -> tuple[list[Any], list[Any]]:
         """L and M of a solution: matrices, or elements where the matrices are as many as their rows, as on so(3)."""
-        from sympy import Integer, Symbol
-
         z = Symbol(self.spectral)
         first: dict[tuple[int, int], Any] = {}
         for column, c in vector.items():
@@ -187,24 +182,17 @@ class Ansatz:
         return L, M
 
     def _put(self, total: dict[tuple[int, int], Any], matrix: EntryMatrix, factor: Fraction, power: Any) -> None:
-        from sympy import Integer, Rational
-
         for place, entry in matrix.items():
-            for monomial, value in entry.items():
-                x: Any = self.system.variables[monomial.index(1)] if any(monomial) else Integer(1)
-                c = factor * value
-                total[place] = total.get(place, Integer(0)) + Rational(c.numerator, c.denominator) * x * power
+            written = expression(((m, factor * c) for m, c in entry.items()), self.system.variables)
+            total[place] = total.get(place, Integer(0)) + written * power
 
     def _components(self, matrix: Mapping[tuple[int, int], Any]) -> list[Expr]:
         """A matrix of the algebra in its basis."""
-        from sympy import Integer, Rational
-
         found: list[Expr] = []
         for k, mover in enumerate(self.movers):
             others = {place for other in (*self.movers[:k], *self.movers[k + 1 :]) for place in other}
             place = next(place for place in mover if place not in others)
-            value: Any = matrix.get(place, Integer(0)) / Rational(mover[place].numerator, mover[place].denominator)
-            found.append(value)
+            found.append(matrix.get(place, Integer(0)) / to_sympy(mover[place]))
         return found
 
 
