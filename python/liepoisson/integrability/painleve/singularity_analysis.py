@@ -291,7 +291,6 @@ class _Analysis:
         self.balances: list[Balance] = []
         self.special: list[str] = []
         self.left: list[str] = []
-        self._is_all = True
 
     def run(self, system: QuasiHomogeneous, listen: Callable[[float], Any]) -> None:
         """Test all balances for the weights of a system."""
@@ -299,42 +298,13 @@ class _Analysis:
         half = Budget(Limits(max(1, self.budget.limits.work // 2), self.budget.limits.degree))
         try:
             parts = components(system.indicial_equations(), Assumptions(system.denominators), half)
-            self._is_all = True
         except (NotDecidedError, TimeLimitError) as error:
-            self.left.append(f"balances with the orders {words}, besides those above: {error}")
-            parts = self._in_subspaces(system)
-            self._is_all = False
+            self.left.append(f"balances with the orders {words}: {error}")
+            return
         singular = [part for part in parts if not self._is_regular(part, system)]
         for k, part in enumerate(sorted(singular, key=lambda part: (part.degree, str(part.equations)))):
             listen(k / len(singular))
             self._test_part(part, system)
-
-    def _in_subspaces(self, system: QuasiHomogeneous) -> list[Component]:
-        """Balances for which all components of one field vanish, where the dominant part allows this.
-
-        They may belong to larger families, of which they are members all the same.
-        """
-        equations = system.indicial_equations()
-        gens = dict(zip(system.context.names(), system.context.gens(), strict=True))
-        fields: dict[str, list[int]] = {}
-        for k, v in enumerate(system.derivation.variables):
-            fields.setdefault(str(v).rstrip("0123456789"), []).append(k)
-        found: list[Component] = []
-        for numbers in fields.values():
-            names = [system.context.names()[k] for k in numbers]
-            zero = dict.fromkeys(names, 0)
-            if len(names) == system.n or any(equations[k].subs(zero) for k in numbers):
-                continue
-            work = max(1, self.budget.limits.work // (2 * len(fields)))
-            try:
-                found += components(
-                    [*equations, *(gens[name] for name in names)],
-                    Assumptions(system.denominators),
-                    Budget(Limits(work, self.budget.limits.degree)),
-                )
-            except NotDecidedError:
-                continue
-        return found
 
     def _is_regular(self, part: Component, system: QuasiHomogeneous) -> bool:
         """Whether no coordinate has a pole."""
@@ -400,7 +370,6 @@ class _Analysis:
         # a part of a component may be of smaller dimension
         dimension = ring.basis.dimension if ring else len(field.parameters) if point.is_generic else part.dimension
         dimension -= len(system.parameter_names)
-        constants = dimension if self._is_all else exponents.multiplicity(0)
         left = "" if point.is_generic else "a random member of the family was tested, and the others are not decided"
         series: Expansion | None = None
         if ring is None or exponents.all_rational:
@@ -428,7 +397,7 @@ class _Analysis:
             kovalevskaya=exponents,
             resonances=resonances,
             is_generic=point.is_generic,
-            obstructions=obstructions_of(exponents, resonances, constants),
+            obstructions=obstructions_of(exponents, resonances, dimension),
             left=left,
             _point=tuple(values),
             _field=field,
