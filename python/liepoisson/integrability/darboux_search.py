@@ -162,14 +162,15 @@ class DarbouxSearch:
 
     def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, Element]:
         """The gradient of the logarithm of a product of powers at a random point of the level modulo the prime."""
-        total: dict[int, Element] = {}
+        total: dict[Any, Element] = {}
         for factor, power in zip(factors, powers, strict=True):
             if power:
                 polynomial, point = modular(factor.polynomial, self.search.residues), self.search.point
                 value = value_at(polynomial.items(), point)
                 if not value:
                     return {}  # it vanishes on a component of the level
-                add_multiple(total, gradient_at(polynomial, point), power / value)
+                slopes: dict[Any, Element] = gradient_at(polynomial, point)
+                add_multiple(total, slopes, power / value)
         return total
 
     def rank(self, rows: Sequence[dict[int, Element]]) -> int:

@@ -87,7 +87,7 @@ class Ansatz:
         self.fields = [[(first + k, dual[k]) for k in range(size)] for first in range(0, self.n, size)]
         self.parameters = tuple(parameters)
         self.parts, self.denominator = self._read(movers)
-        places = product(range(self.size), repeat=2)
+        places = product(range(self.size), range(self.size))
         self.constants = dual if form == "algebra" else [{place: Fraction(1)} for place in places]
         self.partners = movers if form == "algebra" else [{(i, i): Fraction(1)} for i in range(1, self.size)]
 

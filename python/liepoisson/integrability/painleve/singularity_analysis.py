@@ -248,7 +248,7 @@ def _equations(system: System) -> tuple[Derivation, dict[str, Expr]]:
     # variables that stand for functions have names, too
     taken = list(map(str, system.variables))
     written: dict[Any, Any] = {v: Symbol(new_name(taken, v.name)) for v in found.functions}
-    rates = [derivation.expression(derivation.components[k]).xreplace(written) for k in kept]
+    rates: list[Any] = [derivation.expression(derivation.components[k]).xreplace(written) for k in kept]
     variables = [written.get(v, v) for k, v in enumerate(derivation.variables) if k in kept]
     smaller, _ = derivation_of_rates(variables, rates)
     return smaller, {str(written[v]): f for v, f in found.functions.items()}
