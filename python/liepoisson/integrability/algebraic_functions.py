@@ -173,7 +173,8 @@ class _Reader:
             rate = along(self._written(form))
             known |= {s: c * rate, c: -s * rate}
         for factor, u in self._inverses.items():
-            known[u] = -(u**2) * along(factor)
+            if u in self.functions and u not in known:
+                known[u] = -(u**2) * along(factor)
         return [expand(known[z]) for z in (*self.coordinates, *self.functions)]
 
     def _polynomial(self, expression: Any) -> Any:
@@ -218,15 +219,10 @@ class _Reader:
         content, factors = cast("tuple[Any, Any]", factor_list(base.expand(), *self.coordinates, *self.functions))
         total: Any = 1 / content
         for factor, power in factors:
-            known = next((u for r, u in self._roots.values() if factor == r), None)
-            if known is None:
-                known = next((u**2 for p, (_, u) in self._roots.items() if factor == p), None)
-            if known is None:
-                if factor not in self._inverses:
-                    self._inverses[factor] = self._new(1 / factor.xreplace(self.functions))
-                    self.relations.append(self._inverses[factor] * factor - 1)
-                known = self._inverses[factor]
-            total *= known**power
+            if factor not in self._inverses:
+                self._inverses[factor] = self._new(1 / factor.xreplace(self.functions))
+                self.relations.append(self._inverses[factor] * factor - 1)
+            total *= self._inverses[factor] ** power
         return total
 
     def _expanded(self, expression: Any) -> Any:
@@ -289,6 +285,7 @@ class _Reader:
         for base in bases:
             r, u = self._new(sqrt(base)), self._new(1 / sqrt(base))
             self._roots[base] = r, u
+            self._inverses |= {r: u, base: u**2}
             self.relations += [r**2 - base, u * r - 1]
 
     def _add_exponentials(self, expressions: Iterable[Any]) -> None:
