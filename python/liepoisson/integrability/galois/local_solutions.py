@@ -28,6 +28,7 @@ from flint import fmpq_poly
 from sympy import QQ, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
+from liepoisson.algebra.function_fields import common_roots
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 
@@ -164,11 +165,7 @@ class LocalSystem:
         """The exponents of u."""
         characteristic: Any = Poly(self.coefficient(0).charpoly(), Symbol("x"), domain=self.field)
         coordinates = [_coordinates(c, self.field) for c in reversed(characteristic.rep.to_list())]
-        common = fmpq_poly()
-        for part in zip_longest(*coordinates, fillvalue=0):
-            common = common.gcd(fmpq_poly(list(part)))
-        roots = [(-f[0] / f[1], k) for f, k in common.factor()[1] if f.degree() == 1]
-        rational = {as_fraction(r): int(k) for r, k in roots}
+        rational, *_ = common_roots(zip_longest(*coordinates, fillvalue=0))
         others: list[Any] = []
         if sum(rational.values()) < self.system.n:
             norm = characteristic.norm() if self.field.is_Algebraic else characteristic

@@ -32,6 +32,7 @@ from liepoisson.algebra.function_fields import (
     AlgebraicNumbers,
     FunctionField,
     RationalFunctions,
+    common_roots,
     polynomial_at,
     polynomial_gcd,
     polynomial_quotient,
@@ -40,7 +41,7 @@ from liepoisson.algebra.function_fields import (
 from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
 from liepoisson.algebra.matrices import Matrix, Solved, eliminated, independent_columns
-from liepoisson.algebra.number_fields import Element, as_fraction
+from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, add_multiple
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
@@ -150,19 +151,7 @@ class Exponents:
 
 def exponents_of(characteristic: Sequence[Element], field: FunctionField) -> Exponents:
     """The exponents of a characteristic polynomial, given by powers."""
-    rows = field.rational_parts(characteristic)
-    common = fmpq_poly()
-    for row in rows:
-        common = common.gcd(fmpq_poly(row))
-    rational: dict[Fraction, int] = {}
-    others: list[tuple[fmpq_poly, int]] = []
-    for factor, k in common.factor()[1]:
-        p = fmpq_poly(factor)
-        if p.degree() == 1:
-            root = -p[0] / p[1]
-            rational[as_fraction(root)] = int(k)
-        elif p.degree() > 1:
-            others.append((p, int(k)))
+    rational, others, common = common_roots(field.rational_parts(characteristic))
     divisor = [field.number(c) for c in common.coeffs()]
     rest, _ = polynomial_quotient(characteristic, divisor, field)
     while len(rest) > 1 and not rest[-1]:
