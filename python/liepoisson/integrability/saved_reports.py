@@ -121,7 +121,6 @@ class _Reader:
         _agree("the system", data["system"], system.name)
         _agree("the rank", data["rank"], rank)
         self._verify(integrals, dependent)
-        self._verify_searches(integrals, dependent)
         commuting, closed = tuple(data["commuting"]), None
         if commuting:
             chosen = {name: functions[name] for name in commuting}
@@ -133,7 +132,7 @@ class _Reader:
             if closed is None:
                 raise ParameterError("the integrals are not closed under the bracket, or not enough")
         told = data["searches"]
-        searches = tuple(self._search(one, integrals, (k + 1) / len(told)) for k, one in enumerate(told))
+        searches = tuple(self._search(one, integrals, dependent, (k + 1) / len(told)) for k, one in enumerate(told))
         proof = data["certificate"]
         if proof is not None:
             if wrong := checker.check(proof):
@@ -210,32 +209,18 @@ class _Reader:
         if dependent and fields_rank(self.system, list(functions.values())) > len(integrals):
             raise ParameterError("an integral that is said to depend on the others does not")
 
-    def _verify_searches(self, integrals: Mapping[str, Expr], dependent: Mapping[str, Expr]) -> None:
-        """That nothing is hidden in them: what a search took as known or found is an integral of the report."""
-        functions, casimirs = {**integrals, **dependent}, casimirs_of(self.system)
-        for search in self.data["searches"]:
-            _agree("the system of a search", search["system"], self.system.name)
-            _agree("the level of a search", search["on"], [])
-            for name, f in self._expressions([one for one in search["known"] if one["name"] not in casimirs]).items():
-                if name not in functions or not _are_equal(f, functions[name]):
-                    raise ParameterError(
-                        f"a search takes {name} = {shown(f)} as known; the report has no such integral"
-                    )
-            for one in search["found"]:
-                f, listed = self.system.expression(one["expression"]), integrals if one["independent"] else dependent
-                if not any(_are_equal(f, known) for known in listed.values()):
-                    raise ParameterError(
-                        f"a search found {shown(f)}, which should be among the {'' if one['independent'] else 'in'}"
-                        f"dependent integrals of the report; it is not"
-                    )
+    def _search(
+        self, data: Mapping[str, Any], integrals: Mapping[str, Expr], dependent: Mapping[str, Expr], done: float
+    ) -> FirstIntegrals:
+        """A search as the file says, or made again and compared.
 
-    def _search(self, data: Mapping[str, Any], integrals: Mapping[str, Expr], done: float) -> FirstIntegrals:
-        """A search as the file says, or made again and compared."""
+        Nothing is hidden in it: what it took as known or found is an integral of the report.
+        """
+        _agree("the system of a search", data["system"], self.system.name)
+        _agree("the level of a search", data["on"], [])
         casimirs = casimirs_of(self.system)
         of_leaves = [entry for entry in data["known"] if entry["name"] in casimirs]
-        _agree(
-            "the Casimirs", of_leaves, named_formulas({entry["name"]: casimirs[entry["name"]] for entry in of_leaves})
-        )
+        _agree("the Casimirs", of_leaves, named_formulas({one["name"]: casimirs[one["name"]] for one in of_leaves}))
         others = self._expressions([entry for entry in data["known"] if entry["name"] not in casimirs])
         both = casimirs | others
         known: dict[str, Expr] = {entry["name"]: both[entry["name"]] for entry in data["known"]}
@@ -243,9 +228,17 @@ class _Reader:
             FirstIntegral(f["name"], self.system.expression(f["expression"]), f["degree"], f["independent"])
             for f in data["found"]
         )
-        claimed = [*others.values(), *(f.expression for f in found)]
-        if not all(are_integrals(self.system, claimed)):
-            raise ParameterError(f"the search up to degree {data['degree']} has a function that is no integral")
+        reported = {**integrals, **dependent}
+        for name, f in others.items():
+            if name not in reported or not is_zero(f - reported[name]):
+                raise ParameterError(f"a search takes {name} = {shown(f)} as known; the report has no such integral")
+        for one in found:
+            listed, kind = (integrals, "") if one.is_independent else (dependent, "in")
+            if not any(is_zero(one.expression - f) for f in listed.values()):
+                raise ParameterError(
+                    f"a search found {shown(one.expression)}, which should be among the {kind}dependent integrals of "
+                    "the report; it is not"
+                )
         proof = data["proof"]
         degree, parameters = data["degree"], data["generic_parameters"]
         if type(degree) is not int or degree < 1:
@@ -292,10 +285,6 @@ def _quoted(note: object) -> str:
     """A note of a file: words that nothing verifies, on one line, so that none of them looks like what is proved."""
     words = "".join(c if c.isprintable() else "\ufffd" for c in " ".join(str(note).split()))
     return words if words.startswith(TOLD) else TOLD + words
-
-
-def _are_equal(f: Expr, g: Expr) -> bool:
-    return is_zero(f - g)
 
 
 def _agree(what: str, given: Any, wanted: Any) -> None:
