@@ -194,7 +194,9 @@ def positive_grading(found: Iterable[Grading]) -> Grading | None:
     """A grading with positive integer weights, small ones preferred; None if there is none of small factors."""
     integer = [g for g in found if not g.modulus]
     positive: list[Grading] = []
-    for factors in _small_vectors(len(integer)):
+    n = len(integer)
+    bound = _MOST_COMBINATIONS if n <= 2 else 2
+    for factors in product(range(-bound, bound + 1), repeat=n) if n <= 5 else ():
         scaled = [[f * w for w in g.weights] for f, g in zip(factors, integer, strict=True)]
         weights = list(map(sum, zip(*scaled, strict=True)))
         if not weights or min(weights) <= 0:
@@ -203,11 +205,6 @@ def positive_grading(found: Iterable[Grading]) -> Grading | None:
         common = gcd(*weights, shift)
         positive.append(Grading(tuple(w // common for w in weights), shift // common))
     return min(positive, key=lambda g: (abs(g.shift - 1), sum(g.weights)), default=None)
-
-
-def _small_vectors(n: int) -> Iterable[tuple[int, ...]]:
-    bound = _MOST_COMBINATIONS if n <= 2 else 2
-    return product(range(-bound, bound + 1), repeat=n) if n <= 5 else ()
 
 
 def homogeneous_parts(polynomial: Polynomial, found: Sequence[Grading]) -> dict[tuple[int, ...], Polynomial]:
@@ -366,30 +363,25 @@ def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
 
 
 def _groebner(derivation: Derivation, generators: Sequence[Polynomial]) -> list[Polynomial]:
+    from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+    from liepoisson.algebra.ideals.limits import NotDecidedError
+
     field: Coefficients = derivation.field
     written: list[dict[Exponents, Any]] = [{m: field.to_sympy(c) for m, c in g.items()} for g in generators]
     if all(c.is_Rational for g in written for c in g.values()):  # whatever the field of the equations is
-        found = _over_the_rationals([{m: as_fmpq(c) for m, c in g.items()} for g in written])
-        return [{m: field.number(c) for m, c in g.items()} for g in found]
+        context = rational_context([f"x{k}" for k in range(len(derivation.variables))])
+        try:
+            basis = groebner_basis([context.from_dict({m: as_fmpq(c) for m, c in g.items()}) for g in written])
+        except NotDecidedError as error:
+            checkpoint("the Gröbner basis of a level")
+            raise ParameterError(
+                f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
+            ) from error
+        return [{tuple(map(int, m)): field.number(c) for m, c in p.terms()} for p in basis.polynomials]
     if field.is_cyclotomic:
         raise ParameterError("on: wanted one equation, or rational coefficients; got several over a cyclotomic field")
     from sympy import groebner
 
     expressions: list[Expr] = [derivation.expression(g) for g in generators]
-    by_sympy: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
-    return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in by_sympy.polys]
-
-
-def _over_the_rationals(generators: Sequence[Mapping[Exponents, Any]]) -> list[Polynomial]:
-    from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
-    from liepoisson.algebra.ideals.limits import NotDecidedError
-
-    context = rational_context([f"x{k}" for k in range(len(next(iter(generators[0]))))])
-    try:
-        basis = groebner_basis([context.from_dict(dict(g)) for g in generators])
-    except NotDecidedError as error:
-        checkpoint("the Gröbner basis of a level")
-        raise ParameterError(
-            f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
-        ) from error
-    return [{tuple(map(int, m)): c for m, c in polynomial.terms()} for polynomial in basis.polynomials]
+    found: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
+    return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in found.polys]

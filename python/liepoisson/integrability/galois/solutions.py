@@ -385,10 +385,8 @@ def _separatrices(system: System, plane: Plane, field: _Restricted) -> Iterator[
     """Separatrices of the equilibria with small rational coordinates."""
     levels: set[Any] = set()
     for point in field.saddles():
-        if (reduction := field.reduced(point)) is None:
-            continue
-        key = (reduction.square, reduction.coordinates)
-        if key not in levels:
+        reduction = field.reduced(point)
+        if reduction is not None and (key := (reduction.square, reduction.coordinates)) not in levels:
             levels.add(key)
             yield from _separatrix(system, plane, field, reduction, point)
 

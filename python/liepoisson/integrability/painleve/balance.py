@@ -369,15 +369,9 @@ class Balance:
 
 
 def _leading_term(name: str, c: str, order: Fraction) -> str:
-    if not order:
-        return f"{name} = {c}"
-    return (
-        f"{name} = {c}/t"
-        if order == 1
-        else f"{name} = {c}/t^{order}"
-        if order.denominator == 1
-        else (f"{name} = {c}*t^(-{order})")
-    )
+    if order.denominator > 1:
+        return f"{name} = {c}*t^(-{order})"
+    return f"{name} = {c}" + (f"/t^{order}" if order > 1 else "/t" if order else "")
 
 
 def obstructions_of(exponents: Exponents, resonances: tuple[Resonance, ...], dimension: int) -> tuple[str, ...]:
