@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from itertools import islice, product
 from typing import Literal, TypeAlias
 
@@ -32,7 +31,7 @@ from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, valu
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, of_degree
-from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State
+from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State, in_one_variable
 
 Field: TypeAlias = Literal["complex", "real", "rational"]
 Values: TypeAlias = "tuple[Expr, ...]"
@@ -231,10 +230,7 @@ class CofactorCases(CaseSplitting):
             number = PrimeField(p).number
             choices: dict[int, list[Element]] = {}
             for v, q in equations.items():
-                coefficients = [0] * (q.degrees()[v] + 1)
-                for monomial, c in q.terms():
-                    coefficients[int(monomial[v])] = int(number(c))
-                factors = nmod_poly(coefficients, p).factor()[1]
+                factors = nmod_poly([int(number(c)) for c in in_one_variable(q, v)], p).factor()[1]
                 choices[v] = [-f[0] / f[1] for f, _ in factors if f.degree() == 1]
             if len(equations) == 1 and all(choices.values()):
                 choices = {v: zeros[:1] for v, zeros in choices.items()}
@@ -258,12 +254,8 @@ class CofactorCases(CaseSplitting):
         return len(nullspace_mod(rows, len(block), p))
 
     def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
-        coefficients = [Fraction(0)] * 3
-        for monomial, c in q.terms():
-            coefficients[int(monomial[v])] = as_fraction(c)
-        return quadratic_roots(
-            *reversed(coefficients)
-        )  # real if that is wanted: `_has_real_zero` has excluded the others
+        # real if that is wanted: `_has_real_zero` has excluded the others
+        return quadratic_roots(*map(as_fraction, reversed(in_one_variable(q, v))))
 
     def _text(self, case: Case) -> str:
         return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"

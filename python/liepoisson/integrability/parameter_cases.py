@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from operator import not_
+from operator import mul, not_
 from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
@@ -103,6 +103,14 @@ class Cases:
     left: list[Case] = field(default_factory=list)  # cases that were not decided
     n_closed: int = 0  # number of cases in which there are no further solutions
     n_cases: int = 0  # number of cases that were looked at
+
+
+def in_one_variable(q: Poly, v: int) -> list[fmpq]:
+    """The coefficients of a polynomial in one variable, by powers."""
+    found = [fmpq(0)] * (int(q.degrees()[v]) + 1)
+    for m, c in q.terms():
+        found[int(m[v])] = c
+    return found
 
 
 class CaseSplitting:
@@ -341,17 +349,10 @@ class CaseSplitting:
     def homogeneous(self, p: Poly, case: Case) -> Poly:
         """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
         for v, weights in reversed(case.scaled):
-            terms: dict[tuple[int, ...], Any] = {}
-            totals: list[tuple[int, tuple[int, ...], Any]] = []
-            for monomial, coefficient in p.terms():
-                powers = tuple(int(k) for k in monomial)
-                totals.append(
-                    (sum(w * k for w, k in zip(weights, powers, strict=True)) * weights[v], powers, coefficient)
-                )
-            top = max(total for total, _, _ in totals)
-            for total, powers, coefficient in totals:
-                terms[(*powers[:v], powers[v] + top - total, *powers[v + 1 :])] = coefficient
-            p = self.context.from_dict(terms)
+            terms = [(tuple(map(int, m)), c) for m, c in p.terms()]
+            totals = [weights[v] * sum(map(mul, weights, m)) for m, _ in terms]
+            lifted = [(m[v] + max(totals) - total, m, c) for total, (m, c) in zip(totals, terms, strict=True)]
+            p = self.context.from_dict({(*m[:v], power, *m[v + 1 :]): c for power, m, c in lifted})
         return p
 
     def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
@@ -437,12 +438,7 @@ class CaseSplitting:
         for c in row.keys() | pivot_row.keys():
             if c == column:
                 continue
-            value = self._zero
-            if c in row:
-                value = value + a * row[c]
-            if c in pivot_row:
-                value = value - b * pivot_row[c]
-            value = self.reduced(value, case)
+            value = self.reduced(a * row.get(c, self._zero) - b * pivot_row.get(c, self._zero), case)
             if value:
                 new[c] = value
         return self._cleaned(new, case)
@@ -500,8 +496,7 @@ class CaseSplitting:
             candidates.values(),
             key=lambda found: (found[0].total_degree(), len(found[0].coeffs()), -found[1], str(found[0])),
         )[0]
-        copy = [dict(row) for row in state.rows]
-        zero = State(state.case, copy, state.rank, [q])
+        zero = state.copy(state.case, [q])
         if len(state.case.unsolved) > 1 and self._vanishes_everywhere(q, state.case):
             return [zero]
         other = replace(state.case, nonzero={**state.case.nonzero, str(q): q})
@@ -547,11 +542,8 @@ class CaseSplitting:
         if len(occurring) != 1:
             return True
         (v,) = occurring
-        coefficients = [fmpq(0)] * (int(q.degrees()[v]) + 1)
-        for m, c in q.terms():
-            coefficients[int(m[v])] = c
         # irreducible and not linear, so that zero is no root
-        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(coefficients)))
+        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(in_one_variable(q, v))))
 
     def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
         """Whether a positive parameter would have to be negative or zero, whatever the others are."""
