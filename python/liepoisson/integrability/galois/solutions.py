@@ -22,19 +22,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, combinations, count, islice, product
 from math import isqrt
-from typing import Any, TypeAlias
+from typing import Any
 
 from sympy import QQ, Expr, Poly, Rational, Symbol, degree, factor, solve, sqrt, symbols
 from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 
-from liepoisson.algebra.number_fields import as_fraction
-from liepoisson.algebra.sparse_polynomials import value_at
+from liepoisson.algebra.sparse_polynomials import gradient_at, value_at
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_data_set, is_named, listed
 from liepoisson.inputs.refusals import shown
+from liepoisson.integrability.derivation import Exponents, polynomial_terms
 from liepoisson.integrability.galois.linear_systems import exact_expression, rational_function
 from liepoisson.model.discrete_symmetries import discrete_symmetries
 from liepoisson.model.system import System
@@ -448,23 +448,21 @@ class _Restricted:
         Multiples of a point are tried, too: the square of the eigenvalue is often proportional to them.
         """
         grid = [Fraction(c) for c in _GRID]
-        rates = [_terms_of(rate, self.coordinates) for rate in self.rates]
-        slopes = [[Poly(rate, *self.coordinates).diff(c).as_expr() for c in self.coordinates] for rate in self.rates]
-        jacobian = [[_terms_of(slope, self.coordinates) for slope in row] for row in slopes]
+        rates = [polynomial_terms(rate, self.coordinates, "a rate") for rate in self.rates]
         fixed = [self.coordinates.index(c) for c in self.fixed]
         order = {c: k for k, c in enumerate(grid)}
         for point in sorted(product(grid, repeat=len(self.coordinates)), key=lambda p: sum(order[c] for c in p)):
             if any(point[k] == 0 for k in fixed):  # it lies on a smaller plane
                 continue
-            if any(value_at(one, point) for one in rates):
+            if any(value_at(one.items(), point) for one in rates):
                 continue
-            squared = _trace_of_square(jacobian, point) / 2
+            squared = _trace_of_square(rates, point) / 2
             if squared <= 0:
                 continue
             for scale in (Fraction(1), squared, 1 / squared):
                 multiple = tuple(scale * c for c in point)
-                here = _trace_of_square(jacobian, multiple) / 2
-                if _is_square(here) and not any(value_at(one, multiple) for one in rates):
+                here = _trace_of_square(rates, multiple) / 2
+                if _is_square(here) and not any(value_at(one.items(), multiple) for one in rates):
                     yield tuple(Rational(c.numerator, c.denominator) for c in multiple)
                     break
 
@@ -513,19 +511,10 @@ def _new_symbol(system: System, *names: str) -> Any:
     return Symbol(next(name for name in chain(names, further) if name not in system.component_names))
 
 
-Terms: TypeAlias = list[tuple[tuple[int, ...], Fraction]]
-
-
-def _terms_of(polynomial: Any, variables: Sequence[Any]) -> Terms:
-    if polynomial == 0:
-        return []
-    return [(m, as_fraction(c)) for m, c in Poly(polynomial, *variables).terms()]
-
-
-def _trace_of_square(jacobian: list[list[Terms]], point: Sequence[Fraction]) -> Fraction:
-    matrix = [[value_at(entry, point) for entry in row] for row in jacobian]
-    places = range(len(matrix))
-    return sum((matrix[i][j] * matrix[j][i] for i in places for j in places), Fraction(0))
+def _trace_of_square(rates: Sequence[Mapping[Exponents, Any]], point: Sequence[Fraction]) -> Fraction:
+    """The trace of the square of the Jacobian matrix."""
+    rows = [gradient_at(rate, point) for rate in rates]
+    return sum((slope * rows[j].get(i, 0) for i, row in enumerate(rows) for j, slope in row.items()), Fraction(0))
 
 
 def _is_square(value: Fraction) -> bool:
