@@ -164,16 +164,11 @@ def _is_absolutely_irreducible(curve: Curve, p: int) -> bool:
 def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> tuple[int, int]:
     """The sum of e - 1 over all places, and over how many points of the sphere it is not zero."""
     field = fq_default_ctx(p, 1)
-    ring: Any = fq_default_poly_ctx(field)
     total, n_points = 0, 0
-    for factor, multiplicity in ring([field(int(c) % p) for c in discriminant.coeffs()]).factor()[1]:
-        degree = factor.degree()
-        if multiplicity == 1:  # a simple zero is one place with e = 2
-            local = 1
-        elif degree == 1:
-            local = _defect(finite, field, -factor.constant_coefficient() / factor.leading_coefficient(), p)
-        else:
-            local = _defect(finite, *_with_root(factor, field), p)
+    residues = {k: field(int(c) % p) for k, c in enumerate(discriminant.coeffs())}
+    for root_field, root, multiplicity, degree in _roots(residues, field):
+        # a simple zero is one place with e = 2
+        local = 1 if multiplicity == 1 else _defect(finite, root_field, root, p)
         assert local <= multiplicity, "the ramification is part of the discriminant"
         assert (multiplicity - local) % 2 == 0, "the rest of the discriminant is twice the singularities"
         total += degree * local
@@ -184,17 +179,8 @@ def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> 
 
 def _defect(curve: Curve, field: Any, z: Any, p: int) -> int:
     """The sum of e - 1 over a point z of the affine line."""
-    ring: Any = fq_default_poly_ctx(field)
-    linear = ring([z, field.one()])
-    rows: dict[int, dict[int, int]] = {}
-    for (i, j), c in curve.items():
-        rows.setdefault(j, {})[i] = _residue(c, p)
-    local: dict[tuple[int, int], Any] = {}
-    for j, row in rows.items():
-        polynomial = ring([field(row.get(i, 0)) for i in range(max(row) + 1)])
-        for i, value in enumerate(polynomial.compose(linear).coeffs()):
-            if not value.is_zero():
-                local[i, j] = value
+    swapped = {(j, i): field(_residue(c, p)) for (i, j), c in curve.items()}
+    local = {(i, j): c for (j, i), c in _shifted(swapped, z, field).items()}
     return sum((e - 1) * count for e, count in branches(local, field).items())
 
 
