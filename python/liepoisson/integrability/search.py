@@ -250,24 +250,24 @@ class Search:
             span = Echelon(self.residues.field)
             self._insert_products({(): span}, highest, whole=True)
             if span.reduce(modular(part, self.residues)):
-                others = [g.polynomial for g in self.generators]
-                self.generators.append(
-                    Generator(self._next_name, part, is_new=True, is_independent=self.is_independent(others, part))
-                )
+                self._take(part, part)
 
-    @property
-    def _next_name(self) -> str:
-        return next_name({g.name for g in self.generators}, set(map(str, self.derivation.variables)))
+    def _take(self, polynomial: Polynomial, written: Polynomial) -> None:
+        """Take an integral that was found, as it is written, as known; ranks at a random point prove independence."""
+        others = [g.polynomial for g in self.generators]
+        is_independent = self._rank([*others, polynomial]) > self._rank(others)
+        name = next_name({g.name for g in self.generators}, set(map(str, self.derivation.variables)))
+        self.generators.append(Generator(name, written, is_new=True, is_independent=is_independent))
 
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
         if not self.level.basis:
             return modular_nullity(self.derivation, self.residues, block, progress)
         columns: list[Polynomial] = []
-        for monomial in block:
+        for k, monomial in enumerate(block):
             checkpoint("the search for integrals")
-            if progress and not len(columns) % 100:
-                progress(len(columns) / len(block))
+            if progress and not k % 100:
+                progress(k / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
             columns.append(self.level_mod.remainder(image))
         return len(nullspace_mod(transposed(columns), len(block), self.residues.p))
@@ -289,10 +289,7 @@ class Search:
             image = modular(polynomial, self.residues)
             if not spans[label].reduce(image):
                 continue
-            simplest = self._simplest(polynomial, label)
-            found = Generator(self._next_name, simplest, is_new=True)
-            found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
-            self.generators.append(found)
+            self._take(polynomial, self._simplest(polynomial, label))
             self._insert_products(spans, highest, must_contain=len(self.generators) - 1)
         for label, block, nullity in excess:
             self.counts.append(BlockCount(label, len(block), nullity, len(spans[label])))
@@ -370,10 +367,6 @@ class Search:
         basis = [polynomial for _, polynomial in self.level.basis]
         coefficients = (*self.derivation.components, *self.slope, *self.equations, *basis, *known)
         return residues_of(self.derivation.field, coefficients)
-
-    def is_independent(self, others: Sequence[Polynomial], polynomial: Polynomial) -> bool:
-        """Whether a polynomial is functionally independent of others: proved if True, by ranks at random points."""
-        return self._rank([*others, polynomial]) > self._rank(others)
 
     def _rank(self, polynomials: Sequence[Polynomial]) -> int:
         point = self.point

@@ -105,12 +105,11 @@ def genus(curve: Curve) -> Genus:
     discriminant: Any = _discriminant(finite, denominator)
     if not discriminant:
         return Genus(None, reason="the polynomial has a multiple factor")
-    derivative: Any = discriminant.derivative()
-    n_zeros = discriminant.degree() - fmpz_poly.gcd(discriminant, derivative).degree()
-    p = _FIRST_PRIME
+    n_zeros, p = _n_zeros(discriminant), _FIRST_PRIME
     for _ in range(_MOST_PRIMES):
         p = int(nextprime(p))
-        if denominator % p == 0 or not _is_good(discriminant, n_zeros, p):
+        image = nmod_poly([int(c) % p for c in discriminant.coeffs()], p)
+        if denominator % p == 0 or image.degree() < discriminant.degree() or _n_zeros(image) != n_zeros:
             continue
         if _is_absolutely_irreducible(finite, p):
             ramification, n_points = _ramification(finite, infinite, discriminant, p)
@@ -128,14 +127,9 @@ def _discriminant(curve: Curve, denominator: int) -> Any:
     return fmpz_poly([coefficients.get(k, 0) for k in range(max(coefficients, default=-1) + 1)])
 
 
-def _is_good(discriminant: Any, n_zeros: int, p: int) -> bool:
-    """Whether the discriminant keeps its degree and the number of its zeros modulo p."""
-    image = nmod_poly([int(c) % p for c in discriminant.coeffs()], p)
-    if image.degree() < discriminant.degree():
-        return False
-    if image.degree() == 0:
-        return n_zeros == 0
-    return image.degree() - image.gcd(image.derivative()).degree() == n_zeros
+def _n_zeros(f: Any) -> int:
+    """How many different zeros a polynomial has."""
+    return f.degree() - f.gcd(f.derivative()).degree() if f.degree() > 0 else 0
 
 
 def _residue(c: Fraction, p: int) -> int:
