@@ -242,7 +242,7 @@ def _algebra_bracket(
 
 def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
     """Refuse what is no Lax pair; rows of entries of both, and how two such are multiplied."""
-    rates = [[time_derivative(system, e) for e in row] for row in first]
+    rates = [[Add(*(e.diff(x) * rate for x, rate in system.equations.items())).expand() for e in row] for row in first]
     structure = [to_sympy(c) for values in system.bracket.algebra.brackets.values() for c in values.values()]
     arithmetic = EntryArithmetic([*chain(*first), *chain(*second), *chain(*rates), *structure])
     read: list[Any] = [[[arithmetic.read(e) for e in row] for row in rows] for rows in (first, second, rates)]
@@ -259,13 +259,6 @@ def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
     text = text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
     entry = (i + 1, j + 1) if len(first) > 1 or len(first[0]) == 1 else (j + 1,)
     raise LaxPairError(entry, text, len(wrong), reverses=reversed_)
-
-
-def time_derivative(system: System, function: Expr) -> Expr:
-    """The derivative of a function along the motion, by the equations that the bracket gives."""
-    used = function.free_symbols
-    terms: list[Any] = [function.diff(x) * rate for x, rate in system.equations.items() if x in used]
-    return Add(*terms).expand()
 
 
 @explains_its_arguments
