@@ -24,7 +24,7 @@ from liepoisson.algebra.ideals.groebner import groebner_basis
 from liepoisson.algebra.ideals.limits import Limits
 from liepoisson.algebra.ideals.solutions import solutions
 from liepoisson.algebra.number_fields import Element, NumberField, as_fmpq
-from liepoisson.algebra.sparse_polynomials import Polynomial
+from liepoisson.algebra.sparse_polynomials import Polynomial, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
@@ -120,14 +120,8 @@ class _Values:
         return total
 
     def _polynomial(self, p: Any) -> complex:
-        names = p.context().names()
-        total = 0j
-        for m, c in p.terms():
-            term = complex(_float(c))
-            for name, k in zip(names, m, strict=True):
-                term *= self._at[name] ** int(k)
-            total += term
-        return total
+        point = [self._at[name] for name in p.context().names()]
+        return value_at(p.terms(), point, lambda c: complex(_float(c)))
 
 
 def _member(ring: CoordinateRing, parameters: Mapping[str, complex], conjugate: int) -> dict[str, complex]:
