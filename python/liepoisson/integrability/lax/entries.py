@@ -9,7 +9,6 @@ $i^2 = -1$.  Entries with other numbers, such as $\sqrt 2$, are SymPy expression
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
 from typing import Any, TypeAlias, cast
@@ -132,14 +131,6 @@ class _Reader:
         return (read.xreplace({Symbol(IMAGINARY): I}) if self.has_unit else read).expand()
 
 
-@dataclass(frozen=True)
-class _Variable:
-    """What a variable of FLINT stands for: a power of a symbol, an exponential, or i."""
-
-    key: Any
-    power: int
-
-
 class EntryArithmetic:
     """Sums, products and canonical forms of entries."""
 
@@ -153,14 +144,13 @@ class EntryArithmetic:
         if not self.is_rational:
             return
         signs = {(key, power > 0) for t in terms for powers in cast("Any", t) for key, power in powers}
-        self.variables = [_Variable(key, 1 if up else -1) for key, up in sorted(signs, key=str)]
-        self.index = {(v.key, v.power > 0): k for k, v in enumerate(self.variables)}
+        # each variable of FLINT is a symbol, an exponential or i, or its inverse
+        self.variables = sorted(signs, key=str)
+        self.index = {variable: k for k, variable in enumerate(self.variables)}
         self.pairs = [
-            (k, self.index[v.key, False])
-            for k, v in enumerate(self.variables)
-            if v.power > 0 and (v.key, False) in self.index
+            (k, self.index[key, False]) for (key, up), k in self.index.items() if up and (key, False) in signs
         ]
-        self.unit = next((k for k, v in enumerate(self.variables) if v.key == I), None)
+        self.unit = self.index.get((I, True))
         names = [f"g{k}" for k in range(len(self.variables))]
         self.context = fmpq_mpoly_ctx.get(names or ["g"], Ordering.lex)
 
@@ -196,12 +186,12 @@ class EntryArithmetic:
         for exponents, c in self._exponents(element).items():
             exponent: Any = 0
             factors: list[Any] = [Rational(int(c.p), int(c.q))]
-            for variable, n in zip(self.variables, exponents, strict=False):
-                if n and isinstance(variable.key, tuple):
-                    symbol = variable.key[1]
-                    exponent += symbol * Rational(int(n) * variable.power, self.steps[symbol])
+            for (key, up), n in zip(self.variables, exponents, strict=False):
+                power = int(n) if up else -int(n)
+                if n and isinstance(key, tuple):
+                    exponent += key[1] * Rational(power, self.steps[key[1]])
                 elif n:
-                    factors.append(variable.key ** (int(n) * variable.power))
+                    factors.append(key**power)
             terms.append(Mul(*factors, exp(exponent)) if exponent else Mul(*factors))
         return Add(*terms)
 
