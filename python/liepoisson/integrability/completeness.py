@@ -214,7 +214,7 @@ def commuting_combinations(system: System, integrals: Mapping[str, Expr], rank: 
         return []
     names = list(functions)[:_MOST_GENERATORS]
     algebra = _Algebra.of(system, [functions[name] for name in names])
-    found = _Chains(system, algebra, rank // 2).longest()
+    found = _longest_chain(system, algebra, rank // 2)
     symbols: list[Any] = [Symbol(name) for name in names]
     chosen = [(algebra.combined(c, algebra.generators).expand(), algebra.combined(c, symbols)) for c in found]
     return [(system.hamiltonian, Symbol("H")), *chosen] if found else []
@@ -289,44 +289,37 @@ class _Algebra:
         return Add(*(Mul(to_sympy(c), *(generators[i] for i in self.products[k])) for k, c in combination.items()))
 
 
-class _Chains:
-    """A search, depth first, for a chain of commuting combinations."""
+def _longest_chain(system: System, algebra: _Algebra, n: int) -> list[Combination]:
+    """A chain of commuting combinations, as many as are wanted with H, depth first; empty if they are not found."""
+    left = _MOST_CHAINS
 
-    def __init__(self, system: System, algebra: _Algebra, n: int) -> None:
-        self.system, self.algebra, self.n = system, algebra, n
-        self.left = _MOST_CHAINS
+    def independent(chosen: Sequence[Combination], candidates: Sequence[Combination]) -> Iterator[Combination]:
+        known = [system.hamiltonian, *(algebra.combined(c, algebra.generators) for c in chosen)]
+        for candidate in candidates:
+            if fields_rank(system, [*known, algebra.combined(candidate, algebra.generators)]) > len(known):
+                yield candidate
 
-    def longest(self) -> list[Combination]:
-        """As many as are wanted with H; empty if they are not found."""
-        return self._extended([], [])
-
-    def _extended(self, chosen: list[Combination], brackets: list[list[Polynomial]]) -> list[Combination]:
+    def extended(chosen: list[Combination], brackets: list[list[Polynomial]]) -> list[Combination]:
         """The chain with further functions; `brackets` are those of the generators with what was chosen."""
-        algebra = self.algebra
-        while len(chosen) < self.n - 1 and self.left > 0:
-            self.left -= 1
-            free = [i for i in range(len(algebra.generators)) if not any(one[i] for one in brackets)]
-            of_free = [[algebra.brackets[j, i] for j in range(len(algebra.generators))] for i in free]
-            central = next(self._further(chosen, algebra.commuting([*brackets, *of_free])), None)
+        nonlocal left
+        places = range(len(algebra.generators))
+        while len(chosen) < n - 1 and left > 0:
+            left -= 1
+            of_free = [[algebra.brackets[j, i] for j in places] for i in places if not any(one[i] for one in brackets)]
+            central = next(independent(chosen, algebra.commuting([*brackets, *of_free])), None)
             if central is None:
                 break
             chosen, brackets = [*chosen, central], [*brackets, algebra.with_generators(central)]
-        if len(chosen) == self.n - 1:
+        if len(chosen) == n - 1:
             return chosen
-        for further in self._further(chosen, algebra.commuting(brackets)):
-            if self.left <= 0:
+        for further in independent(chosen, algebra.commuting(brackets)):
+            if left <= 0:
                 break
-            if found := self._extended([*chosen, further], [*brackets, algebra.with_generators(further)]):
+            if found := extended([*chosen, further], [*brackets, algebra.with_generators(further)]):
                 return found
         return []
 
-    def _further(self, chosen: Sequence[Combination], candidates: Sequence[Combination]) -> Iterator[Combination]:
-        """Those of the candidates that are independent of H and of what was chosen."""
-        algebra = self.algebra
-        known = [self.system.hamiltonian, *(algebra.combined(c, algebra.generators) for c in chosen)]
-        for candidate in candidates:
-            if fields_rank(self.system, [*known, algebra.combined(candidate, algebra.generators)]) > len(known):
-                yield candidate
+    return extended([], [])
 
 
 def _null_vectors(columns: Sequence[Mapping[Any, Any]], field: Coefficients) -> list[Combination]:
