@@ -15,7 +15,7 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice, product
 from typing import Literal, TypeAlias
 
@@ -86,17 +86,11 @@ def image(
     return level.remainder(total)
 
 
-@dataclass(frozen=True)
-class Candidates:
-    """What the splitting of one block gave."""
-
-    values: tuple[Values, ...]  # coefficients of cofactors, among them all that occur, but for those in `left`
-    left: tuple[str, ...]  # cases that were not decided, as conditions
-    n_cases: int  # number of cases that were looked at
-
-
 class CofactorCases(CaseSplitting):
-    """The splitting of the system $(D - k) p = 0$ by the coefficients of k."""
+    """The splitting of the system $(D - k) p = 0$ by the coefficients of k.
+
+    Cases that are not decided are added to `left`, as conditions; those that are looked at are counted in `n_cases`.
+    """
 
     def __init__(
         self,
@@ -107,15 +101,18 @@ class CofactorCases(CaseSplitting):
     ) -> None:
         self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
         self.number_field: Field = field
+        self.left: list[str] = []
+        self.n_cases = 0
         x = derivation.variables
         factors = [[f"{v}{k}" if k > 1 else f"{v}" for v, k in zip(x, m, strict=True) if k] for m in monomials]
         names = [f"k_{'_'.join(of_one) or '0'}" for of_one in factors]
         super().__init__(fmpq_mpoly_ctx.get(names, "degrevlex"), frozenset(), [])
 
-    def candidates(self, block: Sequence[Exponents]) -> Candidates:
+    def candidates(self, block: Sequence[Exponents]) -> tuple[Values, ...]:
         """The cofactors of polynomials with the monomials of a block; what is not decided by the deadline is left."""
         if not self.monomials:
-            return Candidates(((),), (), 1)
+            self.n_cases += 1
+            return ((),)
         cases, values = Cases(), list[Values]()
         try:
             self.run(self._rows(block), len(block), 0, cases)
@@ -130,7 +127,10 @@ class CofactorCases(CaseSplitting):
                 cases.left.append(case)
             else:
                 values += points or ()
-        return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, cases.left)), cases.n_cases)
+        self.n_cases += cases.n_cases
+        texts = (", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors" for case in cases.left)
+        self.left += texts
+        return tuple(dict.fromkeys(values))
 
     def _is_settled(self, state: State) -> bool:
         return not state.rows or self._is_finite(state.case)
@@ -256,6 +256,3 @@ class CofactorCases(CaseSplitting):
     def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
         # real if that is wanted: `_has_real_zero` has excluded the others
         return quadratic_roots(*map(as_fraction, reversed(in_one_variable(q, v))))
-
-    def _text(self, case: Case) -> str:
-        return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"

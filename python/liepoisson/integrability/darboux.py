@@ -8,7 +8,7 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import lcm
 from typing import Any, get_args
@@ -21,10 +21,9 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
+from liepoisson.integrability.cofactors import CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, rational_integrals
 from liepoisson.integrability.derivation import (
-    Exponents,
     in_blocks,
     order,
 )
@@ -239,7 +238,12 @@ def darboux_polynomials(
     listen = progress or (lambda _: None)
     cases = CofactorCases(derivation, level, monomials, field)
     with deadline.running():
-        values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
+        values: list[tuple[Values, ...]] = []
+        done, total = 0, sum(len(block) ** 2 for _, block in ordered)
+        for _, block in ordered:
+            values.append(cases.candidates(sorted(block, key=order, reverse=True)))
+            done += len(block) ** 2
+            listen(0.7 * done / total)
     numbers = square_root_field(v for of_block in values for one in of_block for v in one)
     search = DarbouxSearch(problem.search(gradings).over(numbers), tuple(monomials))
     for polynomial in problem.known.values():
@@ -269,23 +273,9 @@ def darboux_polynomials(
         cofactor_monomials=tuple(derivation.expression({m: derivation.field.one}) for m in monomials),
         n_monomials=size,
         n_blocks=len(ordered),
-        n_cases=n_cases,
-        left=left,
+        n_cases=cases.n_cases,
+        left=tuple(dict.fromkeys(cases.left)),
     )
-
-
-def _cofactors(
-    cases: CofactorCases, blocks: Sequence[Sequence[Exponents]], listen: Callable[[float], Any]
-) -> tuple[list[tuple[Values, ...]], tuple[str, ...], int]:
-    """The cofactors that may occur in each block, the cases that were not decided, and the number of cases."""
-    found: list[Candidates] = []
-    done, total = 0, sum(len(block) ** 2 for block in blocks)
-    for block in blocks:
-        found.append(cases.candidates(sorted(block, key=order, reverse=True)))
-        done += len(block) ** 2
-        listen(done / total)
-    left = dict.fromkeys(text for one in found for text in one.left)
-    return [one.values for one in found], tuple(left), sum(one.n_cases for one in found)
 
 
 def _tidied(polynomial: Polynomial, field: Coefficients) -> Polynomial:
