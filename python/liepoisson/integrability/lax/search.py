@@ -309,21 +309,17 @@ def search_lax_pairs(
             n_undecided += 1
             break
         found = list(_partners(ansatz, d, len(trivial), deadline))
-        n_undecided = sum(one is None for one in found)
-        n_families = sum(one is not None and one.is_free for one in found)
-        for b in dict.fromkeys(one.components for one in found if one is not None):
+        decided = [one for one in found if one is not None]
+        n_undecided, n_families = len(found) - len(decided), sum(is_free for _, is_free in decided)
+        for b in dict.fromkeys(b for b, _ in decided):
             pairs += pairs_with(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial]))
         if progress:
             progress(d / most)
     return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided)
 
 
-@dataclass(frozen=True)
-class _Partner:
-    """A matrix B for which there are solutions, by its components, and whether it is a member of a family."""
-
-    components: tuple[Fraction, ...]
-    is_free: bool
+_Partner: TypeAlias = tuple[tuple[Fraction, ...], bool]
+"""A matrix B by its components, and whether it is a member of a family."""
 
 
 def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -> Iterator[_Partner | None]:
@@ -337,7 +333,7 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -
         for case in cases.found:
             b = member(case, free)
             is_free = len(case.solved) < free
-            yield None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free)
+            yield None if b is None else ((*(Fraction(0),) * first, Fraction(1), *b), is_free)
         yield from [None] * len(cases.left)
 
 
