@@ -384,31 +384,25 @@ def _enough(
     Where none commute, combinations of degree two are looked for.  Where the deadline passes, what was found stays.
     """
     try:
-        return _found_enough(system, integrals, dependent, rank, notes)
+        commuting = commuting_integrals(system, integrals | dependent, rank)
+        if not commuting:
+            notes += _add_brackets(system, integrals, dependent, rank)
+            commuting = commuting_integrals(system, integrals | dependent, rank)
+        if commuting or len(integrals) < max(rank // 2, 2):
+            return commuting, None
+        closed = closed_integrals(system, integrals, rank) if len(integrals) > rank // 2 else None
+        chosen: list[str] = []
+        for function, formula in commuting_combinations(system, integrals | dependent, rank):
+            name = str(formula)
+            if name not in integrals | dependent:
+                name = next_name(system.component_names, integrals, dependent)
+                dependent[name] = function
+                notes.append(f"{name} = {Formula(formula).plain}")
+            chosen.append(name)
+        return tuple(chosen), closed
     except TimeLimitError as error:
         notes.append(f"whether the integrals that were found are enough is not decided: {error}")
         return (), None
-
-
-def _found_enough(
-    system: System, integrals: dict[str, Expr], dependent: dict[str, Expr], rank: int, notes: list[str]
-) -> tuple[tuple[str, ...], ClosedIntegrals | None]:
-    commuting = commuting_integrals(system, integrals | dependent, rank)
-    if not commuting:
-        notes += _add_brackets(system, integrals, dependent, rank)
-        commuting = commuting_integrals(system, integrals | dependent, rank)
-    if commuting or len(integrals) < max(rank // 2, 2):
-        return commuting, None
-    closed = closed_integrals(system, integrals, rank) if len(integrals) > rank // 2 else None
-    chosen: list[str] = []
-    for function, formula in commuting_combinations(system, integrals | dependent, rank):
-        name = str(formula)
-        if name not in integrals | dependent:
-            name = next_name(system.component_names, integrals, dependent)
-            dependent[name] = function
-            notes.append(f"{name} = {Formula(formula).plain}")
-        chosen.append(name)
-    return tuple(chosen), closed
 
 
 def _add_brackets(system: System, integrals: dict[str, Expr], dependent: Mapping[str, Expr], rank: int) -> list[str]:
