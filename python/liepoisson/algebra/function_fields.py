@@ -334,6 +334,14 @@ def readable(polynomial: str) -> str:
     return sub(r"\+ \((-[\d/]+)\)", r"+ \1", polynomial).replace("+ -", "- ")
 
 
+def root_text(polynomial: Any, variable: Any) -> str:
+    """The roots of an irreducible polynomial in words, for example "s = -1" or "s^2 + 1 = 0"."""
+    if polynomial.degree() == 1:
+        return f"{variable} = {-polynomial[0] / polynomial[1]}"
+    text = readable(str(polynomial).replace("x", str(variable)))
+    return sub(r"\b1\*", "", text) + " = 0"
+
+
 def over_common_denominator(fractions: Sequence[tuple[Any, Any]], one: Any) -> tuple[list[Any], Any]:
     """The numerators of fractions of FLINT's polynomials over their least common denominator, and that.
 

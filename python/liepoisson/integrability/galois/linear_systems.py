@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from re import sub
 from typing import TYPE_CHECKING, Any, cast
 
 from flint import fmpq_poly
@@ -20,7 +19,7 @@ from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 from sympy.utilities.iterables import connected_components
 
 from liepoisson.algebra.exact_numbers import as_expression, is_sympy
-from liepoisson.algebra.function_fields import over_common_denominator, readable
+from liepoisson.algebra.function_fields import over_common_denominator, root_text
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.expression import read_expression
@@ -244,14 +243,6 @@ def reversed_fraction(entry: Any, field: Any) -> Any:
     size = max(top.degree(), bottom.degree(), 0)
     turned = [fmpq_poly([f[size - k] for k in range(size + 1)]) for f in (top, bottom)]
     return from_polynomial(turned[0], field) / from_polynomial(turned[1], field)
-
-
-def root_text(polynomial: Any, variable: Any) -> str:
-    """The roots of an irreducible polynomial in words, for example "s = -1" or "s^2 + 1 = 0"."""
-    if polynomial.degree() == 1:
-        return f"{variable} = {-polynomial[0] / polynomial[1]}"
-    text = readable(str(polynomial).replace("x", str(variable)))
-    return sub(r"\b1\*", "", text) + " = 0"
 
 
 def _polynomial(element: Any) -> Any:

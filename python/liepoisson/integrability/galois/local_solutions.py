@@ -28,7 +28,7 @@ from flint import fmpq_poly
 from sympy import QQ, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
-from liepoisson.algebra.function_fields import common_roots
+from liepoisson.algebra.function_fields import common_roots, root_text
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 
@@ -106,8 +106,6 @@ class Exponents:
     @property
     def text(self) -> str:
         """The exponents in one line."""
-        from liepoisson.integrability.galois.linear_systems import root_text
-
         parts = [str(e) for e in sorted(self.rational) for _ in range(self.rational[e])]
         return ", ".join([*parts, *(f"the roots of {root_text(f, 'e')}" for f in self.others)])
 
@@ -219,8 +217,6 @@ class LocalSystem:
     @property
     def place(self) -> str:
         """The point in words."""
-        from liepoisson.integrability.galois.linear_systems import root_text
-
         return "infinity" if self.point is None else root_text(self.point, self.system.variable)
 
     def series(self, polynomial: Any, count: int) -> list[Any]:

@@ -27,13 +27,14 @@ from typing import TYPE_CHECKING, Any
 from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq
 
 from liepoisson.algebra.flint_pickles import register
+from liepoisson.algebra.function_fields import root_text
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.galois.linear_systems import LinearSystem, root_text
+from liepoisson.integrability.galois.linear_systems import LinearSystem
 
 if TYPE_CHECKING:
     import numpy as np
