@@ -114,9 +114,7 @@ class Exponents:
 class LocalSolutions:
     """The solutions whose exponents are e + n, n integers."""
 
-    exponent: Fraction  # e, at least 0 and below 1
-    first: int  # the smallest n
-    # u[n - first][j], each a matrix with one row for each component and one column for each solution
+    # u_(n,j) for n from the smallest on, matrices with a row for each component and a column for each solution
     coefficients: tuple[tuple[Any, ...], ...]
     nilpotent: Any  # N, the derivative by ln p of the solutions, a square matrix
 
@@ -202,7 +200,7 @@ class LocalSystem:
                 break
             powers += 1
         nilpotent = _shift_of(found, self.field, self.system.n, count)
-        return LocalSolutions(exponent, first, tuple(tuple(row) for row in found), nilpotent)
+        return LocalSolutions(tuple(tuple(row) for row in found), nilpotent)
 
     @cached_property
     def n_without_logarithm(self) -> int:

@@ -104,7 +104,6 @@ class Flag:
     system: LinearSystem  # the system
     basis: Any  # P; the first columns span the first subspace, and so on
     sizes: tuple[int, ...]  # the dimensions of the quotients of a subspace by the one before it
-    reasons: tuple[str, ...]  # what each quotient comes from
 
     @cached_property
     def triangular(self) -> LinearSystem:
@@ -135,8 +134,8 @@ class Flag:
 
 def flag(system: LinearSystem) -> Flag:
     """A flag that is as fine as these means give, and verified: the matrix in its basis is block triangular."""
-    basis, sizes, reasons = _refined(system)
-    found = Flag(system, basis, tuple(sizes), tuple(reasons))
+    basis, sizes = _refined(system)
+    found = Flag(system, basis, tuple(sizes))
     rows = found.triangular.entries.to_dense().rep.to_list()
     d = found.dimensions
     for k in range(len(sizes)):
@@ -199,7 +198,8 @@ def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
     return None if bottom.degree() + degree < 0 else (bottom, bottom.degree() + degree)
 
 
-def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
+def _refined(system: LinearSystem) -> tuple[Any, list[int]]:
+    """P and the dimensions of the quotients of a flag."""
     n, field = system.n, system.entries.domain
     groups = _components(system)
     if len(groups) > 1:
@@ -207,20 +207,18 @@ def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
         permutation = DomainMatrix.eye(n, field).to_dense().extract(list(range(n)), order)
         parts = [_refined(system.part(group)) for group in groups]
         blocks = _block_diagonal([part[0] for part in parts], field)
-        return permutation * blocks, [s for part in parts for s in part[1]], [r for part in parts for r in part[2]]
-    what = ", ".join(system.names)
+        return permutation * blocks, [size for _, sizes in parts for size in sizes]
     if n == 1:
-        return DomainMatrix.eye(1, field).to_dense(), [1], [what]
+        return DomainMatrix.eye(1, field).to_dense(), [1]
     if solutions := rational_solutions(system):
         chosen = solutions[0].hstack(*solutions[1:])
         k = len(solutions)
         basis = _completed(chosen)
-        sizes, reasons = [1] * k, ["a rational solution"] * k
         if k == n:
-            return basis, sizes, reasons
+            return basis, [1] * k
         rest = _refined(system.changed(basis).part(range(k, n)))
         blocks = _block_diagonal([DomainMatrix.eye(k, field).to_dense(), rest[0]], field)
-        return basis * blocks, sizes + rest[1], reasons + rest[2]
+        return basis * blocks, [1] * k + rest[1]
     if integrals := rational_solutions(system.dual):
         k = len(integrals)
         chosen = integrals[0].hstack(*integrals[1:])
@@ -230,8 +228,8 @@ def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
         basis = dual.extract(list(range(n)), places)
         kernel = _refined(system.changed(basis).part(range(n - k)))
         blocks = _block_diagonal([kernel[0], DomainMatrix.eye(k, field).to_dense()], field)
-        return basis * blocks, kernel[1] + [1] * k, kernel[2] + ["a linear integral"] * k
-    return DomainMatrix.eye(n, field).to_dense(), [n], [what]
+        return basis * blocks, kernel[1] + [1] * k
+    return DomainMatrix.eye(n, field).to_dense(), [n]
 
 
 def _completed(columns: Any) -> Any:

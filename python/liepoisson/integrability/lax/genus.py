@@ -48,7 +48,6 @@ class Genus:
     """The genus of a curve, with what it was computed from."""
 
     value: int | None  # the genus; None if it was not decided
-    ramification: int = 0  # sum of e - 1 over all places
     n_branch_points: int = 0  # number of points of the sphere over which a place is ramified
     prime: int = 0  # the prime of good reduction
     reason: str = ""  # why it was not decided; empty if it was
@@ -114,7 +113,7 @@ def genus(curve: Curve) -> Genus:
         if _is_absolutely_irreducible(finite, p):
             ramification, n_points = _ramification(finite, infinite, discriminant, p)
             assert ramification % 2 == 0, "the ramification of a covering of the sphere is even"
-            return Genus(1 - d + ramification // 2, ramification, n_points, p)
+            return Genus(1 - d + ramification // 2, n_points, p)
     return Genus(None, reason="not found irreducible over the complex numbers")
 
 
