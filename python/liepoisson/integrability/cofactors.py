@@ -89,7 +89,8 @@ def image(
 class CofactorCases(CaseSplitting):
     """The splitting of the system $(D - k) p = 0$ by the coefficients of k.
 
-    Cases that are not decided are added to `left`, as conditions; those that are looked at are counted in `n_cases`.
+    Cases that are not decided are added to `left`, as conditions; those that are looked at are counted in `n_cases`;
+    `is_cut_short` says whether the time limit ended the splitting.
     """
 
     def __init__(
@@ -102,7 +103,7 @@ class CofactorCases(CaseSplitting):
         self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
         self.number_field: Field = field
         self.left: list[str] = []
-        self.n_cases = 0
+        self.n_cases, self.is_cut_short = 0, False
         x = derivation.variables
         factors = [[f"{v}{k}" if k > 1 else f"{v}" for v, k in zip(x, m, strict=True) if k] for m in monomials]
         names = [f"k_{'_'.join(of_one) or '0'}" for of_one in factors]
@@ -117,17 +118,18 @@ class CofactorCases(CaseSplitting):
         try:
             self.run(self._rows(block), len(block), 0, cases)
         except TimeLimitError:
-            cases.left.append(Case(nonzero=self.assumed))
+            cases.leave(Case(nonzero=self.assumed))
         for case in cases.found:
             try:
                 points = self._points(case)
                 if points is None and not self._has_none(case, block):
-                    cases.left.append(case)
+                    cases.leave(case)
             except (NotDecidedError, TimeLimitError):
-                cases.left.append(case)
+                cases.leave(case)
             else:
                 values += points or ()
         self.n_cases += cases.n_cases
+        self.is_cut_short |= cases.is_cut_short
         texts = (", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors" for case in cases.left)
         self.left += texts
         return tuple(dict.fromkeys(values))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from dataclasses import field as dataclass_field
 from math import lcm
 from typing import Any, get_args
 
@@ -20,6 +21,7 @@ from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, rational_integrals
@@ -102,6 +104,7 @@ class DarbouxPolynomials:
         n_blocks: Number of blocks, between which the equations do not mix.
         n_cases: Number of cases into which the cofactors were divided.
         left: Cases that were not decided, as conditions on the coefficients of cofactors; empty if all are found.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -110,7 +113,7 @@ class DarbouxPolynomials:
     weights: tuple[int, ...]
     on: tuple[Expr, ...]
     field: Field
-    known: dict[str, Expr]
+    known: dict[str, Expr] = dataclass_field(hash=False)
     found: tuple[DarbouxPolynomial, ...]
     rational_integrals: tuple[RationalIntegral, ...]
     cofactor_monomials: tuple[Expr, ...]
@@ -118,6 +121,7 @@ class DarbouxPolynomials:
     n_blocks: int
     n_cases: int
     left: tuple[str, ...]
+    is_cut_short: bool = False
 
     @property
     def complete(self) -> bool:
@@ -137,7 +141,7 @@ class DarbouxPolynomials:
 
     def __repr__(self) -> str:
         n = len(self.found)
-        state = "complete" if self.complete else "incomplete"
+        state = "complete" if self.complete else "incomplete" + CUT_SHORT * self.is_cut_short
         return f"<DarbouxPolynomials of {self.system.name}: {n} among {self.scope} {_WORDS[self.field]}, {state}>"
 
     def __str__(self) -> str:
@@ -155,7 +159,8 @@ class DarbouxPolynomials:
         cofactors = ", ".join(Formula(m).plain for m in self.cofactor_monomials) or "0"
         effort = f"({self.n_monomials} monomials in {blocks}; cofactors with {cofactors}; {self.n_cases} cases)"
         if self.left:
-            return [f"incomplete {effort}, these cofactors k are left:", *(f"  {text}" for text in self.left)]
+            left = f"these cofactors k are left{CUT_SHORT * self.is_cut_short}"
+            return [f"incomplete {effort}, {left}:", *(f"  {text}" for text in self.left)]
         others = "these and the known integrals" if self.found else "the known integrals"
         such = " with such a cofactor" if self.on else ""
         return [
@@ -275,6 +280,7 @@ def darboux_polynomials(
         n_blocks=len(ordered),
         n_cases=cases.n_cases,
         left=tuple(dict.fromkeys(cases.left)),
+        is_cut_short=cases.is_cut_short,
     )
 
 

@@ -8,7 +8,7 @@ counts if not all integrals in it are polynomials in H and the Casimirs (`liepoi
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, cast
 
 from flint import fmpq
@@ -21,7 +21,9 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_values
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.given import texts
+from liepoisson.inputs.refusals import counted
 from liepoisson.integrability.derivation import Derivation, in_blocks, n_monomials, order, up_to_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
 from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints, ParameterMatrix
@@ -69,7 +71,7 @@ class ParameterCase:
 
     conditions: tuple[Expr, ...]
     nonzero: tuple[Expr, ...]
-    example: dict[Symbol, Expr] | None
+    example: dict[Symbol, Expr] | None = field(hash=False)
     integrals: tuple[Expr, ...]
     is_independent: bool = True
     is_real: bool = True
@@ -141,6 +143,7 @@ class IntegrableFamilies:
         left: Cases that were not decided, as conditions; empty if the answer is complete.
         n_closed: Number of cases in which it was proved that there is none.
         casimirs: The cases in which the bracket has more Casimirs up to the degree, which do not count.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -153,6 +156,7 @@ class IntegrableFamilies:
     left: tuple[str, ...]
     n_closed: int
     casimirs: tuple[FurtherCasimirs, ...] = ()
+    is_cut_short: bool = False
 
     @property
     def complete(self) -> bool:
@@ -160,8 +164,9 @@ class IntegrableFamilies:
         return not self.left
 
     def __repr__(self) -> str:
-        state = "complete" if self.complete else f"incomplete: {_counted(len(self.left))} left"
-        return f"<IntegrableFamilies of {self.system.name}, degree {self.degree}: {len(self.cases)} cases, {state}>"
+        state = "complete" if self.complete else f"incomplete: {self._what_is_left}"
+        cases = counted(len(self.cases), "case")
+        return f"<IntegrableFamilies of {self.system.name}, degree {self.degree}: {cases}, {state}>"
 
     @property
     def scope(self) -> str:
@@ -177,13 +182,13 @@ class IntegrableFamilies:
         if self.complete:
             lines.append(f"and in no other case: proved ({self.n_closed} cases without)")
         else:
-            lines += [f"incomplete, {_counted(len(self.left))} left:", *(f"  {text}" for text in self.left)]
+            lines += [f"incomplete, {self._what_is_left}:", *(f"  {text}" for text in self.left)]
         lines += [f"more Casimirs, which do not count, if {case}" for case in self.casimirs]
         return "\n".join(lines)
 
-
-def _counted(n: int) -> str:
-    return "1 case is" if n == 1 else f"{n} cases are"
+    @property
+    def _what_is_left(self) -> str:
+        return f"{counted(len(self.left), 'case is', 'cases are')} left" + CUT_SHORT * self.is_cut_short
 
 
 @shows_progress
@@ -277,6 +282,7 @@ def integrable_families(
         ),
         left=tuple(dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)),
         n_closed=cases.n_closed,
+        is_cut_short=cases.is_cut_short and bool(cases.left),
         casimirs=tuple(
             FurtherCasimirs(_conditions(case, splitting, matrix), tuple(_casimirs_of(system, case, matrix)))
             for case in cases.with_casimirs

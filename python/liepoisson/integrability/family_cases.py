@@ -54,6 +54,7 @@ class FamilyCases:
     with_casimirs: list[Case] = field(default_factory=list[Case])
     left: list[Case] = field(default_factory=list[Case])  # cases that were not decided
     n_closed: int = 0  # number of cases without further integrals
+    is_cut_short: bool = False  # whether the time limit ended a search, and cases were left
 
     def search(
         self,
@@ -74,6 +75,7 @@ class FamilyCases:
         self.splitting.settle(cases)
         self.left += cases.left
         self.n_closed += cases.n_closed
+        self.is_cut_short |= cases.is_cut_short
         without: list[tuple[Case, dict[Label, int]]] = []
         for case in cases.found:
             if any(case is other for other in whole):

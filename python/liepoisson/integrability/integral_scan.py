@@ -54,7 +54,7 @@ _PIECES_OF_A_PROCESS = 4
 """Of small scans: fewer pieces are not worth the second in which another process begins."""
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class IntegralScan(Result):
     """How many further integrals there are at the points of a grid of parameters.
 
@@ -134,7 +134,7 @@ class IntegralScan(Result):
     def __repr__(self) -> str:
         axes = " x ".join(f"{name} ({len(values)})" for name, values in self.axes.items())
         n, missing = int((self.n_further > 0).sum()), int((~np.isin(self.outcome, ("finished", "no system"))).sum())
-        state = f", incomplete: {missing} points are left" if missing else ""
+        state = f", incomplete: {missing} left" if missing else ""
         return (
             f"<IntegralScan of {self.system.name} over {axes}, degree {self.degree}: further integrals at {n} of "
             f"{len(self.n_further)} points{state}>"
@@ -180,6 +180,7 @@ def scan_integrals(
         KeyboardInterrupt: Ctrl-C; what is stored stays.
     """
     d, deadline, n_at_once = as_count(degree, "degree", least=1), as_deadline(time_limit), as_threads(threads)
+    _check_store(store)
     chosen = equations_of(system, on)
     search, names = _search(system, d, chosen)
     grid = _axes(axes, names)
@@ -251,9 +252,8 @@ def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str,
     """The values of the parameters as texts of fractions."""
     given = named(axes, "axes")
     if given is None or set(given) != set(names):
-        raise ParameterError(
-            f'axes: wanted values of {", ".join(names)}, such as {{"{names[0]}": [1, "3/2"]}}; got {shown(axes)}'
-        )
+        example = ", ".join([f'"{names[0]}": [1, "3/2"]', *(f'"{name}": 1' for name in names[1:])])
+        raise ParameterError(f"axes: wanted values of {', '.join(names)}, such as {{{example}}}; got {shown(axes)}")
     lists = {name: listed(v, f"axes: {name}") for name, v in given.items()}
     items = {name: [given[name]] if values is None else values for name, values in lists.items()}
     if (n := math.prod(map(len, items.values()))) > MOST_POINTS:
@@ -281,10 +281,13 @@ def _pieces(missing: Mapping[int, Sequence[Fraction]], n_at_once: int) -> tuple[
     return pieces, max(1, min(n_at_once, len(pieces) // _PIECES_OF_A_PROCESS))
 
 
-@contextmanager
-def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
+def _check_store(store: Any) -> None:
     if store is not None and (not isinstance(store, (str, PathLike)) or not str(store)):  # "" is the working folder
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}; write for example 'scan'")
+
+
+@contextmanager
+def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
     path = None if store is None else Path(cast("str", store))
     with nullcontext() if path is None else exclusive(path):
         yield None if path is None else ScanStore(path, description, fresh=fresh)

@@ -103,6 +103,12 @@ class Cases:
     left: list[Case] = field(default_factory=list)  # cases that were not decided
     n_closed: int = 0  # number of cases in which there are no further solutions
     n_cases: int = 0  # number of cases that were looked at
+    is_cut_short: bool = False  # whether the time limit ended a search, and cases were left
+
+    def leave(self, *cases: Case) -> None:
+        """Keep cases that were not decided, and whether that is for want of time."""
+        self.left += cases
+        self.is_cut_short |= has_passed()
 
 
 def in_one_variable(q: Poly, v: int) -> list[fmpq]:
@@ -152,7 +158,7 @@ class CaseSplitting:
             state = stack.pop()
             into.n_cases += 1
             if into.n_cases > most or has_passed():
-                into.left += map(self._left, (state, *stack))
+                into.leave(*map(self._left, (state, *stack)))
                 return
             try:
                 if (further := self._further(state)) is not None:
@@ -168,9 +174,9 @@ class CaseSplitting:
                 else:
                     stack += self._split(state)
             except NotDecidedError:
-                into.left.append(self._left(state))
+                into.leave(self._left(state))
             except TimeLimitError:
-                into.left += map(self._left, (state, *stack))
+                into.leave(*map(self._left, (state, *stack)))
                 return
 
     def _is_settled(self, state: State) -> bool:

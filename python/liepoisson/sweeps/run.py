@@ -17,8 +17,8 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import MOST_THREADS, as_count, as_positive
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.given import labelled
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.given import labelled, named
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.files import exclusive
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
@@ -99,6 +99,7 @@ def sweep(
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience)
+    where = _Where(scheduler, processes, threads, patience)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     _check_code(spec, allow_code=allow_code)
@@ -115,7 +116,6 @@ def sweep(
         spec.fingerprint()
     with nullcontext() if path is None else exclusive(path):
         kept = None if path is None else SweepStore(path, spec, fresh=fresh)
-        where = _Where(scheduler, processes, threads, patience)
         with closing(where):
             return _Run(spec, family, lattice, kept, where, points_per_piece, progress, meaning).result()
 
@@ -182,10 +182,10 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of `SweepSpec`, made of the plain mappings that `sweep` takes for them."""
     made = dict(settings)
     axes = made.get("axes")
-    if (columns := axes if isinstance(axes, Mapping) else _columns(axes)) is not None:
+    if (columns := named(axes, "axes") if isinstance(axes, Mapping) else _columns(axes)) is not None:
         made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", columns).items())
     if isinstance(starts := made.get("starts"), Mapping):
-        given = dict(cast("Mapping[str, Any]", starts))
+        given = named(cast("Mapping[str, Any]", starts), "starts") or {}
         known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}
         nested = given.pop("casimirs", {})
         if given and nested:
@@ -293,7 +293,9 @@ class _Run:
         for lack in ("no system", "no start"):
             absent = [why for k, why in sorted(told.items()) if k not in report.points and why.startswith(lack)]
             if absent:
-                report.remarks.append(f"{activity}: {len(absent)} points have {lack}; the first of them: {absent[0]}")
+                report.remarks.append(
+                    f"{activity}: {lack} at {counted(len(absent), 'point')}; the first of them: {absent[0]}"
+                )
         if self.store is not None:
             self.store.save_facts(number, level)
         return report

@@ -32,13 +32,14 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.inputs.given import is_data_set, is_named, listed
+from liepoisson.inputs.given import is_data_set, is_named, listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.derivation import Exponents, polynomial_terms
 from liepoisson.integrability.galois.linear_systems import exact_expression, rational_function
 from liepoisson.model.discrete_symmetries import discrete_symmetries
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
+from liepoisson.structure.casimir_part import normal_form
 
 MOST_COORDINATES = 12
 """Of systems with more, coordinate planes are not searched: there are 2^N."""
@@ -243,13 +244,14 @@ def _terms(system: System) -> list[list[tuple[int, ...]]]:
 def _components(system: System, state: Mapping[str, Any] | Sequence[Any]) -> list[Any]:
     names = system.component_names
     if is_named(state):
-        if wrong := [str(k) for k in state if k not in names]:
+        given = named(state, "state") or {}
+        if wrong := [str(k) for k in given if k not in names]:
             raise ParameterError(f"state: {wrong[0]} is no coordinate; they are {', '.join(names)}")
-        if is_data_set(state) and (missing := [name for name in names if name not in state]):
+        if is_data_set(state) and (missing := [name for name in names if name not in given]):
             raise ParameterError(
                 f"state: wanted all of {', '.join(names)}; got none for {', '.join(missing)}. Give it."
             )
-        return [state.get(name, 0) for name in names]
+        return [given.get(name, 0) for name in names]
     found = listed(state, "state", names)
     if found is None or len(found) != len(names):
         got = shown(state) if found is None else len(found)
@@ -437,7 +439,7 @@ class _Restricted:
         full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in equations]
         first = [next(i for i, entry in enumerate(v) if entry) for v in plane.basis]
         self.rates = [full[i] / v[i] for i, v in zip(first, plane.basis, strict=True)]
-        known: list[Any] = [system.hamiltonian, *system.bracket.casimirs()]
+        known: list[Any] = [normal_form(system.bracket, system.hamiltonian)[0], *system.bracket.casimirs()]
         functions = [f for f in known if f.is_polynomial(*system.variables)]
         self.integrals = [g for f in functions if (g := f.subs(at, simultaneous=True).expand()).free_symbols]
         self.fixed = [c for c, rate in zip(self.coordinates, self.rates, strict=True) if rate == 0]

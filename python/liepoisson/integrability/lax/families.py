@@ -7,7 +7,7 @@ coefficients, and is split into the cases in which it has solutions (`liepoisson
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -19,7 +19,7 @@ from liepoisson.algebra.sparse_polynomials import whole_expression
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import Deadline
+from liepoisson.inputs.deadline import CUT_SHORT, Deadline
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.pair import LaxPair
 from liepoisson.integrability.lax.search import MOST_DEGREE, Ansatz, member, pairs_with, split, trivial_vectors
@@ -52,7 +52,7 @@ class LaxFamily:
 
     conditions: tuple[Expr, ...]
     nonzero: tuple[Expr, ...]
-    example: dict[str, Fraction] | None
+    example: dict[str, Fraction] | None = field(hash=False)
     pair: LaxPair | None
 
     def __str__(self) -> str:
@@ -90,6 +90,7 @@ class LaxFamilies:
         positive: Parameters that are positive, by assumption.
         complete: Whether it is proved that there are no others.
         n_undecided: Cases that were not decided.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -100,10 +101,11 @@ class LaxFamilies:
     positive: tuple[str, ...]
     complete: bool
     n_undecided: int
+    is_cut_short: bool = False
 
     def __repr__(self) -> str:
         n = len(self.families)
-        state = "" if self.complete else ", incomplete"
+        state = "" if self.complete else ", incomplete" + CUT_SHORT * self.is_cut_short
         cases = f"{n} case{'s' * (n != 1)}"
         return f"<LaxFamilies of {self.system.name}: {cases} of degree up to {self.degree}, form {self.form}{state}>"
 
@@ -117,7 +119,8 @@ class LaxFamilies:
             lines.append(f"assumed: {', '.join(assumed)}")
         lines += [str(family) for family in self.families]
         proved = "for no other real parameters is there one: proved"
-        lines.append(proved if self.complete else f"not proved that these are all: {self.n_undecided} cases left")
+        left = f"not proved that these are all: {self.n_undecided} cases left{CUT_SHORT * self.is_cut_short}"
+        lines.append(proved if self.complete else left)
         return "\n".join(lines)
 
 
@@ -168,15 +171,18 @@ def lax_families(
     ansatz = Ansatz(system, form, symbols)
     splitting = _Splitting(ansatz, names, nonzero, positive, most)
     families: list[LaxFamily] = []
-    n_undecided, n = 0, len(ansatz.partners)
+    n_undecided, n, is_cut_short = 0, len(ansatz.partners), False
     for first in range(n):
         cases = splitting.cases(first, deadline)
         n_undecided += len(cases.left)
+        is_cut_short |= cases.is_cut_short
         families += [splitting.family(case, first) for case in cases.found]
         if progress:
             progress((first + 1) / n)
     assumed = tuple(splitting.expression(q) for q in splitting.assumed)
-    return LaxFamilies(system, form, most, tuple(families), assumed, tuple(positive), not n_undecided, n_undecided)
+    return LaxFamilies(
+        system, form, most, tuple(families), assumed, tuple(positive), not n_undecided, n_undecided, is_cut_short
+    )
 
 
 class _Splitting:

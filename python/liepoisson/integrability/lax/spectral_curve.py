@@ -12,7 +12,7 @@ by one of them twice; the difference of both genera is the dimension of the Prym
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -28,6 +28,7 @@ from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
+from liepoisson.numeric.sampling import as_seed
 
 if TYPE_CHECKING:
     from liepoisson.integrability.lax.pair import LaxPair
@@ -112,7 +113,7 @@ class SpectralCurve:
     """
 
     pair: LaxPair
-    point: dict[str, Fraction]
+    point: dict[str, Fraction] = field(hash=False)
     polynomial: Expr
     components: tuple[CurveComponent, ...]
 
@@ -170,7 +171,7 @@ def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | Non
         raise ParameterError(
             "spectral: wanted a Lax pair with a spectral parameter, whose eigenvalues are a curve; got none"
         )
-    values, numbers = _values(pair, point, seed)
+    values, numbers = _values(pair, point, as_seed(seed))
     matrix: Any = pair.L.xreplace(numbers).expand()
     arithmetic = EntryArithmetic(list(matrix))
     rows = [[arithmetic.read(e) for e in row] for row in matrix.tolist()]

@@ -266,7 +266,7 @@ def draw_all(results: Results, out: Path, tell: Callable[[str], None]) -> dict[s
     """Draw every figure as PNG, SVG and PDF into `out`; returns the SVG of each.
 
     Raises:
-        OSError: a file could not be written.
+        OutputError: a file could not be written.
     """
     paths: dict[str, Path] = {}
     for name, draw in FIGURES.items():

@@ -15,6 +15,7 @@ from liepoisson.studies.twisted_top.integration import (
     Progress,
     RunStore,
     Tracker,
+    alone_in,
     complete,
     discard,
     write_json,
@@ -48,8 +49,7 @@ class StudyResult:
 def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None) -> StudyResult:
     """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
 
-    Finished pieces are stored as they come: after an interruption the same call goes on from there.  No other process
-    may work in the folder; the command line sees to that.
+    Finished pieces are stored as they come: after an interruption the same call goes on from there.
 
     Args:
         settings: Trajectories, end time, seed, threads.
@@ -58,13 +58,19 @@ def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: P
         progress: Hears how far the study is.
 
     Raises:
-        OutputError, OSError: a file could not be written; what is finished is kept.
+        OutputError: a file could not be written, or another run is using `out`; what is finished is kept.
         DamagedFileError: a stored file is truncated or altered.
         ParameterError: `out` holds the work of a study with other options.
         KeyboardInterrupt: Ctrl-C; what is finished is kept.
     """
-    if fresh:
-        discard(out)
+    with alone_in(out):
+        if fresh:
+            discard(out)
+        return _computed(settings, out, progress)
+
+
+def _computed(settings: Settings, out: Path, progress: Progress | None) -> StudyResult:
+    """What `reproduce` does in its folder."""
     started = time.perf_counter()
     stores = [RunStore(out, run) for run in plan(settings)]
     tracker = Tracker(stores, progress)
