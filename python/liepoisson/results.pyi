@@ -22,8 +22,8 @@ from liepoisson.integrability.families import ParameterCase as ParameterCase
 from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan
 from liepoisson.integrability.lax.families import LaxFamilies as LaxFamilies
 from liepoisson.integrability.lax.families import LaxFamily as LaxFamily
-from liepoisson.integrability.lax.lax_integrals import LaxIntegral as LaxIntegral
-from liepoisson.integrability.lax.lax_integrals import LaxIntegrals as LaxIntegrals
+from liepoisson.integrability.lax.pair import LaxIntegral as LaxIntegral
+from liepoisson.integrability.lax.pair import LaxIntegrals as LaxIntegrals
 from liepoisson.integrability.lax.pair import LaxPair as LaxPair
 from liepoisson.integrability.lax.search import LaxSearch as LaxSearch
 from liepoisson.integrability.lax.spectral_curve import CurveComponent as CurveComponent

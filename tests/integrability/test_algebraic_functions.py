@@ -7,7 +7,7 @@ from sympy import cos, sin, sqrt
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.algebraic_functions import algebraic_equations
-from liepoisson.integrability.level import level_of
+from liepoisson.integrability.derivation import level_of
 
 first_integrals = lp.integrability.first_integrals
 PLANE = lp.canonical(names=("x", "y"))

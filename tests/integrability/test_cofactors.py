@@ -5,8 +5,7 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.integrability.cofactors import CofactorCases, cofactor_monomials
-from liepoisson.integrability.derivation import derivation_of, gradings, of_degree
-from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.derivation import Level, derivation_of, gradings, of_degree, order
 
 
 def cases_of(hamiltonian, field="complex"):
@@ -44,9 +43,9 @@ def test_monomials_are_bounded_by_the_terms_of_the_equations():
 def test_an_oscillator(hamiltonian, field, values):
     _, cases = cases_of(hamiltonian, field)
     found = cases.candidates(block(2))
-    assert {value[0] for value in found.values} == values
-    assert {value[1:] for value in found.values} == {(0, 0)}
-    assert not found.left
+    assert {value[0] for value in found} == values
+    assert {value[1:] for value in found} == {(0, 0)}
+    assert not cases.left
 
 
 def test_eigenvalues_that_are_no_square_roots_are_left():

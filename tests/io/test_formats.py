@@ -11,7 +11,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, LiePoissonError
-from liepoisson.integrability import certificates, report, scan_store
+from liepoisson.integrability import certificates, report, scan_points
 from liepoisson.io import dataset
 from liepoisson.proofs import certificate
 from liepoisson.sweeps import store
@@ -28,7 +28,7 @@ WRITTEN = {
     "integrability-certificate": certificates.FORMAT,
     "integrability-report": report.FORMAT,
     "covering-certificate": certificate.FORMAT,
-    "integral-scan": scan_store.FORMAT,
+    "integral-scan": scan_points.FORMAT,
 }
 """Kind of file, and the format that this version writes."""
 

@@ -46,7 +46,7 @@ def test_normal_numbers_are_those_of_numpy():
 
 
 # Files that draw figures or word numbers, after everything was computed; the last one checks what it finds exactly.
-DISPLAY = ("plot", "laboratory", "cli", "studies", "integrability/painleve/laurent.py")
+DISPLAY = ("plot", "laboratory", "cli", "studies", "integrability/painleve/balance.py")
 # Here @ joins an algebra and an extension.
 OF_ALGEBRAS = {
     "catalog/families.py", "structure/casimirs.py", "report/motion_facts.py", "model/system_file_reader.py",

@@ -10,9 +10,11 @@ Elements have `+`, `-`, `*` and are true if they are not zero; the field inverts
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from math import prod
+from re import sub
 from typing import Any, Protocol
 
 from flint import fmpq, fmpq_poly
@@ -20,7 +22,7 @@ from flint import fmpq, fmpq_poly
 from liepoisson.algebra.ideals.components import irreducible_factors
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.matrices import determinant, solved
-from liepoisson.algebra.number_fields import AlgebraicNumber, Element, NumberField, Rational, as_fmpq
+from liepoisson.algebra.number_fields import AlgebraicNumber, Element, NumberField, Rational, as_fmpq, as_fraction
 
 _MOST_CONJUGATES = 4
 """Norms of larger degrees are long polynomials."""
@@ -312,6 +314,32 @@ class AlgebraicFunction:
 
     def __mul__(self, other: AlgebraicFunction) -> AlgebraicFunction:
         return self.field.product(self, other)
+
+
+def common_roots(rows: Iterable[Sequence[Any]]) -> tuple[dict[Fraction, int], list[tuple[fmpq_poly, int]], fmpq_poly]:
+    """The rational roots that polynomials have in common, the other factors of their greatest common divisor, and that.
+
+    With multiplicities; rows are rational coefficients, by powers.
+    """
+    common = fmpq_poly()
+    for row in rows:
+        common = common.gcd(fmpq_poly(list(row)))
+    factors = [(fmpq_poly(f), int(k)) for f, k in common.factor()[1]]
+    rational = {as_fraction(-f[0] / f[1]): k for f, k in factors if f.degree() == 1}
+    return rational, [(f, k) for f, k in factors if f.degree() > 1], common
+
+
+def readable(polynomial: str) -> str:
+    """FLINT's text of a polynomial with minus signs for negative numbers."""
+    return sub(r"\+ \((-[\d/]+)\)", r"+ \1", polynomial).replace("+ -", "- ")
+
+
+def root_text(polynomial: Any, variable: Any) -> str:
+    """The roots of an irreducible polynomial in words, for example "s = -1" or "s^2 + 1 = 0"."""
+    if polynomial.degree() == 1:
+        return f"{variable} = {-polynomial[0] / polynomial[1]}"
+    text = readable(str(polynomial).replace("x", str(variable)))
+    return sub(r"\b1\*", "", text) + " = 0"
 
 
 def over_common_denominator(fractions: Sequence[tuple[Any, Any]], one: Any) -> tuple[list[Any], Any]:

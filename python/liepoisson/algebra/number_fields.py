@@ -27,7 +27,12 @@ def as_fmpq(value: Rational) -> fmpq:
     """A rational number as FLINT's."""
     from flint import fmpq
 
-    return value if isinstance(value, fmpq) else fmpq(value.numerator, value.denominator)
+    return value if isinstance(value, fmpq) else fmpq(int(value.numerator), int(value.denominator))
+
+
+def as_fraction(value: Any) -> Fraction:
+    """A rational number of FLINT or SymPy as Python's."""
+    return Fraction(int(value.numerator), int(value.denominator))
 
 
 class NumberField(Protocol):

@@ -23,22 +23,59 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations
 from math import gcd, lcm
-from typing import TYPE_CHECKING, Any, NoReturn, cast
+from typing import Any, NoReturn, cast
+
+from flint import fmpq_mat, fmpz_mat
+from sympy import (
+    Add,
+    Dummy,
+    Expr,
+    Mul,
+    Poly,
+    Pow,
+    Symbol,
+    cos,
+    cosh,
+    cot,
+    coth,
+    csc,
+    csch,
+    default_sort_key,
+    exp,
+    expand,
+    expand_trig,
+    factor_list,
+    log,
+    pi,
+    prod,
+    sec,
+    sech,
+    sin,
+    sinh,
+    sqrt,
+    tan,
+    tanh,
+)
 
 from liepoisson.algebra.coefficients import check_degree
-from liepoisson.algebra.number_fields import Element, as_fmpq
+from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.number_fields import Element, as_fmpq, as_fraction
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of, derivation_of_rates
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
+from liepoisson.integrability.derivation import (
+    Derivation,
+    Exponents,
+    Level,
+    derivation_of,
+    derivation_of_rates,
+    level_of,
+)
+from liepoisson.model.system import System
 
 _MOST_ROOTS = 5
 """Products of all subsets of more roots are not tested."""
@@ -57,17 +94,16 @@ Form = tuple[Fraction, ...]
 
 @dataclass(frozen=True)
 class AlgebraicEquations:
-    """Equations of a system that are polynomials in the coordinates and in some functions of them.
+    """Equations of a system that are polynomials in the coordinates and in some functions of them."""
 
-    Attributes:
-        derivation: The equations; its variables are the coordinates and one for each function.
-        functions: The functions by their variables.
-        relations: Polynomials in all variables that vanish.
-    """
+    derivation: Derivation  # the equations; its variables are the coordinates and one for each function
+    functions: dict[Symbol, Expr]  # the functions by their variables
+    relations: tuple[Polynomial, ...]  # polynomials in all variables that vanish
 
-    derivation: Derivation
-    functions: dict[Symbol, Expr]
-    relations: tuple[Polynomial, ...]
+    @cached_property
+    def level(self) -> Level:
+        """The level set of the relations: remainders on it agree where functions do."""
+        return level_of(self.derivation, self.relations)
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
         """A polynomial in all variables as a function of the coordinates."""
@@ -75,11 +111,7 @@ class AlgebraicEquations:
 
 
 def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEquations, list[Polynomial]]:
-    """The equations of a system, and functions, in as many more variables as are needed; none for polynomials.
-
-    Raises:
-        ParameterError: they contain functions that satisfy no such equations.
-    """
+    """The equations of a system, and functions, in as many more variables as are needed; none for polynomials."""
     x = system.variables
     rates = list(system.equations.values())
     if all(e.is_polynomial(*x) for e in (*rates, *functions)):
@@ -96,14 +128,8 @@ def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEqua
 
 def is_algebraic(system: System, function: Expr) -> bool:
     """Whether a function can be read along with the equations: log(x) cannot, though its derivatives may."""
-    from sympy import log
-
     if not function.has(log):
         return True
-    try:
-        algebraic_equations(system)
-    except ParameterError:
-        return True  # the equations are to blame, and reading them tells why
     try:
         algebraic_equations(system, function)
     except ParameterError:
@@ -133,8 +159,6 @@ class _Reader:
 
     def rates(self, of_coordinates: Sequence[Any]) -> list[Any]:
         """The rates of all variables, by the chain rule."""
-        from sympy import expand
-
         known: dict[Any, Any] = dict(zip(self.coordinates, of_coordinates, strict=True))
 
         def along(function: Any) -> Any:
@@ -149,12 +173,11 @@ class _Reader:
             rate = along(self._written(form))
             known |= {s: c * rate, c: -s * rate}
         for factor, u in self._inverses.items():
-            known[u] = -(u**2) * along(factor)
+            if u in self.functions and u not in known:
+                known[u] = -(u**2) * along(factor)
         return [expand(known[z]) for z in (*self.coordinates, *self.functions)]
 
     def _polynomial(self, expression: Any) -> Any:
-        from sympy import cos, exp, sin
-
         checkpoint("reading functions as polynomials")
         x = set(self.coordinates)
         if not expression.free_symbols & x or expression.is_polynomial(*self.coordinates):
@@ -176,8 +199,6 @@ class _Reader:
         self._refuse(expression)
 
     def _exponential(self, form: Form) -> Any:
-        from sympy import prod
-
         ray, multiple = _ray(form)
         for unit, e in self._exponentials.items():
             known, step = _ray(unit)
@@ -189,34 +210,23 @@ class _Reader:
         return prod(factors)
 
     def _new(self, function: Any) -> Symbol:
-        from sympy import Dummy
-
         symbol = Dummy(f"y{len(self.functions) + 1}")
         self.functions[symbol] = function
         return symbol
 
     def _inverse(self, base: Any) -> Any:
         """One over a polynomial in all variables, by an inverse for each of its factors."""
-        from sympy import factor_list
-
         content, factors = cast("tuple[Any, Any]", factor_list(base.expand(), *self.coordinates, *self.functions))
         total: Any = 1 / content
         for factor, power in factors:
-            known = next((u for r, u in self._roots.values() if factor == r), None)
-            if known is None:
-                known = next((u**2 for p, (_, u) in self._roots.items() if factor == p), None)
-            if known is None:
-                if factor not in self._inverses:
-                    self._inverses[factor] = self._new(1 / factor.xreplace(self.functions))
-                    self.relations.append(self._inverses[factor] * factor - 1)
-                known = self._inverses[factor]
-            total *= known**power
+            if factor not in self._inverses:
+                self._inverses[factor] = self._new(1 / factor.xreplace(self.functions))
+                self.relations.append(self._inverses[factor] * factor - 1)
+            total *= self._inverses[factor] ** power
         return total
 
     def _expanded(self, expression: Any) -> Any:
         """The sine or cosine of a form, in those of the basis."""
-        from sympy import Dummy, cos, expand_trig, sin
-
         form, constant = self._form(expression.args[0], turns=True)
         multiples = _multiples([f for f, _, _ in self._angles], form)
         if (largest := sum(map(abs, multiples))) > _MOST_TURNS:
@@ -233,8 +243,6 @@ class _Reader:
 
     def _form(self, argument: Any, *, turns: bool = False) -> tuple[Form, Any]:
         """The coefficients of a linear form, and a constant, which may be a rational multiple of pi if it turns."""
-        from sympy import Poly, pi
-
         if not argument.is_polynomial(*self.coordinates):
             self._refuse(argument)
         polynomial = Poly(argument, *self.coordinates)
@@ -244,7 +252,7 @@ class _Reader:
         constant = polynomial.coeff_monomial(1)
         if not all(v.is_Rational for v in values) or not (constant == 0 or (turns and (constant / pi).is_Rational)):
             self._refuse(argument)
-        return tuple(Fraction(int(v.p), int(v.q)) for v in values), constant
+        return tuple(as_fraction(v) for v in values), constant
 
     def _refuse(self, expression: Any) -> NoReturn:
         raise ParameterError(
@@ -253,8 +261,6 @@ class _Reader:
         )
 
     def _add_roots(self, expressions: Iterable[Any]) -> None:
-        from sympy import Poly, Pow, default_sort_key, prod, sqrt
-
         bases: list[Any] = []
         powers = {p for e in expressions for p in e.atoms(Pow) if p.free_symbols & set(self.coordinates)}
         for power in sorted(powers, key=default_sort_key):
@@ -279,11 +285,10 @@ class _Reader:
         for base in bases:
             r, u = self._new(sqrt(base)), self._new(1 / sqrt(base))
             self._roots[base] = r, u
+            self._inverses |= {r: u, base: u**2}
             self.relations += [r**2 - base, u * r - 1]
 
     def _add_exponentials(self, expressions: Iterable[Any]) -> None:
-        from sympy import exp
-
         arguments = {f.args[0] for e in expressions for f in e.atoms(exp) if f.free_symbols & set(self.coordinates)}
         rays: dict[Form, list[Fraction]] = {}
         for argument in sorted(arguments, key=str):
@@ -292,7 +297,8 @@ class _Reader:
         units = [tuple(_common(powers) * c for c in form) for form, powers in rays.items()]
         relations = _relations(units)
         if len(relations) > 1:
-            units = _with_inverses(units)
+            # many exponentials of few forms satisfy many relations; powers of these, negative ones too, one each
+            units = [one for form in _lattice_basis(units) for one in (form, _opposite(form))]
         self._exponentials = {unit: self._new(exp(self._written(unit))) for unit in units}
         symbols = list(self._exponentials.values())
         if len(relations) > 1:
@@ -301,8 +307,6 @@ class _Reader:
             self.relations += [_binomial(multiples, symbols) for multiples in relations]
 
     def _add_angles(self, expressions: Iterable[Any]) -> None:
-        from sympy import cos, sin
-
         found = {f.args[0] for e in expressions for f in e.atoms(sin, cos) if f.free_symbols & set(self.coordinates)}
         forms = [self._form(argument, turns=True)[0] for argument in sorted(found, key=str)]
         if not forms:
@@ -313,14 +317,10 @@ class _Reader:
             self.relations.append(s**2 + c**2 - 1)
 
     def _written(self, form: Form) -> Any:
-        from liepoisson.algebra.exact_numbers import to_sympy
-
         return sum(to_sympy(c) * x for c, x in zip(form, self.coordinates, strict=True))
 
 
 def _in_exp_sin_cos(expression: Any) -> Any:
-    from sympy import cos, cosh, cot, coth, csc, csch, exp, sec, sech, sin, sinh, tan, tanh
-
     def ratio(f: Any) -> Any:
         return sin(f) / cos(f)
 
@@ -338,16 +338,12 @@ def _in_exp_sin_cos(expression: Any) -> Any:
 
 def _with_one_exponential(product: Any) -> Any:
     r"""A product with $e^{f + g}$ for $e^f e^g$, into which SymPy expands it: one variable, and no relation."""
-    from sympy import Add, Mul, exp
-
     exponents: list[Any] = [f.args[0] for f in product.args if isinstance(f, exp)]
     return Mul(*(f for f in product.args if not isinstance(f, exp)), exp(Add(*exponents)))
 
 
 def _primitive(base: Any, coordinates: Sequence[Any]) -> tuple[Any, Any]:
     """A positive rational number times an expanded polynomial whose coefficients have no common factor."""
-    from sympy import Poly
-
     content, primitive = Poly(base, *coordinates).primitive()
     return (content, primitive.as_expr()) if content.is_Rational and content > 0 else (content * 0 + 1, base.expand())
 
@@ -369,8 +365,6 @@ def _opposite(form: Form) -> Form:
 
 def _lattice_basis(forms: Sequence[Form]) -> list[Form]:
     """Short forms of which all these are sums with whole coefficients."""
-    from flint import fmpz_mat
-
     scale = lcm(*(c.denominator for f in forms for c in f))
     lattice = fmpz_mat([[int(c * scale) for c in f] for f in forms]).hnf()
     rows = fmpz_mat(lattice.tolist()[: lattice.rank()]).lll()
@@ -383,25 +377,13 @@ def _lattice_basis(forms: Sequence[Form]) -> list[Form]:
 
 def _multiples(basis: Sequence[Form], form: Form) -> list[int]:
     """The whole coefficients of a form in a basis of the lattice."""
-    from flint import fmpq_mat
-
     rows = [[as_fmpq(c) for c in f] for f in (*basis, form)]
     reduced, rank = fmpq_mat([list(column) for column in zip(*rows, strict=True)]).rref()
     return [int(reduced[k, rank].p) for k in range(rank)]
 
 
-def _with_inverses(forms: Sequence[Form]) -> list[Form]:
-    """A basis of the lattice of the forms, and after each form of it its opposite.
-
-    Many exponentials of few forms satisfy many relations; the powers of these, also negative ones, satisfy one each.
-    """
-    return [one for form in _lattice_basis(forms) for one in (form, _opposite(form))]
-
-
 def _relations(forms: Sequence[Form]) -> list[list[int]]:
     """A basis of the whole numbers with which the forms add up to zero."""
-    from flint import fmpz_mat
-
     if not forms:
         return []
     m, n = len(forms), len(forms[0])
@@ -413,8 +395,6 @@ def _relations(forms: Sequence[Form]) -> list[list[int]]:
 
 def _binomial(multiples: Sequence[int], symbols: Sequence[Any]) -> Any:
     """What vanishes if this sum of forms does; if no other does, all relations are its multiples [sturmfels1996]."""
-    from sympy import prod
-
     pairs = [(y, int(k)) for y, k in zip(symbols, multiples, strict=True)]
     positive: Any = prod(y**k for y, k in pairs if k > 0)
     negative: Any = prod(y**-k for y, k in pairs if k < 0)

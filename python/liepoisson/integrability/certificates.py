@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from itertools import combinations, count
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, named
@@ -142,16 +142,12 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
     except (OSError, ValueError, RecursionError) as error:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
-    if (named := data.get("format") if isinstance(data, dict) else None) != FORMAT and _is_of_a_version(named):
+    named = data.get("format") if isinstance(data, dict) else None
+    if named != FORMAT and isinstance(named, str) and named.rpartition("/")[0] == FORMAT.rpartition("/")[0]:
         raise DamagedFileError(f"{path}: {another_format(named, FORMAT)}")
     if wrong := checker.fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data
-
-
-def _is_of_a_version(named: object) -> bool:
-    """Whether a file says that it is a certificate, of whichever version of the format."""
-    return isinstance(named, str) and named.rpartition("/")[0] == FORMAT.rpartition("/")[0]
 
 
 def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:
@@ -166,5 +162,5 @@ def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:
                 f"a certificate: wanted rational coefficients, which a short checker understands; got {coefficient}"
             )
         if coefficient != 0:
-            found.append([str(Fraction(int(coefficient.p), int(coefficient.q))), list(map(int, monomial))])
+            found.append([str(as_fraction(coefficient)), list(map(int, monomial))])
     return found

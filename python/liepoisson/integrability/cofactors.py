@@ -15,25 +15,23 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import replace
 from itertools import islice, product
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import Literal, TypeAlias
+
+from flint import fmpq_mpoly_ctx, nmod_poly
+from sympy import Expr
 
 from liepoisson.algebra.coefficients import quadratic_roots, square_root_element, square_root_field
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.linear_algebra import nullspace_mod
-from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
+from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq, as_fraction
 from liepoisson.algebra.residues import primes
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents, value_at
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
-from liepoisson.integrability.level import Level
-from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State
-
-if TYPE_CHECKING:
-    from sympy import Expr
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, of_degree
+from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State, in_one_variable
 
 Field: TypeAlias = Literal["complex", "real", "rational"]
 Values: TypeAlias = "tuple[Expr, ...]"
@@ -88,31 +86,11 @@ def image(
     return level.remainder(total)
 
 
-@dataclass(frozen=True)
-class Candidates:
-    """What the splitting of one block gave.
-
-    Attributes:
-        values: Coefficients of cofactors, among them all that occur, but for those in `left`.
-        left: Cases that were not decided, as conditions.
-        n_cases: Number of cases that were looked at.
-        is_cut_short: Whether the time limit ended the splitting.
-    """
-
-    values: tuple[Values, ...]
-    left: tuple[str, ...]
-    n_cases: int
-    is_cut_short: bool
-
-
 class CofactorCases(CaseSplitting):
     """The splitting of the system $(D - k) p = 0$ by the coefficients of k.
 
-    Args:
-        derivation: The equations, with rational coefficients.
-        level: The level set, or all of phase space.
-        monomials: Those of the cofactor.
-        field: Which numbers the coefficients of the cofactor may be.
+    Cases that are not decided are added to `left`, as conditions; those that are looked at are counted in `n_cases`;
+    `is_cut_short` says whether the time limit ended the splitting.
     """
 
     def __init__(
@@ -122,54 +100,42 @@ class CofactorCases(CaseSplitting):
         monomials: Sequence[Exponents],
         field: Field,
     ) -> None:
-        from flint import fmpq_mpoly_ctx
-
         self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
         self.number_field: Field = field
-        names = [f"k_{'_'.join(_name(derivation, m)) or '0'}" for m in monomials]
+        self.left: list[str] = []
+        self.n_cases, self.is_cut_short = 0, False
+        x = derivation.variables
+        factors = [[f"{v}{k}" if k > 1 else f"{v}" for v, k in zip(x, m, strict=True) if k] for m in monomials]
+        names = [f"k_{'_'.join(of_one) or '0'}" for of_one in factors]
         super().__init__(fmpq_mpoly_ctx.get(names, "degrevlex"), frozenset(), [])
 
-    def candidates(self, block: Sequence[Exponents]) -> Candidates:
+    def candidates(self, block: Sequence[Exponents]) -> tuple[Values, ...]:
         """The cofactors of polynomials with the monomials of a block; what is not decided by the deadline is left."""
         if not self.monomials:
-            return Candidates(((),), (), 1, False)
-        every = Case(nonzero=self.assumed)
+            self.n_cases += 1
+            return ((),)
+        cases, values = Cases(), list[Values]()
         try:
-            stack = [State(every, self._rows(block), 0)]
+            self.run(self._rows(block), len(block), 0, cases)
         except TimeLimitError:
-            return Candidates((), (self._text(every),), 0, True)
-        values: list[Values] = []
-        left = Cases()
-        n_cases = 0
-        while stack:
-            state = stack.pop()
-            n_cases += 1
+            cases.leave(Case(nonzero=self.assumed))
+        for case in cases.found:
             try:
-                further = self._impose(state)
-                if further is not None:
-                    stack += further
-                    continue
-                self._eliminate(state, len(block))
-                if state.rank >= len(block):
-                    continue
-                if state.rows and not self._is_finite(state.case):
-                    stack += self._split(state)
-                    continue
-                points = self._points(state.case)
-                if points is None and self._has_none(state.case, block):
-                    continue
-            except NotDecidedError:
-                left.leave(state.case)
-                continue
-            except TimeLimitError:
-                left.leave(*(s.case for s in (state, *stack)))
-                break
-            if points is None:
-                left.leave(state.case)
+                points = self._points(case)
+                if points is None and not self._has_none(case, block):
+                    cases.leave(case)
+            except (NotDecidedError, TimeLimitError):
+                cases.leave(case)
             else:
-                values += points
-        texts = tuple(map(self._text, left.left))
-        return Candidates(tuple(dict.fromkeys(values)), texts, n_cases, left.is_cut_short)
+                values += points or ()
+        self.n_cases += cases.n_cases
+        self.is_cut_short |= cases.is_cut_short
+        texts = (", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors" for case in cases.left)
+        self.left += texts
+        return tuple(dict.fromkeys(values))
+
+    def _is_settled(self, state: State) -> bool:
+        return not state.rows or self._is_finite(state.case)
 
     def _rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
         rows: dict[Exponents, SparseRow] = {}
@@ -259,8 +225,6 @@ class CofactorCases(CaseSplitting):
         Modulo a prime ranks can only drop. The zeros of one irreducible equation are all alike, so that one of them
         modulo the prime suffices; with several equations all must be there.
         """
-        from flint import nmod_poly
-
         equations = self._equations(case)
         if not self._is_finite(case):
             return False
@@ -268,10 +232,7 @@ class CofactorCases(CaseSplitting):
             number = PrimeField(p).number
             choices: dict[int, list[Element]] = {}
             for v, q in equations.items():
-                coefficients = [0] * (q.degrees()[v] + 1)
-                for monomial, c in q.terms():
-                    coefficients[int(monomial[v])] = int(number(c))
-                factors = nmod_poly(coefficients, p).factor()[1]
+                factors = nmod_poly([int(number(c)) for c in in_one_variable(q, v)], p).factor()[1]
                 choices[v] = [-f[0] / f[1] for f, _ in factors if f.degree() == 1]
             if len(equations) == 1 and all(choices.values()):
                 choices = {v: zeros[:1] for v, zeros in choices.items()}
@@ -295,16 +256,5 @@ class CofactorCases(CaseSplitting):
         return len(nullspace_mod(rows, len(block), p))
 
     def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
-        coefficients = [Fraction(0)] * 3
-        for monomial, c in q.terms():
-            coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
-        return quadratic_roots(
-            *reversed(coefficients)
-        )  # real if that is wanted: `_has_real_zero` has excluded the others
-
-    def _text(self, case: Case) -> str:
-        return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"
-
-
-def _name(derivation: Derivation, monomial: Exponents) -> list[str]:
-    return [f"{x}" if k == 1 else f"{x}{k}" for x, k in zip(derivation.variables, monomial, strict=True) if k]
+        # real if that is wanted: `_has_real_zero` has excluded the others
+        return quadratic_roots(*map(as_fraction, reversed(in_one_variable(q, v))))

@@ -24,8 +24,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import combinations, combinations_with_replacement
-from typing import TYPE_CHECKING, Any
+from math import prod
+from typing import Any
+
+from sympy import Add, Expr, Integer, Mul, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
 
 from liepoisson.algebra.coefficients import Coefficients, check_degree
 from liepoisson.algebra.echelon import transposed
@@ -33,14 +38,10 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank_mod, solve
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.level import Level, level_of
-from liepoisson.integrability.modular import modular, residues_of
-from liepoisson.integrability.search import point_on_level
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
+from liepoisson.integrability.derivation import Level
+from liepoisson.integrability.search import modular, point_on_level, residues_of
+from liepoisson.model.system import System
+from liepoisson.structure.trace import traces_in
 
 _MOST_PRIMES = 2
 """Primes of which one may be unlucky: modulo it a rank drops."""
@@ -112,10 +113,6 @@ def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int
 
 def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> ClosedIntegrals | None:
     """The integrals, if they are closed under the bracket and as many as the theorem wants."""
-    from sympy import Symbol
-
-    from liepoisson.structure.trace import traces_in
-
     # Casimirs that are traces of matrices are left out: written out they are long
     names, casimirs = list(integrals), [c for c in system.bracket.casimirs() if not traces_in(c)]
     pairs = list(combinations(names, 2))
@@ -147,16 +144,13 @@ def _brackets(system: System, pairs: Iterable[tuple[Expr, Expr]]) -> list[Expr]:
 
 def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
     equations, polynomials = algebraic_equations(system, *functions)
-    level = level_of(equations.derivation, equations.relations)
-    return [not level.remainder(f) for f in polynomials]
+    return [not equations.level.remainder(f) for f in polynomials]
 
 
 def as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:
     """Functions as polynomials in generators of no higher degree; None if one is none."""
-    from sympy import Add, Integer, Mul
-
     equations, read = algebraic_equations(system, *functions, *generators.values())
-    level, field = level_of(equations.derivation, equations.relations), equations.derivation.field
+    level, field = equations.level, equations.derivation.field
     remainders = [level.remainder(f) for f in read]
     targets, factors = remainders[: len(functions)], remainders[len(functions) :]
     degrees = [max(map(sum, f), default=0) for f in factors]
@@ -186,9 +180,6 @@ def as_polynomials(system: System, functions: Sequence[Expr], generators: Mappin
 
 def _generic_rank(names: Sequence[str], matrix: Mapping[tuple[str, str], Expr], generators: Sequence[Any]) -> int:
     """The rank of the antisymmetric matrix over the field of rational functions of the generators."""
-    from sympy import Poly
-    from sympy.polys.matrices import DomainMatrix
-
     if not matrix:
         return 0
     check_degree(matrix.values())
@@ -218,14 +209,12 @@ def commuting_combinations(system: System, integrals: Mapping[str, Expr], rank: 
 
     Each comes with the polynomial that it is in the names of the integrals.
     """
-    from sympy import Symbol
-
     functions = {name: f for name, f in integrals.items() if name != "H" and is_algebraic(system, f)}
     if len(functions) < 2 or rank < 4:
         return []
     names = list(functions)[:_MOST_GENERATORS]
     algebra = _Algebra.of(system, [functions[name] for name in names])
-    found = _Chains(system, algebra, rank // 2).longest()
+    found = _longest_chain(system, algebra, rank // 2)
     symbols: list[Any] = [Symbol(name) for name in names]
     chosen = [(algebra.combined(c, algebra.generators).expand(), algebra.combined(c, symbols)) for c in found]
     return [(system.hamiltonian, Symbol("H")), *chosen] if found else []
@@ -233,23 +222,15 @@ def commuting_combinations(system: System, integrals: Mapping[str, Expr], rank: 
 
 @dataclass(frozen=True)
 class _Algebra:
-    """Integrals, their products and brackets.
+    """Integrals, their products and brackets."""
 
-    Attributes:
-        generators: The integrals, as expressions.
-        polynomials: The same as polynomials.
-        brackets: Of the pairs, by their numbers.
-        products: The linearly independent ones among the generators and products of two, by the numbers of the factors.
-        field: Where coefficients live.
-        level: The relations of functions that are no polynomials.
-    """
-
-    generators: list[Expr]
-    polynomials: list[Polynomial]
-    brackets: dict[tuple[int, int], Polynomial]
+    generators: list[Expr]  # the integrals, as expressions
+    polynomials: list[Polynomial]  # the same as polynomials
+    brackets: dict[tuple[int, int], Polynomial]  # of the pairs, by their numbers
+    # the linearly independent ones among the generators and products of two, by the numbers of the factors
     products: list[tuple[int, ...]]
     field: Coefficients
-    level: Level
+    level: Level  # the relations of functions that are no polynomials
 
     @classmethod
     def of(cls, system: System, functions: list[Expr]) -> _Algebra:
@@ -257,29 +238,18 @@ class _Algebra:
         n = len(functions)
         pairs, brackets = list(combinations(range(n), 2)), _brackets(system, combinations(functions, 2))
         equations, read = algebraic_equations(system, *functions, *brackets)
-        field, level = equations.derivation.field, level_of(equations.derivation, equations.relations)
+        field, level = equations.derivation.field, equations.level
         remainders = [level.remainder(f) for f in read]
         table: dict[tuple[int, int], Polynomial] = {(i, i): {} for i in range(n)}
         for (i, j), bracket in zip(pairs, remainders[n:], strict=True):
             table |= {(i, j): bracket, (j, i): {m: -c for m, c in bracket.items()}}
         found = cls(functions, remainders[:n], table, [], field, level)
         products = [*((i,) for i in range(n)), *combinations_with_replacement(range(n), 2)]
-        images = {p: found._product(p) for p in products if found._size(p) <= _MOST_TERMS}
+        small = [p for p in products if prod(len(remainders[i]) for i in p) <= _MOST_TERMS]
+        images = {p: level.remainder(reduce(multiply, (remainders[i] for i in p))) for p in small}
         dependent = {max(v) for v in _null_vectors(list(images.values()), field)}
         found.products.extend(p for k, p in enumerate(images) if k not in dependent)
         return found
-
-    def _size(self, product: tuple[int, ...]) -> int:
-        sizes = [len(self.polynomials[i]) for i in product]
-        return sizes[0] * sizes[-1] if len(sizes) > 1 else sizes[0]
-
-    def _product(self, product: tuple[int, ...]) -> Polynomial:
-        i, *others = product
-        return (
-            self.level.remainder(multiply(self.polynomials[i], self.polynomials[others[0]]))
-            if others
-            else self.polynomials[i]
-        )
 
     def with_generators(self, combination: Combination) -> list[Polynomial]:
         """The brackets of each generator with a combination, by the rule of Leibniz."""
@@ -287,9 +257,8 @@ class _Algebra:
         for i in range(len(self.generators)):
             total: Polynomial = {}
             for k, coefficient in combination.items():
-                add_multiple(
-                    total, self._leibniz(self.products[k], [self.brackets[i, j] for j in self.products[k]]), coefficient
-                )
+                derivatives = [self.brackets[i, j] for j in self.products[k]]
+                add_multiple(total, self._leibniz(self.products[k], derivatives), coefficient)
             found.append(self.level.remainder(total))
         return found
 
@@ -316,52 +285,41 @@ class _Algebra:
 
     def combined(self, combination: Combination, generators: Sequence[Expr]) -> Expr:
         """A combination of products of the generators, or of their names."""
-        from sympy import Add, Mul
-
-        terms = [
-            Mul(self.field.to_sympy(c), *(generators[i] for i in self.products[k])) for k, c in combination.items()
-        ]
-        return Add(*terms)
+        to_sympy = self.field.to_sympy
+        return Add(*(Mul(to_sympy(c), *(generators[i] for i in self.products[k])) for k, c in combination.items()))
 
 
-class _Chains:
-    """A search, depth first, for a chain of commuting combinations."""
+def _longest_chain(system: System, algebra: _Algebra, n: int) -> list[Combination]:
+    """A chain of commuting combinations, as many as are wanted with H, depth first; empty if they are not found."""
+    left = _MOST_CHAINS
 
-    def __init__(self, system: System, algebra: _Algebra, n: int) -> None:
-        self.system, self.algebra, self.n = system, algebra, n
-        self.left = _MOST_CHAINS
+    def independent(chosen: Sequence[Combination], candidates: Sequence[Combination]) -> Iterator[Combination]:
+        known = [system.hamiltonian, *(algebra.combined(c, algebra.generators) for c in chosen)]
+        for candidate in candidates:
+            if fields_rank(system, [*known, algebra.combined(candidate, algebra.generators)]) > len(known):
+                yield candidate
 
-    def longest(self) -> list[Combination]:
-        """As many as are wanted with H; empty if they are not found."""
-        return self._extended([], [])
-
-    def _extended(self, chosen: list[Combination], brackets: list[list[Polynomial]]) -> list[Combination]:
+    def extended(chosen: list[Combination], brackets: list[list[Polynomial]]) -> list[Combination]:
         """The chain with further functions; `brackets` are those of the generators with what was chosen."""
-        algebra = self.algebra
-        while len(chosen) < self.n - 1 and self.left > 0:
-            self.left -= 1
-            free = [i for i in range(len(algebra.generators)) if not any(one[i] for one in brackets)]
-            of_free = [[algebra.brackets[j, i] for j in range(len(algebra.generators))] for i in free]
-            central = next(self._further(chosen, algebra.commuting([*brackets, *of_free])), None)
+        nonlocal left
+        places = range(len(algebra.generators))
+        while len(chosen) < n - 1 and left > 0:
+            left -= 1
+            of_free = [[algebra.brackets[j, i] for j in places] for i in places if not any(one[i] for one in brackets)]
+            central = next(independent(chosen, algebra.commuting([*brackets, *of_free])), None)
             if central is None:
                 break
             chosen, brackets = [*chosen, central], [*brackets, algebra.with_generators(central)]
-        if len(chosen) == self.n - 1:
+        if len(chosen) == n - 1:
             return chosen
-        for further in self._further(chosen, algebra.commuting(brackets)):
-            if self.left <= 0:
+        for further in independent(chosen, algebra.commuting(brackets)):
+            if left <= 0:
                 break
-            if found := self._extended([*chosen, further], [*brackets, algebra.with_generators(further)]):
+            if found := extended([*chosen, further], [*brackets, algebra.with_generators(further)]):
                 return found
         return []
 
-    def _further(self, chosen: Sequence[Combination], candidates: Sequence[Combination]) -> Iterator[Combination]:
-        """Those of the candidates that are independent of H and of what was chosen."""
-        algebra = self.algebra
-        known = [self.system.hamiltonian, *(algebra.combined(c, algebra.generators) for c in chosen)]
-        for candidate in candidates:
-            if fields_rank(self.system, [*known, algebra.combined(candidate, algebra.generators)]) > len(known):
-                yield candidate
+    return extended([], [])
 
 
 def _null_vectors(columns: Sequence[Mapping[Any, Any]], field: Coefficients) -> list[Combination]:

@@ -8,11 +8,13 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
 from math import lcm
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
+
+from sympy import Expr, I, S, expand
 
 from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
@@ -21,13 +23,12 @@ from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, cofactor_monomials
-from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, over, rational_integrals
+from liepoisson.integrability.cofactors import CofactorCases, Field, Values, cofactor_monomials
+from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, rational_integrals
 from liepoisson.integrability.derivation import (
-    Exponents,
     in_blocks,
+    order,
 )
-from liepoisson.integrability.level import order
 from liepoisson.integrability.search import tidied
 from liepoisson.integrability.search_problem import (
     Equations,
@@ -35,15 +36,12 @@ from liepoisson.integrability.search_problem import (
     SizeAsked,
     functions_by_name,
     known_functions,
+    where,
     zeros_on_level,
 )
 from liepoisson.io.display import as_text
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 1000
 """Monomials of the largest search that is begun; the systems of equations contain the cofactor as parameters."""
@@ -74,15 +72,11 @@ class DarbouxPolynomial:
     @property
     def is_real(self) -> bool:
         """Whether all coefficients are real."""
-        from sympy import I
-
         return not self.expression.has(I)
 
     @property
     def equations(self) -> tuple[Expr, ...]:
         """The real polynomials that vanish on the invariant set p = 0: p, or its real and imaginary part."""
-        from sympy import I, S, expand
-
         if self.is_real:
             return (self.expression,)
         expanded: Any = expand(self.expression)
@@ -143,8 +137,7 @@ class DarbouxPolynomials:
     def scope(self) -> str:
         """Which polynomials were searched, in words."""
         size = f"degree {self.degree}" if self.weight is None else f"weight {self.weight}"
-        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
-        return f"polynomials up to {size}{where}"
+        return f"polynomials up to {size}" + (f" on {where(self.on)}" if self.on else "")
 
     def __repr__(self) -> str:
         n = len(self.found)
@@ -250,13 +243,16 @@ def darboux_polynomials(
     listen = progress or (lambda _: None)
     cases = CofactorCases(derivation, level, monomials, field)
     with deadline.running():
-        candidates = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
-    values = [one.values for one in candidates]
+        values: list[tuple[Values, ...]] = []
+        done, total = 0, sum(len(block) ** 2 for _, block in ordered)
+        for _, block in ordered:
+            values.append(cases.candidates(sorted(block, key=order, reverse=True)))
+            done += len(block) ** 2
+            listen(0.7 * done / total)
     numbers = square_root_field(v for of_block in values for one in of_block for v in one)
-    equations = tuple(zero for zero in problem.zeros if zero)
-    search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
+    search = DarbouxSearch(problem.search(gradings).over(numbers), tuple(monomials))
     for polynomial in problem.known.values():
-        search.add_known(over(numbers, [polynomial])[0])
+        search.add_known(polynomial)
     n_known = len(search.factors)
     elements = [[tuple(square_root_element(v, numbers) for v in one) for one in of_block] for of_block in values]
     search.run(
@@ -264,7 +260,7 @@ def darboux_polynomials(
         lambda f: listen(0.7 + 0.3 * f),
     )
     new = sorted(search.factors[n_known:], key=lambda f: (f.degree, len(f.polynomial)))
-    expressions = [search.derivation.expression(_tidied(f.polynomial, numbers)) for f in new]
+    expressions = [search.search.derivation.expression(_tidied(f.polynomial, numbers)) for f in new]
     found = tuple(
         DarbouxPolynomial(f"P{k}", e, search.cofactor_expression(f), f.degree)
         for k, (f, e) in enumerate(zip(new, expressions, strict=True), start=1)
@@ -282,23 +278,10 @@ def darboux_polynomials(
         cofactor_monomials=tuple(derivation.expression({m: derivation.field.one}) for m in monomials),
         n_monomials=size,
         n_blocks=len(ordered),
-        n_cases=sum(one.n_cases for one in candidates),
-        left=tuple(dict.fromkeys(text for one in candidates for text in one.left)),
-        is_cut_short=any(one.is_cut_short for one in candidates),
+        n_cases=cases.n_cases,
+        left=tuple(dict.fromkeys(cases.left)),
+        is_cut_short=cases.is_cut_short,
     )
-
-
-def _cofactors(
-    cases: CofactorCases, blocks: Sequence[Sequence[Exponents]], listen: Callable[[float], Any]
-) -> list[Candidates]:
-    """The cofactors that may occur in each block, with the cases that were not decided."""
-    found: list[Candidates] = []
-    done, total = 0, sum(len(block) ** 2 for block in blocks)
-    for block in blocks:
-        found.append(cases.candidates(sorted(block, key=order, reverse=True)))
-        done += len(block) ** 2
-        listen(done / total)
-    return found
 
 
 def _tidied(polynomial: Polynomial, field: Coefficients) -> Polynomial:

@@ -9,28 +9,24 @@ A product $\prod p_i^{n_i}$ is a rational integral if $\sum n_i k_i = 0$.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import reduce
 from math import lcm
-from typing import TYPE_CHECKING, Any, TypeAlias
+from operator import add
+from typing import Any, TypeAlias
 
-from liepoisson.algebra.coefficients import Coefficients
+from flint import fmpz_mat
+from sympy import Expr, Mul, expand
+
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
-from liepoisson.algebra.number_fields import Element
-from liepoisson.algebra.residues import Residues
-from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
-from liepoisson.errors import ParameterError
+from liepoisson.algebra.number_fields import Element, as_fraction
+from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply, value_at
 from liepoisson.integrability.cofactors import image
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, homogeneous_parts
-from liepoisson.integrability.level import Level, order
-from liepoisson.integrability.modular import modular
-from liepoisson.integrability.search import Search
-
-if TYPE_CHECKING:
-    from sympy import Expr
+from liepoisson.integrability.derivation import Exponents, homogeneous_parts, order
+from liepoisson.integrability.search import Search, in_field, modular
 
 Cofactor: TypeAlias = "tuple[Element, ...]"
 """The coefficients of a cofactor, in the order of its monomials."""
@@ -39,17 +35,11 @@ Label: TypeAlias = "tuple[int, ...]"
 
 @dataclass(frozen=True)
 class Factor:
-    """A Darboux polynomial of which products are made.
+    """A Darboux polynomial of which products are made."""
 
-    Attributes:
-        polynomial: It, homogeneous in the gradings.
-        cofactor: Its cofactor.
-        is_new: Whether the search found it.
-    """
-
-    polynomial: Polynomial
+    polynomial: Polynomial  # it, homogeneous in the gradings
     cofactor: Cofactor
-    is_new: bool
+    is_new: bool  # whether the search found it
 
     @property
     def degree(self) -> int:
@@ -70,46 +60,19 @@ class _Entry:
 
 @dataclass
 class DarbouxSearch:
-    """The search with given cofactors.
+    """The search with given cofactors."""
 
-    Attributes:
-        derivation: The equations, over a field that contains the cofactors.
-        gradings: Integer gradings, in which the cofactors are homogeneous.
-        level: The level set, or all of phase space.
-        equations: The polynomials that vanish on the level.
-        monomials: Those of the cofactors.
-        factors: What is known, to which is added what is found.
-    """
-
-    derivation: Derivation
-    gradings: tuple[Grading, ...]
-    level: Level
-    equations: tuple[Polynomial, ...]
-    monomials: tuple[Exponents, ...]
-    factors: list[Factor] = field(default_factory=list[Factor])
-
-    @property
-    def field(self) -> Coefficients:
-        """Where coefficients live."""
-        return self.derivation.field
-
-    def over(self, field: Coefficients) -> DarbouxSearch:
-        """The same search over a larger field than the rational numbers, with nothing known."""
-        basis = over(field, [generator for _, generator in self.level.basis])
-        return DarbouxSearch(
-            Derivation(self.derivation.variables, tuple(over(field, self.derivation.components)), field),
-            self.gradings,
-            Level(tuple((lead, generator) for (lead, _), generator in zip(self.level.basis, basis, strict=True))),
-            tuple(over(field, self.equations)),
-            self.monomials,
-        )
+    search: Search  # equations over a field that contains the cofactors, a level, and integer gradings
+    monomials: tuple[Exponents, ...]  # those of the cofactors, homogeneous in the gradings
+    factors: list[Factor] = field(default_factory=list[Factor])  # what is known, to which is added what is found
 
     def add_known(self, polynomial: Polynomial) -> None:
-        """Take the homogeneous parts of an integral as known."""
-        zero = self.field.zero
-        for part in homogeneous_parts(self.level.remainder(polynomial), self.gradings).values():
+        """Take the homogeneous parts of an integral with rational coefficients as known."""
+        numbers = self.search.derivation.field
+        remainder = self.search.level.remainder(in_field(polynomial, numbers))
+        for part in homogeneous_parts(remainder, self.search.gradings).values():
             if any(map(any, part)):
-                self.factors.append(Factor(part, (zero,) * len(self.monomials), is_new=False))
+                self.factors.append(Factor(part, (numbers.zero,) * len(self.monomials), is_new=False))
 
     def run(
         self,
@@ -140,90 +103,81 @@ class DarbouxSearch:
                     entry.exact = self._exact(entry.block, entry.cofactor)
                 for polynomial in entry.exact:
                     found = Factor(polynomial, entry.cofactor, is_new=True)
-                    if found.degree == degree and span.insert(modular(polynomial, self.residues)):
+                    if found.degree == degree and span.insert(modular(polynomial, self.search.residues)):
                         new.append(found)
             self.factors += new
             progress(degree / highest)
 
     def cofactor_expression(self, factor: Factor) -> Expr:
         """The cofactor of a Darboux polynomial."""
-        return self.derivation.expression(self._of(factor.cofactor))
-
-    @cached_property
-    def residues(self) -> Residues:
-        """The homomorphism modulo a prime."""
-        found = self.field.residues(seed=1)
-        if found is None:
-            raise ParameterError(
-                "the square roots in the cofactors generate a field that is too large; take field='real'"
-            )
-        return found
-
-    @cached_property
-    def _level_mod(self) -> Level:
-        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
+        return self.search.derivation.expression(self._of(factor.cofactor))
 
     def _of(self, cofactor: Cofactor) -> dict[Exponents, Element]:
         return {m: c for m, c in zip(self.monomials, cofactor, strict=True) if c}
 
     def _rows(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[dict[int, Element]]:
-        return transposed(image(self.derivation, self._of(cofactor), monomial, self.level) for monomial in block)
+        here, k = self.search, self._of(cofactor)
+        return transposed(image(here.derivation, k, monomial, here.level) for monomial in block)
 
     def _degrees(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[int]:
         """The degrees of a basis of the null space modulo the prime, as low as possible.
 
         For no degree there are fewer up to it than there are exactly.
         """
-        rows = [
-            {c: residue for c, v in row.items() if (residue := self.residues(v))} for row in self._rows(block, cofactor)
-        ]
+        residues = self.search.residues
+        rows = [{c: r for c, v in row.items() if (r := residues(v))} for row in self._rows(block, cofactor)]
         # vectors end in columns of their own, which increase with the degree
-        return [sum(block[max(vector)]) for vector in nullspace_mod(rows, len(block), self.residues.p)]
+        return [sum(block[max(vector)]) for vector in nullspace_mod(rows, len(block), residues.p)]
 
     def _exact(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[Polynomial]:
         """The null space, as polynomials of the lowest degrees possible, those with few terms first."""
-        vectors = nullspace(self._rows(block, cofactor), len(block), self.field).vectors
+        vectors = nullspace(self._rows(block, cofactor), len(block), self.search.derivation.field).vectors
         return sorted(({block[c]: v for c, v in vector.items()} for vector in vectors), key=len)
 
     def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Echelon:
         """The products of factors up to a degree with a cofactor and in a block, modulo the prime."""
-        p = self.residues.p
-        span = Echelon(self.residues.field)
-        wanted = tuple(self.residues(c) for c in cofactor)
-        one: Polynomial = {(0,) * len(self.derivation.variables): self.residues.field.one}
-        factors = [
-            (
-                f.degree,
-                modular(f.polynomial, self.residues),
-                tuple(self.residues(c) for c in f.cofactor),
-                tuple(g.of(next(iter(f.polynomial))) for g in self.gradings),
-            )
-            for f in self.factors
-        ]
+        here, residues = self.search, self.search.residues
+        span, one = Echelon(residues.field), {(0,) * len(here.derivation.variables): residues.field.one}
 
-        def extend(start: int, left: int, chosen: tuple[int, ...], rate: tuple[int, ...], weights: Label) -> None:
-            if rate == wanted and weights == label:
-                product = one
-                for k in chosen:
-                    product = multiply(product, factors[k][1])
-                span.insert(self._level_mod.remainder(product))
+        def rate(cofactor: Cofactor, weights: Label) -> tuple[Any, ...]:
+            return (*(residues.field.number(residues(c)) for c in cofactor), *weights)
+
+        wanted = rate(cofactor, label)
+        factors: list[tuple[int, Polynomial, tuple[Any, ...]]] = []
+        for f in self.factors:
+            weights = tuple(g.of(next(iter(f.polynomial))) for g in here.gradings)
+            factors.append((f.degree, modular(f.polynomial, residues), rate(f.cofactor, weights)))
+
+        def extend(start: int, left: int, chosen: tuple[int, ...], reached: tuple[Any, ...]) -> None:
+            if reached == wanted:
+                span.insert(here.level_mod.remainder(reduce(multiply, (factors[k][1] for k in chosen), one)))
             for k in range(start, len(factors)):
-                degree, _, more, moved = factors[k]
+                degree, _, more = factors[k]
                 if 0 < degree <= left:
-                    further = tuple((a + b) % p for a, b in zip(rate, more, strict=True))
-                    extend(k, left - degree, (*chosen, k), further, _sum(weights, moved))
+                    extend(k, left - degree, (*chosen, k), tuple(map(add, reached, more)))
 
-        extend(0, highest, (), (0,) * len(self.monomials), (0,) * len(self.gradings))
+        zero = here.derivation.field.zero
+        extend(0, highest, (), rate((zero,) * len(self.monomials), (0,) * len(here.gradings)))
         return span
 
+    def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, Element]:
+        """The gradient of the logarithm of a product of powers at a random point of the level modulo the prime."""
+        total: dict[Any, Element] = {}
+        for factor, power in zip(factors, powers, strict=True):
+            if power:
+                polynomial, point = modular(factor.polynomial, self.search.residues), self.search.point
+                value = value_at(polynomial.items(), point)
+                if not value:
+                    return {}  # it vanishes on a component of the level
+                slopes: dict[Any, Element] = gradient_at(polynomial, point)
+                add_multiple(total, slopes, power / value)
+        return total
 
-def _sum(first: Label, second: Label) -> Label:
-    return tuple(a + b for a, b in zip(first, second, strict=True))
-
-
-def over(field: Coefficients, polynomials: Sequence[Mapping[Exponents, Element]]) -> list[Polynomial]:
-    """Polynomials with rational coefficients over a larger field."""
-    return [{m: field.number(c) for m, c in polynomial.items()} for polynomial in polynomials]
+    def rank(self, rows: Sequence[dict[int, Element]]) -> int:
+        """The rank of gradients at the same point, along the level."""
+        residues, point = self.search.residues, self.search.point
+        level = [gradient_at(modular(e, residues), point) for e in self.search.equations]
+        return rank_mod([*level, *rows], len(point), residues.p)
 
 
 @dataclass(frozen=True)
@@ -263,22 +217,12 @@ class RationalIntegral:
 def rational_integrals(
     search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
 ) -> tuple[RationalIntegral, ...]:
-    """A basis of the integrals that are products of powers of some Darboux polynomials.
-
-    Args:
-        search: Where they were found; its other factors are the known integrals.
-        factors: The Darboux polynomials.
-        names: What they are called.
-        expressions: How they are written.
-    """
-    from sympy import Mul, expand
-
-    at = _Point(search)
-    rows = [at.gradient([f], [1]) for f in search.factors if not f.is_new]
+    """A basis of the integrals that are products of powers of some Darboux polynomials."""
+    rows = [search.gradient([f], [1]) for f in search.factors if not f.is_new]
     found: list[RationalIntegral] = []
     for relation in _relations(factors):
-        row = at.gradient(factors, relation)
-        is_independent = at.rank([*rows, row]) > at.rank(rows)
+        row = search.gradient(factors, relation)
+        is_independent = search.rank([*rows, row]) > search.rank(rows)
         rows.append(row)
         product: Any = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
         found.append(
@@ -292,58 +236,24 @@ def rational_integrals(
     return tuple(found)
 
 
-class _Point:
-    """A random point modulo a prime, on the level of a search, and gradients of logarithms there."""
-
-    def __init__(self, search: DarbouxSearch) -> None:
-        here = Search(search.derivation, search.gradings, search.level, search.equations, [])
-        self.point, self.residues = here.point, here.residues
-        self.level = [gradient_at(modular(e, self.residues), self.point) for e in search.equations]
-
-    def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, Element]:
-        """The gradient of the logarithm of a product of powers."""
-        total: dict[int, Element] = {}
-        for factor, power in zip(factors, powers, strict=True):
-            if power:
-                polynomial = modular(factor.polynomial, self.residues)
-                value = value_at(polynomial.items(), self.point)
-                if not value:
-                    return {}  # it vanishes on a component of the level
-                scale = power / value
-                for i, slope in gradient_at(polynomial, self.point).items():
-                    total[i] = total.get(i, 0) + scale * slope
-        return {i: slope for i, slope in total.items() if slope}
-
-    def rank(self, rows: Sequence[dict[int, Element]]) -> int:
-        """The rank of gradients, along the level."""
-        return rank_mod([*self.level, *rows], len(self.point), self.residues.p)
-
-
 def _relations(factors: Sequence[Factor]) -> list[list[int]]:
     """A basis of the whole numbers n with sum n_i k_i = 0, short by the algorithm of Lenstra, Lenstra and Lovasz."""
-    from flint import fmpz_mat
-
     if not factors:
         return []
-    rows = _whole([[x for c in f.cofactor for x in _coordinates(c)] for f in factors])
+    table = [[x for c in f.cofactor for x in _coordinates(c)] for f in factors]
+    scale = lcm(*(x.denominator for row in table for x in row))
+    rows = [[int(x * scale) for x in row] for row in table]
     rank = fmpz_mat(rows).rank() if rows[0] else 0
     n, weight = len(factors), 1
     while True:
         weight *= 1000
-        reduced = fmpz_mat(
-            [[weight * x for x in row] + [int(i == k) for k in range(n)] for i, row in enumerate(rows)]
-        ).lll()
-        width = len(rows[0])
-        table = [[int(x) for x in row] for row in reduced.tolist()]
-        found = [row[width:] for row in table if not any(row[:width])]
+        matrix = [[weight * x for x in row] + [int(i == k) for k in range(n)] for i, row in enumerate(rows)]
+        reduced = [[int(x) for x in row] for row in fmpz_mat(matrix).lll().tolist()]
+        found = [row[len(rows[0]) :] for row in reduced if not any(row[: len(rows[0])])]
         if len(found) == n - rank:
             break
-    signed = [[-x for x in row] if sum(row) < 0 or (not sum(row) and _first(row) < 0) else row for row in found]
+    signed = [[-x for x in row] if (sum(row) or next(filter(None, row))) < 0 else row for row in found]
     return sorted(signed, key=lambda row: (sum(map(abs, row)), [-x for x in row]))
-
-
-def _first(row: Sequence[int]) -> int:
-    return next(x for x in row if x)
 
 
 def _coordinates(number: Any) -> list[Fraction]:
@@ -351,14 +261,8 @@ def _coordinates(number: Any) -> list[Fraction]:
     if isinstance(number, Fraction):
         return [number]
     degree = len(number.mod_to_list()) - 1
-    values = [Fraction(int(c.numerator), int(c.denominator)) for c in reversed(number.to_list())]
+    values = [as_fraction(c) for c in reversed(number.to_list())]
     return values + [Fraction(0)] * (degree - len(values))
-
-
-def _whole(rows: Sequence[Sequence[Fraction]]) -> list[list[int]]:
-    """The rows with all columns multiplied by one denominator."""
-    scale = lcm(*(x.denominator for row in rows for x in row))
-    return [[int(x * scale) for x in row] for row in rows]
 
 
 def _power(name: str, n: int) -> str:

@@ -8,25 +8,36 @@ $\sum_i m_i w_i - w_k = s$ for each term $x^m\,\partial_k$ of D.  Then D maps th
 weight w + s, and each part of one weight of an integral is an integral: the search for integrals falls into blocks.
 Weights may be integers (quasi-homogeneous equations) or integers modulo 2 (changes of signs; with s = 1 they reverse
 time) or 3.
+
+On an invariant level set $L_1 = \dots = L_r = 0$ polynomials are remainders modulo the ideal of the $L_j$.  Those
+modulo a Gröbner basis in a degree order are a basis of the functions on the level, and their degree is the smallest of
+all polynomials that have the same values there.  A function vanishes on the level where some power of it is in the
+ideal.  One equation is replaced by its squarefree part, which generates all functions that vanish on the complex level
+(Hilbert's Nullstellensatz).  Of several equations each is; the ideal of all may still be smaller than that of the
+functions that vanish.
+
+References: Cox, Little and O'Shea, Ideals, Varieties, and Algorithms (2015), sections 2.6 and 5.3.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain, product
 from math import comb, gcd, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra import sparse_polynomials
-from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.coefficients import Coefficients, check_degree
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod
-from liepoisson.algebra.number_fields import Element
-from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, of_exponents
+from liepoisson.algebra.number_fields import Element, as_fmpq, as_fraction
+from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, divides, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
+from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -83,26 +94,18 @@ class Derivation:
 
 
 def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Polynomial]]:
-    """The equations of a system as a derivation, and functions as polynomials over the same field.
-
-    Raises:
-        ParameterError: the equations or a function are no polynomials.
-    """
+    """The equations of a system as a derivation, and functions as polynomials over the same field."""
     return derivation_of_rates(system.variables, list(system.equations.values()), functions)
 
 
 def derivation_of_rates(
     variables: Sequence[Symbol], rates: Sequence[Expr], functions: Sequence[Expr] = ()
 ) -> tuple[Derivation, list[Polynomial]]:
-    """Rates of some variables as a derivation, and functions as polynomials over the same field.
-
-    Raises:
-        ParameterError: they are no polynomials.
-    """
+    """Rates of some variables as a derivation, and functions as polynomials over the same field."""
     terms = [polynomial_terms(e, variables, f"the rate of {x}") for x, e in zip(variables, rates, strict=True)]
     # all rates may have a common power of pi, which changes the speed of motion and no integral
     speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
-    terms = [{m: _divided(c, speed) for m, c in one.items()} for one in terms]
+    terms = [{m: c if speed == 1 else c / speed for m, c in one.items()} for one in terms]
     terms += [polynomial_terms(f, variables, "a function") for f in functions]
     field = Coefficients.containing([c for one in terms for c in one.values()])
     if not field.decides:
@@ -124,18 +127,8 @@ def undecided(field: Coefficients) -> str:
     )
 
 
-def _divided(value: Exact, scale: Exact) -> Exact:
-    return value if scale == 1 else value / scale
-
-
 def polynomial_terms(expression: Any, variables: Sequence[Symbol], what: str) -> dict[Exponents, Exact]:
-    """The exact coefficients of a polynomial.
-
-    Raises:
-        ParameterError: it is none; `what` says what it should have been.
-    """
-    from fractions import Fraction
-
+    """The exact coefficients of a polynomial."""
     from sympy import Poly, PolynomialError
 
     if expression == 0:
@@ -149,7 +142,7 @@ def polynomial_terms(expression: Any, variables: Sequence[Symbol], what: str) ->
         terms = cast("Any", Poly(expression, *variables)).terms()
     except PolynomialError as error:
         raise ParameterError(f"{what}: wanted a polynomial; got {shown(expression)} ({error})") from error
-    return {m: Fraction(int(c.p), int(c.q)) if c.is_Rational else c for m, c in terms if c != 0}
+    return {m: as_fraction(c) if c.is_Rational else c for m, c in terms if c != 0}
 
 
 MODULI = (2, 3)
@@ -159,17 +152,11 @@ _MOST_COMBINATIONS = 6
 
 @dataclass(frozen=True)
 class Grading:
-    """Weights of the coordinates, and what D adds to a weight.
+    """Weights of the coordinates, and what D adds to a weight."""
 
-    Attributes:
-        weights: One for each coordinate.
-        shift: What D adds.
-        modulus: 0 for integers.
-    """
-
-    weights: tuple[int, ...]
-    shift: int
-    modulus: int = 0
+    weights: tuple[int, ...]  # one for each coordinate
+    shift: int  # what D adds
+    modulus: int = 0  # 0 for integers
 
     def of(self, monomial: Exponents) -> int:
         """The weight of a monomial."""
@@ -195,44 +182,29 @@ def gradings(derivation: Derivation) -> tuple[Grading, ...]:
         scale = lcm(*(value.denominator for value in vector.values()))
         whole = [int(vector.get(i, 0) * scale) for i in range(n + 1)]
         common = gcd(*whole)
-        found.append(_grading([w // common for w in whole], 0))
+        *weights, shift = (w // common for w in whole)
+        found.append(Grading(tuple(weights), shift))
     for q in MODULI:
-        found += [_grading([v.get(i, 0) for i in range(n + 1)], q) for v in nullspace_mod(rows, n + 1, q)]
+        for vector in nullspace_mod(rows, n + 1, q):
+            found.append(Grading(tuple(vector.get(i, 0) for i in range(n)), vector.get(n, 0), q))
     return tuple(g for g in found if any(g.weights))
-
-
-def _grading(whole: Sequence[int], modulus: int) -> Grading:
-    return Grading(tuple(whole[:-1]), whole[-1], modulus)
 
 
 def positive_grading(found: Iterable[Grading]) -> Grading | None:
     """A grading with positive integer weights, small ones preferred; None if there is none of small factors."""
     integer = [g for g in found if not g.modulus]
-    best: Grading | None = None
-    for factors in _small_vectors(len(integer)):
-        weights = [sum(f * g.weights[i] for f, g in zip(factors, integer, strict=True)) for i in _range(integer)]
+    positive: list[Grading] = []
+    n = len(integer)
+    bound = _MOST_COMBINATIONS if n <= 2 else 2
+    for factors in product(range(-bound, bound + 1), repeat=n) if n <= 5 else ():
+        scaled = [[f * w for w in g.weights] for f, g in zip(factors, integer, strict=True)]
+        weights = list(map(sum, zip(*scaled, strict=True)))
         if not weights or min(weights) <= 0:
             continue
         shift = sum(f * g.shift for f, g in zip(factors, integer, strict=True))
         common = gcd(*weights, shift)
-        candidate = Grading(tuple(w // common for w in weights), shift // common)
-        if best is None or (abs(candidate.shift - 1), sum(candidate.weights)) < (
-            abs(best.shift - 1),
-            sum(best.weights),
-        ):
-            best = candidate
-    return best
-
-
-def _range(integer: Sequence[Grading]) -> range:
-    return range(len(integer[0].weights)) if integer else range(0)
-
-
-def _small_vectors(n: int) -> Iterable[tuple[int, ...]]:
-    from itertools import product
-
-    bound = _MOST_COMBINATIONS if n <= 2 else 2
-    return product(range(-bound, bound + 1), repeat=n) if n <= 5 else ()
+        positive.append(Grading(tuple(w // common for w in weights), shift // common))
+    return min(positive, key=lambda g: (abs(g.shift - 1), sum(g.weights)), default=None)
 
 
 def homogeneous_parts(polynomial: Polynomial, found: Sequence[Grading]) -> dict[tuple[int, ...], Polynomial]:
@@ -262,6 +234,11 @@ def of_degree(n_variables: int, degree: int) -> Iterator[Exponents]:
     return of_weight((1,) * n_variables, degree)
 
 
+def up_to_degree(n_variables: int, degree: int) -> Iterator[Exponents]:
+    """All monomials up to a degree."""
+    return chain.from_iterable(of_degree(n_variables, k) for k in range(degree + 1))
+
+
 def of_weight(weights: Sequence[int], weight: int) -> Iterator[Exponents]:
     """All monomials of one weight; weights are positive."""
     if not weights:
@@ -283,3 +260,128 @@ def in_blocks(monomials: Iterator[Exponents], gradings: Sequence[Grading]) -> di
     for monomial in monomials:
         blocks.setdefault(tuple(g.of(monomial) for g in gradings), []).append(monomial)
     return blocks
+
+
+def order(monomial: Exponents) -> tuple[int, ...]:
+    """Graded reverse lexicographic order."""
+    return (sum(monomial), *(-k for k in reversed(monomial)))
+
+
+@dataclass(frozen=True)
+class Level:
+    """The level set of some polynomials, or all of phase space."""
+
+    # a Gröbner basis of the ideal, each with its leading monomial; monic
+    basis: tuple[tuple[Exponents, Polynomial], ...] = ()
+
+    def mapped(self, function: Callable[[Polynomial], Polynomial]) -> Level:
+        """The level whose basis is the image of this one, under a map that keeps the monomials."""
+        return Level(tuple((lead, function(generator)) for lead, generator in self.basis))
+
+    def is_standard(self, monomial: Exponents) -> bool:
+        """Whether a monomial is no multiple of a leading one."""
+        return not any(divides(lead, monomial) for lead, _ in self.basis)
+
+    def remainder(self, polynomial: Mapping[Exponents, Any]) -> Polynomial:
+        """What is left of a polynomial modulo the ideal."""
+        left = {m: c for m, c in polynomial.items() if c}
+        if not self.basis:
+            return left
+        done: Polynomial = {}
+        while left:
+            checkpoint("a remainder on a level")
+            monomial = max(left, key=order)
+            divisor = next((b for b in self.basis if divides(b[0], monomial)), None)
+            if divisor is None:
+                done[monomial] = left.pop(monomial)
+                continue
+            lead, generator = divisor
+            factor, shift = left[monomial], tuple(a - b for a, b in zip(monomial, lead, strict=True))
+            for m, c in generator.items():
+                key = of_exponents(m, shift)
+                value = left[key] - factor * c if key in left else -(factor * c)
+                if value:
+                    left[key] = value
+                else:
+                    left.pop(key, None)
+        return done
+
+
+def squarefree(function: Any, variables: Sequence[Symbol]) -> Any:
+    """A polynomial without repeated factors that vanishes where the given one does: itself if it has none."""
+    from sympy import Poly, PolynomialError
+
+    if not function.is_polynomial(*variables):
+        return function
+    check_degree([function])
+    try:
+        polynomial: Any = Poly(function, *variables, extension=True)
+        part = polynomial.sqf_part()
+    except (PolynomialError, NotImplementedError):  # coefficients in no field, which is refused later
+        return function
+    return function if part.total_degree() == polynomial.total_degree() else part.as_expr()
+
+
+def real_points(function: Any, variables: Sequence[Symbol]) -> tuple[Symbol, ...] | None:
+    """The coordinates that vanish at all real zeros of a sum of squares, as C2 = |alpha|^2 is one; None for others."""
+    from sympy import Poly
+
+    if not function.is_polynomial(*variables):
+        return None
+    terms = cast("Any", Poly(function, *variables)).terms()
+    even = all(k % 2 == 0 for m, _ in terms for k in m)
+    if not even or not (all(c.is_positive for _, c in terms) or all(c.is_negative for _, c in terms)):
+        return None
+    if any(not any(m) for m, _ in terms):
+        raise ParameterError(
+            f"on: wanted a level with real points; got {Formula(function).plain} = 0, a sum of squares and "
+            "a number of the same sign"
+        )
+    alone = [[x for x, k in zip(variables, m, strict=True) if k] for m, _ in terms]
+    return tuple(dict.fromkeys(x for factors in alone if len(factors) == 1 for x in factors)) or None
+
+
+def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
+    """The level set on which some polynomials vanish."""
+    generators = [zero for zero in zeros if zero]
+    if not generators:
+        return Level()
+    basis = generators if len(generators) == 1 else _groebner(derivation, generators)
+    leads = [max(generator, key=order) for generator in basis]
+    inverses = [derivation.field.one / generator[lead] for lead, generator in zip(leads, basis, strict=True)]
+    monic = [{m: c * inverse for m, c in g.items()} for g, inverse in zip(basis, inverses, strict=True)]
+    level = Level(tuple(zip(leads, monic, strict=True)))
+    if not all(map(any, leads)):
+        raise ParameterError("on: wanted a level that has points; got equations that contradict each other")
+    for zero in generators:
+        if level.remainder(derivation(zero)):
+            raise ParameterError(
+                f"on: wanted a level set that orbits do not leave; got {derivation.expression(zero)} = 0, which is not "
+                "invariant. Write a constant of the motion equal to a number, such as H = 1"
+            )
+    return level
+
+
+def _groebner(derivation: Derivation, generators: Sequence[Polynomial]) -> list[Polynomial]:
+    from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
+    from liepoisson.algebra.ideals.limits import NotDecidedError
+
+    field: Coefficients = derivation.field
+    written: list[dict[Exponents, Any]] = [{m: field.to_sympy(c) for m, c in g.items()} for g in generators]
+    if all(c.is_Rational for g in written for c in g.values()):  # whatever the field of the equations is
+        context = rational_context([f"x{k}" for k in range(len(derivation.variables))])
+        try:
+            basis = groebner_basis([context.from_dict({m: as_fmpq(c) for m, c in g.items()}) for g in written])
+        except NotDecidedError as error:
+            checkpoint("the Gröbner basis of a level")
+            raise ParameterError(
+                f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
+            ) from error
+        return [{tuple(map(int, m)): field.number(c) for m, c in p.terms()} for p in basis.polynomials]
+    if field.is_cyclotomic:
+        raise ParameterError("on: wanted one equation, or rational coefficients; got several over a cyclotomic field")
+    from sympy import groebner
+
+    expressions: list[Expr] = [derivation.expression(g) for g in generators]
+    found: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
+    return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in found.polys]

@@ -7,34 +7,40 @@ counts if not all integrals in it are polynomials in H and the Casimirs (`liepoi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
-from itertools import chain
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
+from flint import fmpq
+from sympy import Expr, Function, I, Integer, NumberSymbol, Pow, Symbol
+
+from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import read_values
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import counted
-from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
+from liepoisson.integrability.derivation import Derivation, in_blocks, n_monomials, order, up_to_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
-from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
-from liepoisson.integrability.level import order
+from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints, ParameterMatrix
 from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
-from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import first_integrals
 from liepoisson.integrability.search import Search
-from liepoisson.integrability.search_problem import Equations, SearchProblem, known_functions, zeros_on_level
+from liepoisson.integrability.search_problem import (
+    Equations,
+    SearchProblem,
+    at_values,
+    casimirs_of,
+    known_functions,
+    where,
+    zeros_on_level,
+)
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 MOST_MONOMIALS = 3000
 _MOST_EXAMPLES = 200
@@ -81,7 +87,7 @@ class ParameterCase:
         return "; ".join(remarks)
 
     def __str__(self) -> str:
-        words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions) or "all parameters"
+        words = where(self.conditions) or "all parameters"
         if self.nonzero:
             words += f", where {' and '.join(f'{Formula(c).plain} is not 0' for c in self.nonzero)}"
         return f"{words}   ({self.remark})" if self.remark else words
@@ -92,9 +98,6 @@ class ParameterCase:
         Raises:
             ParameterError: a parameter of the conditions has no value.
         """
-        from liepoisson.algebra.exact_numbers import to_sympy
-        from liepoisson.formula.parameters import read_values
-
         at = {name: to_sympy(cast("Any", v)) for name, v in read_values(values).items()}
         missing = {str(s) for c in (*self.conditions, *self.nonzero) for s in c.free_symbols} - at.keys()
         if missing:
@@ -116,8 +119,7 @@ class FurtherCasimirs:
     casimirs: tuple[Expr, ...]
 
     def __str__(self) -> str:
-        words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions)
-        return f"{words}: {', '.join(Formula(c).plain for c in self.casimirs)}"
+        return f"{where(self.conditions)}: {', '.join(Formula(c).plain for c in self.casimirs)}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -169,8 +171,7 @@ class IntegrableFamilies:
     @property
     def scope(self) -> str:
         """Which integrals were looked for, in words."""
-        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
-        return f"up to degree {self.degree}{where}"
+        return f"up to degree {self.degree}" + (f" on {where(self.on)}" if self.on else "")
 
     def __str__(self) -> str:
         """The cases, and what is proved."""
@@ -225,7 +226,7 @@ def integrable_families(
     """
     d, deadline = as_count(degree, "degree", least=1), as_deadline(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
-    check_numbers(system, "integrable_families", zeros)
+    check_numbers(system, zeros)
     problem = SearchProblem.of(system, known, zeros)
     derivation = problem.derivation
     check_parameters(system, derivation, "integrable_families")
@@ -238,7 +239,7 @@ def integrable_families(
         )
     search = problem.search()
     matrix = ParameterMatrix(derivation, problem.zeros, search.level)
-    search.run(_monomials(len(system.variables), d))
+    search.run(up_to_degree(len(system.variables), d))
     splitting = CaseSplitting(
         matrix.context,
         frozenset(matrix.names.index(name) for name in positive),
@@ -263,7 +264,6 @@ def integrable_families(
     cases.search({count.label: count.n_known for count in search.counts}, progress=progress)
     cases.settle()
     general = _general(search, cases, splitting)
-    members = _Members(system, d, zeros, known | general)
     assumed = [f"{', '.join(positive)} > 0"] if positive else []
     assumed += [f"{name} not 0" for name in nonzero]
     assumed += [
@@ -276,31 +276,30 @@ def integrable_families(
         parameters=matrix.symbols,
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         general=tuple(general.values()),
-        cases=tuple(members.described(case, splitting, matrix) for case in cases.found),
-        left=tuple(dict.fromkeys(_words(case, splitting, matrix) for case in cases.left)),
+        cases=tuple(
+            _described(case, splitting, matrix, system, degree=d, on=zeros, known=known | general)
+            for case in cases.found
+        ),
+        left=tuple(dict.fromkeys(where(_conditions(c, splitting, matrix)) or "all parameters" for c in cases.left)),
         n_closed=cases.n_closed,
         is_cut_short=cases.is_cut_short and bool(cases.left),
         casimirs=tuple(
-            FurtherCasimirs(
-                tuple(matrix.sympy(q) for q in splitting.conditions(case)), tuple(_casimirs_of(system, case, matrix))
-            )
+            FurtherCasimirs(_conditions(case, splitting, matrix), tuple(_casimirs_of(system, case, matrix)))
             for case in cases.with_casimirs
         ),
     )
 
 
-def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -> None:
+def check_numbers(system: System, functions: Sequence[Expr]) -> None:
     """Refuse other numbers than rational ones: between these relations may hide."""
-    from sympy import Function, I, NumberSymbol, Pow
-
     expressions: list[Any] = [system.hamiltonian, *system.equations.values(), *functions]
     kinds: Any = (Function, NumberSymbol, Pow, type(I))
     others = {a for e in expressions for a in e.atoms(*kinds) if not (a.is_Pow and a.exp.is_Integer)}
     if others:
         named = ", ".join(sorted(Formula(a).plain for a in others))
         raise ParameterError(
-            f"{caller}: wanted symbols for parameters and rational numbers; got {named} in {system.name}; relations "
-            "may hide between them; write a symbol for each"
+            f"integrable_families: wanted symbols for parameters and rational numbers; got {named} in {system.name}; "
+            "relations may hide between them; write a symbol for each"
         )
 
 
@@ -317,24 +316,17 @@ def check_parameters(system: System, derivation: Derivation, caller: str) -> Non
 
 
 def names_among(known: Sequence[str], given: object, what: str) -> tuple[str, ...]:
-    """A sequence of names of parameters.
-
-    Raises:
-        ParameterError: it is no sequence of these names.
-    """
+    """A sequence of names of parameters."""
     chosen = texts(given, what, f"names of {', '.join(known)}", f"{what}=[{known[0]!r}]")
     if unknown := [name for name in chosen if name not in known]:
         raise ParameterError(f"{what}: wanted names of {', '.join(known)}; got {unknown[0]!r}")
     return chosen
 
 
-def _monomials(n: int, degree: int) -> Iterator[Exponents]:
-    return chain.from_iterable(of_degree(n, k) for k in range(1, degree + 1))
-
-
 def _blocks(search: Search, matrix: ParameterMatrix, degree: int) -> list[Block]:
     """The blocks with their matrices, small ones first: what lies in a case that is known is not looked at again."""
-    standard = (m for m in _monomials(len(matrix.components), degree) if search.level.is_standard(m))
+    monomials = up_to_degree(len(matrix.components), degree)
+    standard = (m for m in monomials if any(m) and search.level.is_standard(m))
     blocks = in_blocks(standard, search.gradings)
     ordered = [
         (label, sorted(block, key=order, reverse=True))
@@ -345,7 +337,7 @@ def _blocks(search: Search, matrix: ParameterMatrix, degree: int) -> list[Block]
 
 def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> dict[str, Expr]:
     """The integrals for all parameters that are no polynomials in H and the Casimirs."""
-    drawn = CasePoints(Case(nonzero=splitting.assumed), splitting.context, splitting.positive).modular()
+    drawn = CasePoints(Case(nonzero=splitting.assumed), splitting).modular()
     new = [g for g in search.generators if g.is_new]
     found: dict[str, Expr] = {}
     for g, polynomial in zip(new, cases.general, strict=True):
@@ -357,8 +349,6 @@ def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> di
 
 def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Expr]:
     """The Casimirs of the bracket in a case that gives values to some of its parameters; empty if it does not."""
-    from sympy import Integer
-
     values: dict[str, Any] = {matrix.names[v]: Integer(1) for v, _ in case.scaled}
     values |= {matrix.names[v]: matrix.fraction(a, b) for v, a, b in case.solved}
     own = {name: value for name, value in values.items() if name in set(map(str, system.bracket.symbols))}
@@ -367,54 +357,36 @@ def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Ex
     return [c.expand(trace=True) for c in system.bracket.substitute(own).casimirs()]
 
 
-def _words(case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> str:
-    """The equations of a case that was left."""
-    return ", ".join(f"{Formula(matrix.sympy(q)).plain} = 0" for q in splitting.conditions(case)) or "all parameters"
+def _conditions(case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> tuple[Expr, ...]:
+    """What the parameters of a case satisfy."""
+    return tuple(matrix.sympy(q) for q in splitting.conditions(case))
 
 
-class _Members:
-    """Random members of the cases, at which integrals are searched again."""
-
-    def __init__(self, system: System, degree: int, on: Sequence[Expr], known: Mapping[str, Expr]) -> None:
-        self.system, self.degree, self.on, self.known = system, degree, on, known
-
-    def described(self, one: FurtherCase, splitting: CaseSplitting, matrix: ParameterMatrix) -> ParameterCase:
-        """A case with an example at which the integrals are found again."""
-        case = one.case
-        conditions = tuple(matrix.sympy(q) for q in splitting.conditions(case))
-        excepted = _excepted(one, splitting)
-        nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
-        example = _example(case, excepted, splitting.positive, matrix)
-        if example is None:
-            return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
-        member = self._member(example)
-        functions = {name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number}
-        if self.system.bracket.symbols:
-            own = enumerate(member.bracket.casimirs(), start=1)
-            functions |= {f"C{k}": c for k, c in own}
-        found = first_integrals(
-            member,
-            degree=self.degree,
-            on=[cast("Expr", f.xreplace(example)) for f in self.on],
-            known=functions,
-        )
-        integrals = tuple(f.expression for f in found.independent)
-        return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
-
-    def _member(self, example: Mapping[Any, Any]) -> System:
-        from liepoisson.model.hamiltonian import symbols_in
-        from liepoisson.model.system import System
-
-        values = {str(s): Fraction(int(v.p), int(v.q)) for s, v in example.items()}
-        energy = cast("Expr", self.system.hamiltonian.xreplace(dict(example)))
-        symbols = symbols_in(energy, self.system.component_names)
-        of_bracket = {name: value for name, value in values.items() if name in self.system.bracket.symbols}
-        return System(self.system.bracket.substitute(of_bracket), energy, name=self.system.name, symbols=symbols)
-
-
-def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:
-    """A function, whose coefficients have no denominators, at values of the parameters."""
-    return cast("Expr", cast("Any", function).as_numer_denom()[0].xreplace(dict(example)))
+def _described(
+    one: FurtherCase,
+    splitting: CaseSplitting,
+    matrix: ParameterMatrix,
+    system: System,
+    *,
+    degree: int,
+    on: Sequence[Expr],
+    known: Mapping[str, Expr],
+) -> ParameterCase:
+    """A case with an example, a random member at which the integrals are found again."""
+    case, conditions = one.case, _conditions(one.case, splitting, matrix)
+    excepted = _excepted(one, splitting)
+    nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
+    example = _example(case, excepted, splitting, matrix)
+    if example is None:
+        return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
+    member = at_values(system, {s: as_fraction(v) for s, v in example.items()})
+    tops: dict[str, Any] = {name: f.as_numer_denom()[0] for name, f in known.items()}
+    functions = {name: value for name, f in tops.items() if not (value := f.xreplace(example)).is_number}
+    if system.bracket.symbols:
+        functions |= casimirs_of(member)
+    found = first_integrals(member, degree=degree, on=[cast("Expr", f.xreplace(example)) for f in on], known=functions)
+    integrals = tuple(f.expression for f in found.independent)
+    return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
 
 
 def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
@@ -437,11 +409,9 @@ def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
 
 
 def _example(
-    case: Case, excepted: Sequence[Poly], positive: frozenset[int], matrix: ParameterMatrix
+    case: Case, excepted: Sequence[Poly], splitting: CaseSplitting, matrix: ParameterMatrix
 ) -> dict[Any, Any] | None:
     """Values of the parameters in a case; None if none is found."""
-    from flint import fmpq
-
-    points = CasePoints(case, matrix.context, positive).rational(_MOST_EXAMPLES)
+    points = CasePoints(case, splitting).rational(_MOST_EXAMPLES)
     found = next((p for p in points if all(value_at(q.terms(), p, fmpq) for q in excepted)), None)
     return None if found is None else dict(zip(matrix.symbols, map(rational_to_sympy, found), strict=True))

@@ -16,6 +16,7 @@ from typing import Any
 
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.matrices import determinant
+from liepoisson.algebra.sparse_polynomials import gradient_at
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.integrability.further_integrals import CasePoints, Comparison, IntegralsAtPoints, ParameterPolynomial
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly
@@ -28,54 +29,32 @@ _MOST_MINORS = 8
 
 @dataclass
 class FurtherCase:
-    """Parameters for which there is a further integral.
-
-    Attributes:
-        case: They.
-        closure: They and their limits, without what does not vanish in the case.
-        exceptions: Cases inside of the closure in which there is none, except where other cases say so.
-        is_independent: Whether one is functionally independent of the known ones.
-        is_real: Whether real parameters of the case were found.
-    """
+    """Parameters for which there is a further integral."""
 
     case: Case
-    closure: Case
-    exceptions: list[Case]
-    is_independent: bool
-    is_real: bool
+    closure: Case  # they and their limits, without what does not vanish in the case
+    exceptions: list[Case]  # cases inside of the closure in which there is none, except where other cases say so
+    is_independent: bool  # whether one is functionally independent of the known ones
+    is_real: bool  # whether real parameters of the case were found
 
 
 @dataclass
 class FamilyCases:
-    """The search for cases.
-
-    Attributes:
-        splitting: Splits the parameters.
-        integrals: The integrals at points.
-        hamiltonian: H.
-        casimirs: The Casimirs for generic parameters.
-        general: Other integrals that there are for all parameters.
-        casimirs_of: The Casimirs of the bracket of a case.
-        deadline: After it nothing more is split; what was found is compared to the end.
-        found: The cases with a further integral.
-        with_casimirs: Cases whose bracket has more Casimirs, up to the degree.
-        left: Cases that were not decided.
-        n_closed: Number of cases without further integrals.
-        is_cut_short: Whether the time limit ended a search, and cases were left.
-    """
+    """The search for cases."""
 
     splitting: CaseSplitting
     integrals: IntegralsAtPoints
-    hamiltonian: ParameterPolynomial
-    casimirs: list[ParameterPolynomial]
-    general: list[ParameterPolynomial]
-    casimirs_of: Callable[[Case], list[ParameterPolynomial]]
-    deadline: Deadline
-    found: list[FurtherCase] = field(default_factory=list["FurtherCase"])
+    hamiltonian: ParameterPolynomial  # H
+    casimirs: list[ParameterPolynomial]  # the Casimirs for generic parameters
+    general: list[ParameterPolynomial]  # other integrals that there are for all parameters
+    casimirs_of: Callable[[Case], list[ParameterPolynomial]]  # the Casimirs of the bracket of a case
+    deadline: Deadline  # after it nothing more is split; what was found is compared to the end
+    found: list[FurtherCase] = field(default_factory=list["FurtherCase"])  # the cases with a further integral
+    # cases whose bracket has more Casimirs, up to the degree
     with_casimirs: list[Case] = field(default_factory=list[Case])
-    left: list[Case] = field(default_factory=list[Case])
-    n_closed: int = 0
-    is_cut_short: bool = False
+    left: list[Case] = field(default_factory=list[Case])  # cases that were not decided
+    n_closed: int = 0  # number of cases without further integrals
+    is_cut_short: bool = False  # whether the time limit ended a search, and cases were left
 
     def search(
         self,
@@ -83,13 +62,7 @@ class FamilyCases:
         equations: Sequence[Poly] = (),
         progress: Callable[[float], Any] | None = None,
     ) -> None:
-        """Find the cases in which there are more integrals than the known ones, of all blocks, small ones first.
-
-        Args:
-            n_known: The number of known integrals in each block.
-            equations: Polynomials that vanish on the parameters to which the search is restricted.
-            progress: Told the fraction that is done.
-        """
+        """Find the cases in which there are more integrals than the known ones, of all blocks, small ones first."""
         whole = [one.case for one in self.found if not one.exceptions]
         cases = Cases(found=list(whole))
         blocks = self.integrals.blocks
@@ -112,7 +85,7 @@ class FamilyCases:
                 self.left.append(case)
             elif compared.is_further:
                 closure, exceptions = self._closure_and_exceptions(case)
-                is_real = CasePoints(case, self.splitting.context, self.splitting.positive).is_real()
+                is_real = CasePoints(case, self.splitting).is_real()
                 self.found.append(FurtherCase(case, closure, exceptions, compared.is_independent, is_real))
             else:
                 self.n_closed += 1
@@ -137,7 +110,7 @@ class FamilyCases:
         """The integrals of a case at random points; None where these do not agree, or none was found."""
         own = self.casimirs_of(case)
         known = [self.hamiltonian, *self.casimirs, *own, *self.general]
-        points = CasePoints(case, self.splitting.context, self.splitting.positive)
+        points = CasePoints(case, self.splitting)
         found: list[Comparison] = []
         try:
             for _ in range(_POINTS):
@@ -233,13 +206,6 @@ class FamilyCases:
         zero = self.splitting.context.constant(0)
         rows: list[list[Poly]] = []
         for f in functions:
-            gradient = [zero] * n
-            for m, q in f.items():
-                for i, k in enumerate(m):
-                    if k:
-                        value = k * x[i] ** (k - 1)
-                        for j, power in enumerate(m):
-                            value *= x[j] ** power if j != i else 1
-                        gradient[i] = gradient[i] + q * value
-            rows.append([sum((g * u for g, u in zip(gradient, d, strict=True)), zero) for d in directions])
+            gradient = gradient_at(f, x)
+            rows.append([sum((g * d[i] for i, g in gradient.items()), zero) for d in directions])
         return determinant(rows, zero)

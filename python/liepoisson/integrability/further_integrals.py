@@ -16,35 +16,148 @@ compared with the part of A up to that degree. Three arguments decide it:
    $F = P(f)$ of degree d has $\deg P\le d\delta$. Products up to that degree are tried, lowest first.
 
 All of it at random points modulo a prime of 61 bits.
+
+**The matrix** of a search has polynomials in the parameters for entries. The equations of motion are multiplied by the
+common denominator of their coefficients, which changes the speed of the motion and no integral, where it does not
+vanish.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import islice
-from math import prod
+from math import lcm, prod
 from operator import not_
 from random import Random
-from typing import Any
+from typing import Any, cast
 
 from flint import arb, fmpq, fmpq_poly, nmod_poly
+from sympy import Expr, Symbol
+from sympy import Poly as SymPyPoly
 
-from liepoisson.algebra.echelon import Echelon
+from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.echelon import Echelon, transposed
+from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.algebra.ideals.groebner import groebner_basis, rational_context
 from liepoisson.algebra.ideals.limits import NotDecidedError
 from liepoisson.algebra.ideals.operations import in_context
 from liepoisson.algebra.ideals.solutions import Solutions, solutions
 from liepoisson.algebra.linear_algebra import nullspace_mod, rank_mod
-from liepoisson.algebra.number_fields import Element, PrimeField
+from liepoisson.algebra.number_fields import Element, PrimeField, as_fmpq
 from liepoisson.algebra.residues import Residues, primes
-from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, value_at
-from liepoisson.integrability.derivation import Exponents
-from liepoisson.integrability.level import Level
-from liepoisson.integrability.modular import random_point
-from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly, SparseRow
-from liepoisson.integrability.parameter_matrix import ParameterMatrix
-from liepoisson.integrability.search import Label, point_on_level, products
+from liepoisson.algebra.sparse_polynomials import (
+    Polynomial,
+    expression,
+    gradient_at,
+    of_exponents,
+    value_at,
+    whole_expression,
+)
+from liepoisson.errors import ParameterError
+from liepoisson.integrability.derivation import Derivation, Exponents, Level, gradings
+from liepoisson.integrability.parameter_cases import LIMITS, Case, CaseSplitting, Poly, SparseRow
+from liepoisson.integrability.search import Label, point_on_level, products, random_point
+
+
+class ParameterMatrix:
+    """The equations of motion, on a level or in all of phase space, with flint's polynomials for coefficients."""
+
+    def __init__(self, derivation: Derivation, zeros: Sequence[Polynomial] = (), level: Level | None = None) -> None:
+        self.symbols = derivation.field.parameters
+        self.names = [str(s) for s in self.symbols]
+        self.context: Any = rational_context(self.names)
+        self._zero, self._one = self.context.constant(0), self.context.constant(1)
+        self.components, self.denominator = self._cleared(derivation.components)
+        self.zeros = [self.without_denominators(zero) for zero in zeros if zero]
+        self.level = self._level(level or Level())
+
+    def _read(self, polynomial: Any) -> Poly:
+        terms = {tuple(map(int, m)): as_fmpq(c) for m, c in polynomial.terms()}
+        return self.context.from_dict(terms)
+
+    def without_denominators(self, polynomial: Polynomial) -> dict[Exponents, Poly]:
+        """A polynomial times the common denominator of its coefficients."""
+        return self._cleared([polynomial])[0][0]
+
+    def _cleared(self, polynomials: Sequence[Polynomial]) -> tuple[list[dict[Exponents, Poly]], Poly]:
+        """Polynomials times the common denominator of the coefficients of all, and that."""
+        pairs = [(self._read(c.numer), self._read(c.denom)) for p in polynomials for c in p.values()]
+        tops, common = over_common_denominator(pairs, self._one)
+        left = iter(tops)
+        return [{m: next(left) for m in p} for p in polynomials], common
+
+    def read(self, function: Expr, variables: Sequence[Symbol]) -> dict[Exponents, Poly]:
+        """A function, a polynomial whose coefficients are rational functions of the parameters, without denominators.
+
+        Modulo the level.
+        """
+        n, numerator = len(variables), cast("Any", function).together().as_numer_denom()[0]
+        found: dict[Exponents, dict[tuple[int, ...], Any]] = {}
+        for m, c in cast("Any", SymPyPoly(numerator, *variables, *self.symbols)).terms():
+            found.setdefault(m[:n], {})[m[n:]] = as_fmpq(c)
+        return self.level.remainder({m: self.context.from_dict(terms) for m, terms in found.items()})
+
+    def _level(self, level: Level) -> Level:
+        """The level over polynomials: division by its basis must be the same for all values of the parameters."""
+        basis: list[tuple[Exponents, dict[Exponents, Poly]]] = []
+        for lead, generator in level.basis:
+            divided = {m: (self._read(c.numer), self._read(c.denom)) for m, c in generator.items()}
+            is_constant = all(a.is_constant() for a, _ in divided.values())
+            if not all(b.is_constant() for _, b in divided.values()) or (len(self.zeros) > 1 and not is_constant):
+                raise ParameterError(
+                    "on: wanted one equation whose highest term has a number for its coefficient, or several without "
+                    "parameters; got others; give numbers for the parameters of the level"
+                )
+            basis.append((lead, {m: a / b.leading_coefficient() for m, (a, b) in divided.items()}))
+        return Level(tuple(basis))
+
+    def rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
+        """The matrix of D on some monomials that are standard on the level."""
+        return transposed(self.level.remainder(self._image(monomial)) for monomial in block)
+
+    def _image(self, monomial: Exponents) -> dict[Exponents, Poly]:
+        total: dict[Exponents, Poly] = {}
+        for k, power in enumerate(monomial):
+            if power:
+                lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
+                for factor, coefficient in self.components[k].items():
+                    key = of_exponents(lowered, factor)
+                    total[key] = total.get(key, self._zero) + coefficient * power
+        return total
+
+    def scalings(self) -> list[tuple[int, ...]]:
+        """Independent weights of the parameters with which the equations, and those of the level, are homogeneous.
+
+        An equation f = 0 is homogeneous if there are weights of the equations with one more coordinate whose rate is f.
+        """
+        equations = [*self.components, *self.zeros]
+        n, k, more = len(self.components), len(self.symbols), len(self.zeros)
+        extended: list[dict[Exponents, Any]] = [
+            {(*m, *(0,) * more, *map(int, powers)): 1 for m, a in part.items() for powers, _ in a.terms()}
+            for part in equations
+        ]
+        names: Any = tuple(range(n + more + k))  # gradings look at exponents alone
+        whole = Derivation(names, (*extended, *({} for _ in range(k))), Coefficients())
+        found = Echelon(Coefficients())
+        for grading in gradings(whole):
+            if not grading.modulus:
+                found.insert({i: Fraction(w) for i, w in enumerate(grading.weights[n + more :]) if w})
+        scalings: list[tuple[int, ...]] = []
+        for vector in found.basis():
+            scale = lcm(*(c.denominator for c in vector.values()))
+            scalings.append(tuple(int(vector.get(i, Fraction(0)) * scale) for i in range(k)))
+        return scalings
+
+    def fraction(self, numerator: Poly, denominator: Poly) -> Expr:
+        """A fraction of polynomials in the parameters as an expression."""
+        return expression(numerator.terms(), self.symbols) / expression(denominator.terms(), self.symbols)
+
+    def sympy(self, polynomial: Poly) -> Expr:
+        """A polynomial in the parameters as an expression with whole coefficients without a common factor."""
+        return whole_expression(polynomial.terms(), self.symbols)
+
 
 _MOST_PRODUCTS = 1500
 """Products of known integrals of one comparison; beyond them it is not decided."""
@@ -55,42 +168,24 @@ ParameterPolynomial = dict[Exponents, Poly]
 
 @dataclass(frozen=True)
 class Block:
-    """A block of the search.
+    """A block of the search."""
 
-    Attributes:
-        label: The weights of its monomials.
-        monomials: They, largest first.
-        rows: The matrix of D on them, with entries in the parameters.
-    """
-
-    label: Label
-    monomials: list[Exponents]
-    rows: list[SparseRow]
+    label: Label  # the weights of its monomials
+    monomials: list[Exponents]  # they, largest first
+    rows: list[SparseRow]  # the matrix of D on them, with entries in the parameters
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The integrals at a point, compared with polynomials in known ones.
+    """The integrals at a point, compared with polynomials in known ones."""
 
-    Attributes:
-        is_further: Whether there is one that is none; None if it was not decided.
-        is_independent: Whether there is one that is functionally independent of the known ones.
-        nullities: The number of integrals in each block.
-    """
-
-    is_further: bool | None
-    is_independent: bool
-    nullities: dict[Label, int]
+    is_further: bool | None  # whether there is one that is none; None if it was not decided
+    is_independent: bool  # whether there is one that is functionally independent of the known ones
+    nullities: dict[Label, int]  # the number of integrals in each block
 
 
 class IntegralsAtPoints:
-    """Null spaces at points of the parameters modulo primes.
-
-    Args:
-        matrix: The equations of motion, and the level.
-        blocks: The blocks of all monomials up to the degree.
-        degree: The degree.
-    """
+    """Null spaces at points of the parameters modulo primes."""
 
     def __init__(self, matrix: ParameterMatrix, blocks: Sequence[Block], degree: int) -> None:
         self.matrix, self.blocks, self.degree = matrix, blocks, degree
@@ -124,7 +219,7 @@ class IntegralsAtPoints:
         return algebra.contains([algebra.level.remainder(_at(function, point, p))])[0]
 
     def _algebra(self, point: list[Element], p: int, known: Sequence[ParameterPolynomial]) -> _Algebra:
-        level = Level(tuple((lead, _at(b, point, p)) for lead, b in self.matrix.level.basis))
+        level = self.matrix.level.mapped(lambda generator: _at(generator, point, p))
         zeros = [_at(zero, point, p) for zero in self.matrix.zeros]
         functions = [level.remainder(_at(f, point, p)) for f in known]
         return _Algebra([{m: c for m, c in f.items() if any(m)} for f in functions], level, zeros, self.degree, p)
@@ -221,54 +316,43 @@ _PRIMES = tuple(islice(primes(), 10))
 
 
 class CasePoints:
-    """Points of one case.
+    """Points of one case."""
 
-    Args:
-        case: The case.
-        context: FLINT's context of the parameters.
-        positive: Indices of parameters that are positive.
-        seed: Of the random numbers.
-    """
-
-    def __init__(self, case: Case, context: Any, positive: frozenset[int], seed: int = 1) -> None:
-        self.case, self.context, self.positive = case, context, positive
-        self.names = tuple(context.names())
-        self._random = Random(seed)
+    def __init__(self, case: Case, splitting: CaseSplitting) -> None:
+        self.case, self.positive = case, splitting.positive
+        self.names = tuple(splitting.context.names())
+        self._random = Random(1)
         bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
         self._free = [v for v in range(len(self.names)) if v not in bound]
         occurring = {v for q in case.unsolved for v, k in enumerate(q.degrees()) if k}
         self._tied = [v for v in self._free if v in occurring]
 
     def modular(self) -> tuple[int, list[Element]] | None:
-        """A prime and the parameters modulo it, at a random point of the case; None if none was found.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """A prime and the parameters modulo it, at a random point of the case; None if none was found."""
         for _ in range(_MOST_DRAWS):
             p = self._random.choice(_PRIMES)
             number = PrimeField(p).number
             values = {v: number(self._random.randrange(2, p)) for v in self._free}
             if self.case.unsolved:
-                rational, rest, found = self._finitely_many()
-                t = _root(found, p, self._random)
-                if t is None:
+                if not (tied := self._tied_modulo(p)):
                     continue
-
-                def at_root(q: fmpq_poly, t: Element = t, number: Callable[[Any], Element] = number) -> Element:
-                    return value_at((((k,), c) for k, c in enumerate(q.coeffs())), [t], number)
-
-                below = at_root(found.numerator(found.quotient.ideal.context.constant(1)))
-                gens = dict(zip(rest, found.quotient.ideal.context.gens(), strict=True))
-                if not below:
-                    continue
-                for v, x in gens.items():
-                    values[v] = at_root(found.numerator(x)) / below
-                for v, x in rational.items():
-                    values[v] = number(x)
+                values |= tied
             if (point := self._completed(values, number)) is not None:
                 return p, point
         return None
+
+    def _tied_modulo(self, p: int) -> dict[int, Element]:
+        """The parameters of the unsolved equations at a solution modulo a prime; empty if there is none."""
+        rational, rest, found = self._finitely_many()
+        number, context, t = PrimeField(p).number, found.quotient.ideal.context, _root(found, p, self._random)
+
+        def at_root(q: fmpq_poly) -> Element:
+            return value_at((((k,), c) for k, c in enumerate(q.coeffs())), [t], number)
+
+        if t is None or not (below := at_root(found.numerator(context.constant(1)))):
+            return {}
+        algebraic = {v: at_root(found.numerator(x)) / below for v, x in zip(rest, context.gens(), strict=True)}
+        return algebraic | {v: number(x) for v, x in rational.items()}
 
     def _completed(
         self, values: Mapping[int, Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
+
+from sympy import Expr, Mul, Poly
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
-from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.algebra.exact_numbers import Exact, is_sympy
 from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
@@ -24,11 +26,6 @@ from liepoisson.integrability.derivation import Exponents, n_monomials, of_degre
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.bracket import Bracket
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.algebra.exact_numbers import Exact
 
 Symmetry: TypeAlias = "Mapping[str, str | Expr] | str | Expr"
 
@@ -116,8 +113,6 @@ class _Form:
     """Linear combinations of monomials, and equations for their coefficients."""
 
     def __init__(self, system: System, monomials: list[Exponents]) -> None:
-        from sympy import Mul
-
         self.system, self.monomials = system, monomials
         x = system.variables
         self.products: list[Any] = [Mul(*(v**k for v, k in zip(x, m, strict=True) if k)) for m in monomials]
@@ -150,8 +145,6 @@ class _Form:
 
     def casimirs(self, degree: int) -> list[Any]:
         """Products of Casimirs up to a degree."""
-        from sympy import Poly
-
         generators = [(Poly(c, *self.system.variables).total_degree(), c) for c in self.system.bracket.casimirs()]
         found: list[tuple[int, Any]] = [(0, 1)]
         for d, c in generators:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
+from hashlib import sha256
 from itertools import product
 from os import PathLike
 from pathlib import Path
@@ -19,17 +20,18 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.algebra.sparse_polynomials import expression
 from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_threads
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.derivation import Derivation, n_monomials
+from liepoisson.integrability.derivation import n_monomials
 from liepoisson.integrability.families import check_parameters
-from liepoisson.integrability.parameter_matrix import ParameterMatrix
+from liepoisson.integrability.further_integrals import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import MOST_MONOMIALS
-from liepoisson.integrability.scan_points import PointResult, PointSearch, plain, plain_family, results
-from liepoisson.integrability.scan_store import ScanStore
+from liepoisson.integrability.scan_points import PointResult, PointSearch, ScanStore, plain, plain_family, results
 from liepoisson.integrability.search_problem import (
     Equations,
     SearchProblem,
@@ -39,13 +41,11 @@ from liepoisson.integrability.search_problem import (
 )
 from liepoisson.io.files import exclusive
 from liepoisson.io.result import Result, labelled, names_along, recorded
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
     from xarray import DataArray
-
-    from liepoisson.formula.parameters import Parameter
-    from liepoisson.model.system import System
 
 MOST_POINTS = 1_000_000
 _LARGEST_PIECE = 16
@@ -188,7 +188,9 @@ def scan_integrals(
     ordered = {k: [dict(zip(grid, point, strict=True))[name] for name in names] for k, point in enumerate(points)}
     equations = tuple(map(str, chosen))
     done: dict[int, PointResult] = {}
-    with _opened(store, fresh, {"search": _described(search), "axes": grid, "degree": d, "on": equations}) as kept:
+    # the digest is one of everything that the numbers of the points depend on
+    digest = sha256(repr(search).encode()).hexdigest()
+    with _opened(store, fresh, {"search": digest, "axes": grid, "degree": d, "on": equations}) as kept:
         if kept is not None:
             done |= {k: result for k, result in kept.known.items() if k in ordered}
         missing = {k: values for k, values in ordered.items() if k not in done}
@@ -202,7 +204,6 @@ def scan_integrals(
                 progress(len(done) / len(points))
     late = PointResult("time limit")
     whole = [done.get(k, late) for k in range(len(points))]
-    derivation = Derivation(system.variables, (), _rationals())
     return IntegralScan(
         system=system,
         degree=d,
@@ -213,18 +214,12 @@ def scan_integrals(
         n_further=np.array([result.n_further for result in whole], dtype=np.int64),
         outcome=np.array([result.outcome for result in whole]),
         found={
-            k: tuple(Formula(derivation.expression(p)).plain for p in result.found)
+            k: tuple(Formula(expression(p.items(), system.variables)).plain for p in result.found)
             for k, result in enumerate(whole)
             if result.found
         },
         time_limit=deadline.seconds,
     )
-
-
-def _rationals() -> Any:
-    from liepoisson.algebra.coefficients import Coefficients
-
-    return Coefficients()
 
 
 def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, list[str]]:
@@ -255,8 +250,6 @@ def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, li
 
 def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     """The values of the parameters as texts of fractions."""
-    from liepoisson.formula.parameters import read_parameter
-
     given = named(axes, "axes")
     if given is None or set(given) != set(names):
         example = ", ".join([f'"{names[0]}": [1, "3/2"]', *(f'"{name}": 1' for name in names[1:])])
@@ -286,13 +279,6 @@ def _pieces(missing: Mapping[int, Sequence[Fraction]], n_at_once: int) -> tuple[
     points = list(missing.items())
     pieces = [dict(points[k : k + size]) for k in range(0, len(points), size)]
     return pieces, max(1, min(n_at_once, len(pieces) // _PIECES_OF_A_PROCESS))
-
-
-def _described(search: PointSearch) -> str:
-    """A digest of everything that the numbers of the points depend on."""
-    from hashlib import sha256
-
-    return sha256(repr(search).encode()).hexdigest()
 
 
 def _check_store(store: Any) -> None:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from operator import not_
+from operator import mul, not_
 from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
@@ -48,21 +48,17 @@ MOST_CASES = 20_000
 
 @dataclass(frozen=True)
 class Case:
-    """A set of parameters: equations that hold, solved as far as possible, and polynomials that do not vanish.
+    """A set of parameters: equations that hold, solved as far as possible, and polynomials that do not vanish."""
 
-    Attributes:
-        equations: Irreducible polynomials that vanish, in the order in which they were imposed, each reduced by those
-            before it; homogeneous.
-        solved: Parameters that the equations give: index -> (numerator, denominator), the denominator not zero.
-        unsolved: Equations that are of degree one in no parameter.
-        scaled: Parameters that were set to 1, with the weights of all parameters in the scaling that did it.
-        nonzero: Irreducible polynomials that do not vanish, monic, by their text (flint's polynomials have no hash).
-    """
-
+    # irreducible polynomials that vanish, in the order in which they were imposed, each reduced by those before it;
+    # homogeneous
     equations: tuple[Poly, ...] = ()
+    # parameters that the equations give: index -> (numerator, denominator), the denominator not zero
     solved: tuple[tuple[int, Poly, Poly], ...] = ()
-    unsolved: tuple[Poly, ...] = ()
+    unsolved: tuple[Poly, ...] = ()  # equations that are of degree one in no parameter
+    # parameters that were set to 1, with the weights of all parameters in the scaling that did it
     scaled: tuple[tuple[int, tuple[int, ...]], ...] = ()
+    # irreducible polynomials that do not vanish, monic, by their text (flint's polynomials have no hash)
     nonzero: Mapping[str, Poly] = field(default_factory=dict[str, Poly])
 
     def admits(
@@ -74,13 +70,7 @@ class Case:
     def completed(
         self, point: Sequence[Any], number: Callable[[Any], Any], vanishes: Callable[[Any], bool] = not_
     ) -> list[Any] | None:
-        """A point with the parameters that are solved for; None where a denominator vanishes.
-
-        Args:
-            point: Numbers for all parameters, those of parameters that are solved for without a meaning.
-            number: Maps rational numbers to such numbers.
-            vanishes: Whether a number is zero, or may be.
-        """
+        """A point with the parameters that are solved for in their places; None where a denominator vanishes."""
         found = list(point)
         for v, a, b in self.solved:
             below = value_at(b.terms(), point, number)
@@ -92,19 +82,12 @@ class Case:
 
 @dataclass
 class State:
-    """A case with the rows that are left of the matrix.
-
-    Attributes:
-        case: The case.
-        rows: The rows.
-        rank: The rank of those that were eliminated.
-        pending: Equations that wait.
-    """
+    """A case with the rows that are left of the matrix."""
 
     case: Case
     rows: list[SparseRow]
-    rank: int
-    pending: list[Poly] = field(default_factory=list)
+    rank: int  # the rank of those that were eliminated
+    pending: list[Poly] = field(default_factory=list)  # equations that wait
 
     def copy(self, case: Case, pending: Sequence[Poly]) -> State:
         """A copy with another case and other equations that wait."""
@@ -113,19 +96,14 @@ class State:
 
 @dataclass
 class Cases:
-    """The cases in which there are more solutions.
+    """The cases in which there are more solutions."""
 
-    Attributes:
-        found: Cases with more solutions than in general; as far as is seen none lies in the closure of another.
-        left: Cases that were not decided.
-        n_closed: Number of cases in which there are no further solutions.
-        is_cut_short: Whether the time limit ended a search, and cases were left.
-    """
-
+    # cases with more solutions than in general; as far as is seen none lies in the closure of another
     found: list[Case] = field(default_factory=list)
-    left: list[Case] = field(default_factory=list)
-    n_closed: int = 0
-    is_cut_short: bool = False
+    left: list[Case] = field(default_factory=list)  # cases that were not decided
+    n_closed: int = 0  # number of cases in which there are no further solutions
+    n_cases: int = 0  # number of cases that were looked at
+    is_cut_short: bool = False  # whether the time limit ended a search, and cases were left
 
     def leave(self, *cases: Case) -> None:
         """Keep cases that were not decided, and whether that is for want of time."""
@@ -133,15 +111,16 @@ class Cases:
         self.is_cut_short |= has_passed()
 
 
-class CaseSplitting:
-    """Splits the parameters of one linear system.
+def in_one_variable(q: Poly, v: int) -> list[fmpq]:
+    """The coefficients of a polynomial in one variable, by powers."""
+    found = [fmpq(0)] * (int(q.degrees()[v]) + 1)
+    for m, c in q.terms():
+        found[int(m[v])] = c
+    return found
 
-    Args:
-        context: flint's context of the parameters.
-        positive: Indices of parameters that are positive.
-        nonzero: Polynomials that do not vanish.
-        scalings: Weights of the parameters, one row for each independent scaling.
-    """
+
+class CaseSplitting:
+    """Splits the parameters of one linear system."""
 
     factors = staticmethod(irreducible_factors)
 
@@ -170,73 +149,51 @@ class CaseSplitting:
     ) -> None:
         """Find all cases in which the null space is larger than `n_known`; what is not decided by the deadline is left.
 
-        Args:
-            rows: The matrix.
-            n_columns: Number of unknowns.
-            n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
-            into: Cases found before, of other systems; those inside of them are not looked at again.
-            equations: Polynomials that vanish on all parameters that are looked at.
+        Cases that lie in those found before, of other systems, are not looked at again, nor those outside of some
+        equations.
         """
         stack = [State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
-        n_cases = 0
+        most = into.n_cases + MOST_CASES
         while stack:
             state = stack.pop()
-            n_cases += 1
-            if n_cases > MOST_CASES or has_passed():
-                into.leave(*(self._left(s) for s in (state, *stack)))
+            into.n_cases += 1
+            if into.n_cases > most or has_passed():
+                into.leave(*map(self._left, (state, *stack)))
                 return
             try:
-                further = self._impose(state)
+                if (further := self._further(state)) is not None:
+                    stack += further
+                    continue
+                if any(self.lies_in(state.case, case) for case in into.found):
+                    continue
+                self._eliminate(state, n_columns - n_known)
+                if state.rank >= n_columns - n_known:
+                    into.n_closed += 1
+                elif self._is_settled(state):
+                    into.found = [c for c in into.found if not self.lies_in(c, state.case)] + [state.case]
+                else:
+                    stack += self._split(state)
             except NotDecidedError:
                 into.leave(self._left(state))
-                continue
-            if further is not None:
-                stack += further
-                continue
-            state = self._scaled(state)
-            if state.pending:
-                stack.append(state)
-                continue
-            if any(self.lies_in(state.case, case) for case in into.found):
-                continue
-            try:
-                self._eliminate(state, n_columns - n_known)
             except TimeLimitError:
-                into.leave(*(self._left(s) for s in (state, *stack)))
+                into.leave(*map(self._left, (state, *stack)))
                 return
-            if state.rank >= n_columns - n_known:
-                into.n_closed += 1
-            elif not state.rows:
-                into.found = [c for c in into.found if not self.lies_in(c, state.case)] + [state.case]
-            else:
-                try:
-                    stack += self._split(state)
-                except NotDecidedError:
-                    into.leave(state.case)
+
+    def _is_settled(self, state: State) -> bool:
+        """Whether a case in which there are further solutions is not divided any more."""
+        return not state.rows
 
     def closure(self, case: Case) -> list[Case]:
-        """The cases into which the conditions of a case fall, without what does not vanish in it.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """The cases into which the conditions of a case fall, without what does not vanish in it."""
         return self.subcases(Case(nonzero=self.assumed), self.conditions(case))
 
     def subcases(self, case: Case, equations: Sequence[Poly]) -> list[Case]:
-        """The cases in which more polynomials vanish, which are reduced on the case.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """The cases in which more polynomials vanish, which are reduced on the case."""
         stack, found = [State(case, [], 0, list(equations))], list[Case]()
         while stack:
-            further = self._impose(state := stack.pop())
-            if further is not None:
+            state = stack.pop()
+            if (further := self._further(state)) is not None:
                 stack += further
-                continue
-            state = self._scaled(state)
-            if state.pending:
-                stack.append(state)
             elif not any(self.lies_in(state.case, other) for other in found):
                 found = [c for c in found if not self.lies_in(c, state.case)] + [state.case]
         return found
@@ -261,6 +218,13 @@ class CaseSplitting:
         return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
+
+    def _further(self, state: State) -> list[State] | None:
+        """Cases in which the next equation that waits holds, or the state with scaled parameters; None at the end."""
+        further = self._impose(state)
+        if further is None and (scaled := self._scaled(state)) is not state:
+            return [scaled]
+        return further
 
     def _impose(self, state: State) -> list[State] | None:
         """The cases in which the next equation that waits holds; None if none waits."""
@@ -315,9 +279,6 @@ class CaseSplitting:
         """The cases into which several equations fall that were not solved, each with a Gröbner basis of them.
 
         An element of a basis may be of degree one in a parameter: then they wait to be solved.
-
-        Raises:
-            NotDecidedError: the limits were reached.
         """
         case, found = state.case, list[State]()
         assumptions = Assumptions(tuple(case.nonzero.values()), self.positive, is_real=True)
@@ -394,17 +355,10 @@ class CaseSplitting:
     def homogeneous(self, p: Poly, case: Case) -> Poly:
         """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
         for v, weights in reversed(case.scaled):
-            terms: dict[tuple[int, ...], Any] = {}
-            totals: list[tuple[int, tuple[int, ...], Any]] = []
-            for monomial, coefficient in p.terms():
-                powers = tuple(int(k) for k in monomial)
-                totals.append(
-                    (sum(w * k for w, k in zip(weights, powers, strict=True)) * weights[v], powers, coefficient)
-                )
-            top = max(total for total, _, _ in totals)
-            for total, powers, coefficient in totals:
-                terms[(*powers[:v], powers[v] + top - total, *powers[v + 1 :])] = coefficient
-            p = self.context.from_dict(terms)
+            terms = [(tuple(map(int, m)), c) for m, c in p.terms()]
+            totals = [weights[v] * sum(map(mul, weights, m)) for m, _ in terms]
+            lifted = [(m[v] + max(totals) - total, m, c) for total, (m, c) in zip(totals, terms, strict=True)]
+            p = self.context.from_dict({(*m[:v], power, *m[v + 1 :]): c for power, m, c in lifted})
         return p
 
     def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
@@ -428,7 +382,7 @@ class CaseSplitting:
         return self._reduced_state(State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
     def _inserted_row(self, row: Mapping[Any, Poly], v: int, numerator: Poly, denominator: Poly) -> dict[Any, Poly]:
-        power = max((p.degrees()[v] for p in row.values()), default=0)
+        power = max((0, *(p.degrees()[v] for p in row.values())))  # FLINT says -1 of the polynomial 0
         return {c: self._inserted(p, v, numerator, denominator, power) for c, p in row.items()}
 
     def _inserted(self, p: Poly, v: int, numerator: Poly, denominator: Poly, power: int | None = None) -> Poly:
@@ -465,11 +419,7 @@ class CaseSplitting:
     # elimination
 
     def _eliminate(self, state: State, enough: int) -> None:
-        """Eliminate by entries that do not vanish, as long as there are any.
-
-        Raises:
-            TimeLimitError: the deadline of the call has passed.
-        """
+        """Eliminate by entries that do not vanish, as long as there are any."""
         state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
         while state.rows and state.rank < enough:
             checkpoint("an elimination")
@@ -494,12 +444,7 @@ class CaseSplitting:
         for c in row.keys() | pivot_row.keys():
             if c == column:
                 continue
-            value = self._zero
-            if c in row:
-                value = value + a * row[c]
-            if c in pivot_row:
-                value = value - b * pivot_row[c]
-            value = self.reduced(value, case)
+            value = self.reduced(a * row.get(c, self._zero) - b * pivot_row.get(c, self._zero), case)
             if value:
                 new[c] = value
         return self._cleaned(new, case)
@@ -557,8 +502,7 @@ class CaseSplitting:
             candidates.values(),
             key=lambda found: (found[0].total_degree(), len(found[0].coeffs()), -found[1], str(found[0])),
         )[0]
-        copy = [dict(row) for row in state.rows]
-        zero = State(state.case, copy, state.rank, [q])
+        zero = state.copy(state.case, [q])
         if len(state.case.unsolved) > 1 and self._vanishes_everywhere(q, state.case):
             return [zero]
         other = replace(state.case, nonzero={**state.case.nonzero, str(q): q})
@@ -567,11 +511,7 @@ class CaseSplitting:
     # what vanishes
 
     def _vanishes_everywhere(self, q: Poly, case: Case) -> bool:
-        """Whether a polynomial vanishes at all complex parameters of a case.
-
-        Raises:
-            NotDecidedError: the limits were reached.
-        """
+        """Whether a polynomial vanishes at all complex parameters of a case."""
         for p in case.nonzero.values():
             q = q * p
         return radical_contains(GroebnerBasis(self.context, case.unsolved), q, LIMITS.budget())
@@ -590,11 +530,10 @@ class CaseSplitting:
             return False
         if p.is_constant():
             return True
-        return all(str(q) in case.nonzero or self._never_vanishes(q) for q in self.factors(p))
-
-    def _never_vanishes(self, q: Poly) -> bool:
-        terms = self._definite_terms(q)
-        return terms is not None and any(term.is_constant() for term in terms)
+        return all(
+            str(q) in case.nonzero or any(term.is_constant() for term in self._definite_terms(q) or ())
+            for q in self.factors(p)
+        )
 
     def _definite_terms(self, q: Poly) -> list[Poly] | None:
         """Its terms without positive parameters and powers, or its squares, if all have one sign and are several.
@@ -609,11 +548,8 @@ class CaseSplitting:
         if len(occurring) != 1:
             return True
         (v,) = occurring
-        coefficients = [fmpq(0)] * (int(q.degrees()[v]) + 1)
-        for m, c in q.terms():
-            coefficients[int(m[v])] = c
         # irreducible and not linear, so that zero is no root
-        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(coefficients)))
+        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(in_one_variable(q, v))))
 
     def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
         """Whether a positive parameter would have to be negative or zero, whatever the others are."""
@@ -644,8 +580,4 @@ class CaseSplitting:
 
     def inserted(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""
-        for v, _ in case.scaled:
-            p = self._inserted(p, v, self._one, self._one)
-        for v, numerator, denominator in reversed(case.solved):
-            p = self._inserted(p, v, numerator, denominator)
-        return self.reduced(p, case)
+        return self.rows_in([{0: p}], case)[0].get(0, self._zero)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from sympy import Expr
 
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.names import check_title
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.level import level_of, real_points
+from liepoisson.integrability.derivation import real_points
 from liepoisson.integrability.search import BlockCount, tidied
 from liepoisson.integrability.search_problem import (
     Equations,
@@ -17,15 +19,13 @@ from liepoisson.integrability.search_problem import (
     SizeAsked,
     functions_by_name,
     known_functions,
+    where,
     zeros_on_level,
 )
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.casimir_part import normal_form
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
+from liepoisson.structure.trace import traces_in
 
 MOST_MONOMIALS = 100_000
 """Monomials of the largest search that is begun; 92 000 of a top without gradings take half a minute and 0.5 GB."""
@@ -106,10 +106,10 @@ class FirstIntegrals:
     def scope(self) -> str:
         """Which polynomials were searched, in words."""
         size = f"up to degree {self.degree}" if self.weight is None else f"of weight {self.weight}"
-        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
+        level = f" on {where(self.on)}" if self.on else ""
         generic = f", for generic {', '.join(self.parameters)}" if self.parameters else ""
         of = f" in the coordinates and {', '.join(Formula(f).plain for f in self.functions)}" if self.functions else ""
-        return f"polynomials {size}{of}{where}{generic}"
+        return f"polynomials {size}{of}{level}{generic}"
 
     @property
     def modulo_ideal(self) -> bool:
@@ -150,10 +150,10 @@ class FirstIntegrals:
             if not self.found:
                 lines.append("no others than polynomials in the known ones")
             blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
-            where = ", modulo the ideal of these equations" if self.modulo_ideal else ""
+            ideal = ", modulo the ideal of these equations" if self.modulo_ideal else ""
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
-                f"proved over the complex numbers{where}: {others}. ({self.n_monomials} monomials in {blocks}; "
+                f"proved over the complex numbers{ideal}: {others}. ({self.n_monomials} monomials in {blocks}; "
                 f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
             )
         return "\n".join([*lines, *self.notes])
@@ -217,12 +217,9 @@ def first_integrals(
         slopes = [system.hamiltonian.diff(x) for x in system.variables]
     equations, functions = algebraic_equations(system, *used.values(), *zeros, *slopes)
     n, derivation = len(used), equations.derivation
-    problem = SearchProblem(
-        derivation,
-        dict(zip(used, functions[:n], strict=True)),
-        [*equations.relations, *functions[n : n + len(zeros)]],
-    )
-    problem.check(used, level_of(derivation, equations.relations), equations.expression)
+    on_level = [*equations.relations, *functions[n : n + len(zeros)]]
+    problem = SearchProblem(equations, dict(zip(used, functions[:n], strict=True)), on_level)
+    problem.check(used)
     monomials, size, weights = size_asked.monomials(derivation, problem.gradings, MOST_MONOMIALS)
     search = problem.search(problem.gradings_of_known(problem.gradings, weights))
     search.slope = tuple(functions[n + len(zeros) :])
@@ -273,8 +270,6 @@ def _is_of_lower_degree(low: Expr, system: System) -> bool:
 
 def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
     """The known integrals, traces of products of matrices written out; those of a higher degree are not needed."""
-    from liepoisson.structure.trace import traces_in
-
     used: dict[str, Expr] = {}
     for name, f in known.items():
         traces = traces_in(f)

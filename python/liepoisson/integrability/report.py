@@ -9,6 +9,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sympy import Expr
+
 from liepoisson import _core
 from liepoisson.errors import OutputError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import as_count, as_deadline
@@ -26,16 +28,15 @@ from liepoisson.integrability.completeness import (
 from liepoisson.integrability.derivation import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals, named_formulas, search_record
 from liepoisson.integrability.search import next_name
+from liepoisson.integrability.search_problem import casimirs_of, with_hamiltonian
 from liepoisson.io.files import write_atomically
+from liepoisson.model.system import System
 from liepoisson.model.system_text import system_text
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.integrability.galois.obstruction import GaloisObstruction
     from liepoisson.integrability.painleve.singularity_analysis import PainleveTest
-    from liepoisson.model.system import System
 
 FORMAT = "liepoisson report of integrability/1"
 _GROWTH = 12.0
@@ -256,7 +257,7 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
     notes: list[str] = []
     system = _without_quadratures(system, notes)
     rank = system.bracket.rank()
-    casimirs = {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+    casimirs = casimirs_of(system)
     integrals: dict[str, Expr] = {"H": system.hamiltonian}
     dependent: dict[str, Expr] = {}
     searches: list[FirstIntegrals] = []
@@ -314,14 +315,10 @@ def _report(system: System, most: int, deadline: Deadline, listen: Callable[[flo
 
 
 def _without_quadratures(system: System, notes: list[str]) -> System:
-    from liepoisson.model.hamiltonian import symbols_in
-    from liepoisson.model.system import System
-
     if len(system.variables) == len(system.bracket.variables):
         return system
     notes.append("quadratures were left out: they are no functions on phase space")
-    symbols = symbols_in(system.hamiltonian, system.component_names)
-    return System(system.bracket, system.hamiltonian, name=system.name, symbols=symbols)
+    return with_hamiltonian(system, system.hamiltonian)
 
 
 def _certificate(system: System, commuting: Mapping[str, Expr], notes: list[str]) -> dict[str, Any] | None:
@@ -387,31 +384,25 @@ def _enough(
     Where none commute, combinations of degree two are looked for.  Where the deadline passes, what was found stays.
     """
     try:
-        return _found_enough(system, integrals, dependent, rank, notes)
+        commuting = commuting_integrals(system, integrals | dependent, rank)
+        if not commuting:
+            notes += _add_brackets(system, integrals, dependent, rank)
+            commuting = commuting_integrals(system, integrals | dependent, rank)
+        if commuting or len(integrals) < max(rank // 2, 2):
+            return commuting, None
+        closed = closed_integrals(system, integrals, rank) if len(integrals) > rank // 2 else None
+        chosen: list[str] = []
+        for function, formula in commuting_combinations(system, integrals | dependent, rank):
+            name = str(formula)
+            if name not in integrals | dependent:
+                name = next_name(system.component_names, integrals, dependent)
+                dependent[name] = function
+                notes.append(f"{name} = {Formula(formula).plain}")
+            chosen.append(name)
+        return tuple(chosen), closed
     except TimeLimitError as error:
         notes.append(f"whether the integrals that were found are enough is not decided: {error}")
         return (), None
-
-
-def _found_enough(
-    system: System, integrals: dict[str, Expr], dependent: dict[str, Expr], rank: int, notes: list[str]
-) -> tuple[tuple[str, ...], ClosedIntegrals | None]:
-    commuting = commuting_integrals(system, integrals | dependent, rank)
-    if not commuting:
-        notes += _add_brackets(system, integrals, dependent, rank)
-        commuting = commuting_integrals(system, integrals | dependent, rank)
-    if commuting or len(integrals) < max(rank // 2, 2):
-        return commuting, None
-    closed = closed_integrals(system, integrals, rank) if len(integrals) > rank // 2 else None
-    chosen: list[str] = []
-    for function, formula in commuting_combinations(system, integrals | dependent, rank):
-        name = str(formula)
-        if name not in integrals | dependent:
-            name = next_name(system.component_names, integrals, dependent)
-            dependent[name] = function
-            notes.append(f"{name} = {Formula(formula).plain}")
-        chosen.append(name)
-    return tuple(chosen), closed
 
 
 def _add_brackets(system: System, integrals: dict[str, Expr], dependent: Mapping[str, Expr], rank: int) -> list[str]:

@@ -3,10 +3,17 @@
 A search is plain data. Where there are many points it is read by processes of their own, which read points and write
 what was found. They do not run the script of the user again, as those of `multiprocessing` would, and end when this
 process has ended: nobody writes to them any more.
+
+The folder of a scan: one file of lines, the first of which says what is scanned; each other one has some points.
+
+Each line begins with its checksum, those of points also with a digest of the first line: they name their scan.  A line
+that is damaged or belongs to another scan, such as the last one of a process that was killed, is left out, and its
+points are computed again.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import subprocess
@@ -17,17 +24,20 @@ from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
+from zlib import crc32
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import Polynomial, value_at
-from liepoisson.errors import TimeLimitError
+from liepoisson.errors import DamagedFileError, OutputError, TimeLimitError
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
-from liepoisson.integrability.level import Level
+from liepoisson.integrability.checker import number
+from liepoisson.integrability.derivation import Derivation, Exponents, Grading, Level, up_to_degree
 from liepoisson.integrability.search import Generator, Search, tidied
+from liepoisson.io.files import another_format, write_atomically, writing
 
 if TYPE_CHECKING:
     from liepoisson.integrability.parameter_cases import Poly
@@ -44,42 +54,25 @@ Family: TypeAlias = "dict[Exponents, Terms]"
 
 @dataclass(frozen=True)
 class PointResult:
-    """What was found at a point.
+    """What was found at a point."""
 
-    Attributes:
-        outcome: One of `OUTCOMES`.
-        n_further: Number of integrals that are functionally independent of the known ones and of each other.
-        found: All that are no polynomials in the known ones, lowest degree first.
-    """
-
-    outcome: str
-    n_further: int = -1
-    found: tuple[Polynomial, ...] = ()
+    outcome: str  # one of `OUTCOMES`
+    n_further: int = -1  # number of integrals that are functionally independent of the known ones and of each other
+    found: tuple[Polynomial, ...] = ()  # all that are no polynomials in the known ones, lowest degree first
 
 
 @dataclass(frozen=True)
 class PointSearch:
-    """A search whose coefficients are polynomials in the parameters.
+    """A search whose coefficients are polynomials in the parameters."""
 
-    Attributes:
-        n: Number of coordinates.
-        degree: The largest degree of the integrals.
-        gradings: The gradings for all values of the parameters.
-        components: The equations of motion, without denominators.
-        denominator: What they were multiplied by.
-        zeros: The functions that vanish on the level.
-        basis: A Gröbner basis of these, each with its leading monomial.
-        known: The integrals that are known, by name; remainders on the level.
-    """
-
-    n: int
-    degree: int
-    gradings: tuple[Grading, ...]
-    components: tuple[Family, ...]
-    denominator: Terms
-    zeros: tuple[Family, ...]
-    basis: tuple[tuple[Exponents, Family], ...]
-    known: tuple[tuple[str, Family], ...]
+    n: int  # number of coordinates
+    degree: int  # the largest degree of the integrals
+    gradings: tuple[Grading, ...]  # the gradings for all values of the parameters
+    components: tuple[Family, ...]  # the equations of motion, without denominators
+    denominator: Terms  # what they were multiplied by
+    zeros: tuple[Family, ...]  # the functions that vanish on the level
+    basis: tuple[tuple[Exponents, Family], ...]  # a Gröbner basis of these, each with its leading monomial
+    known: tuple[tuple[str, Family], ...]  # the integrals that are known, by name; remainders on the level
 
     def at(self, values: Sequence[Fraction]) -> PointResult:
         """Search at some values of the parameters."""
@@ -95,11 +88,10 @@ class PointSearch:
             tuple(zero for part in self.zeros if (zero := _at(part, values))),
             [Generator(name, polynomial, is_new=False) for name, polynomial in known if any(map(any, polynomial))],
         )
-        search.run(chain.from_iterable(of_degree(self.n, k) for k in range(1, self.degree + 1)))
+        search.run(up_to_degree(self.n, self.degree))
         new = [g for g in search.generators if g.is_new]
-        is_proved = all(count.nullity == count.n_known for count in search.counts)
         return PointResult(
-            "finished" if is_proved else "not proved",
+            "finished" if search.complete else "not proved",
             sum(g.is_independent for g in new),
             tuple(tidied(g.polynomial) for g in new),
         )
@@ -107,7 +99,7 @@ class PointSearch:
 
 def plain(polynomial: Poly) -> Terms:
     """The terms of a polynomial of flint."""
-    return tuple((tuple(map(int, m)), Fraction(int(c.p), int(c.q))) for m, c in polynomial.terms())
+    return tuple((tuple(map(int, m)), as_fraction(c)) for m, c in polynomial.terms())
 
 
 def plain_family(family: Mapping[Exponents, Poly]) -> Family:
@@ -248,3 +240,88 @@ def serve_parent() -> None:
         serve(sys.stdin.buffer, sys.stdout.buffer)
     except BrokenPipeError:  # the process that asked was killed
         os._exit(1)
+
+
+FORMAT = "liepoisson integral scan 2"
+_FILE = "points.jsonl"
+
+
+class ScanStore:
+    """The points of a scan that are known."""
+
+    def __init__(self, folder: Path, description: Mapping[str, Any], *, fresh: bool = False) -> None:
+        self.path = folder / _FILE
+        self.known: dict[int, PointResult] = {}
+        head = json.loads(json.dumps({"format": FORMAT, **description}))
+        self._scan = sha256(_line(head).encode()).hexdigest()[:16] + " "
+        with writing(folder):
+            is_there, is_used = self.path.exists(), any(p.name not in (".lock", _FILE) for p in folder.iterdir())
+        if is_there and not fresh:
+            self._read(head)
+        elif is_used:
+            raise OutputError(f"{folder} is not empty and holds no scan. Choose another name for the store.")
+        else:
+            write_atomically(self.path, _line(head).encode())
+
+    def _read(self, head: Mapping[str, Any]) -> None:
+        with writing(self.path):
+            content = self.path.read_bytes()
+        lines = content.decode("utf-8", "replace").split("\n")
+        found = _content(lines[0])
+        named = found.get("format") if isinstance(found, dict) else None
+        if isinstance(named, str) and named != FORMAT and named.startswith(FORMAT.rstrip("0123456789")):
+            raise OutputError(f"{self.path}: {another_format(named, FORMAT)}")
+        if named != FORMAT:
+            raise DamagedFileError(f"{self.path} holds no scan that can be read. Start over with fresh=True.")
+        if found != head:
+            names = [name for name in head if found.get(name) != head[name]]
+            raise OutputError(
+                f"{self.path} holds another scan: {', '.join(names) or 'its description'} differs. Choose another "
+                "store, or discard it with fresh=True."
+            )
+        for line in lines[1:]:
+            try:
+                said = _content(line, self._scan) or {}
+                self.known |= {int(point): _result(record) for point, record in said.items()}
+            except (ArithmeticError, ValueError, TypeError, AttributeError):  # it had a right sum, and is none of ours
+                continue
+        if not content.endswith(b"\n"):
+            with writing(self.path), self.path.open("ab") as stream:
+                stream.write(b"\n")
+
+    def keep(self, results: Mapping[int, PointResult]) -> None:
+        """Add points; one whose process failed is tried again next time."""
+        if records := {str(k): _record(r) for k, r in results.items() if r.outcome != "failed"}:
+            with writing(self.path), self.path.open("a", encoding="utf-8") as stream:
+                stream.write(_line(records, self._scan))
+                stream.flush()
+                os.fsync(stream.fileno())
+
+
+def _line(content: Any, scan: str = "") -> str:
+    text = scan + json.dumps(content, separators=(",", ":"))
+    return f"{crc32(text.encode()):08x} {text}\n"
+
+
+def _content(line: str, scan: str = "") -> Any:
+    """What a line says, or None."""
+    total, _, text = line.partition(" ")
+    if total != f"{crc32(text.encode()):08x}" or not text.startswith(scan):
+        return None
+    try:
+        return json.loads(text.removeprefix(scan))
+    except (ValueError, RecursionError):
+        return None
+
+
+def _record(result: PointResult) -> list[Any]:
+    found = [[[str(c), list(m)] for m, c in polynomial.items()] for polynomial in result.found]
+    return [result.outcome, result.n_further, found]
+
+
+def _result(record: list[Any]) -> PointResult:
+    outcome, n_further, found = record
+    if outcome not in OUTCOMES:
+        raise ValueError("another outcome")
+    polynomials = tuple({tuple(map(int, m)): number(c) for c, m in polynomial} for polynomial in found)
+    return PointResult(outcome, int(n_further), polynomials)

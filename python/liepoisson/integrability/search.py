@@ -8,18 +8,25 @@ equations.  In each block:
    true one.
 3. Where the two are equal there is no further integral: a proof.  Otherwise the null space is lifted to the exact field
    and multiplied with the matrix, and integrals that are no sums of products of others are taken, lowest degree first.
+
+What is independent modulo a prime is independent exactly.  A term $c\,x^e\,\partial_k$ of D sends $x^m$ to
+$c\,m_k\,x^{m + e - 1_k}$: one entry of the matrix for each term and each monomial with $m_k > 0$.  All entries of a
+term are made at once, as the compiled elimination takes them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import count
-from math import gcd, lcm
-from typing import Any
+from math import gcd, inf, lcm
+from random import Random
+from typing import TYPE_CHECKING, Any
 
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element
@@ -27,9 +34,111 @@ from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.derivation import Derivation, Exponents, Grading, homogeneous_parts, in_blocks
-from liepoisson.integrability.level import Level, order
-from liepoisson.integrability.modular import ModularDerivation, modular, random_point, residues_of
+from liepoisson.integrability.derivation import (
+    Derivation,
+    Exponents,
+    Grading,
+    Level,
+    homogeneous_parts,
+    in_blocks,
+    order,
+)
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_MOST_PRIMES = 20
+
+
+def modular(polynomial: Polynomial, residues: Residues) -> Polynomial:
+    """The polynomial over the field of the prime."""
+    number = residues.field.number
+    image = {m: number(residues(c)) for m, c in polynomial.items()}
+    return {m: c for m, c in image.items() if c}
+
+
+def residues_of(field: Coefficients, polynomials: Iterable[Polynomial], skipped: int = 0) -> Residues:
+    """The homomorphism modulo the first prime, after some that are skipped, modulo which no coefficient vanishes."""
+    values = [c for polynomial in polynomials for c in polynomial.values()]
+    for attempt in range(_MOST_PRIMES):
+        found = field.residues(seed=1 + attempt, skipped=attempt)
+        if found is None:
+            break
+        with suppress(ValueError, ZeroDivisionError):  # a denominator vanishes modulo the prime
+            if all(map(found, values)):
+                if not skipped:
+                    return found
+                skipped -= 1
+    raise ParameterError(
+        "the coefficients have no images modulo primes, which every search begins with; give rational numbers or roots"
+    )
+
+
+def random_point(n: int, residues: Residues, seed: int = 1) -> list[Element]:
+    """Numbers of the field of the prime; the same for the same seed."""
+    random = Random(seed)
+    return [residues.field.number(random.randrange(1, residues.p)) for _ in range(n)]
+
+
+_LARGEST_KEY = 2**62
+
+
+def modular_nullity(
+    derivation: Derivation,
+    residues: Residues,
+    monomials: Sequence[Exponents],
+    progress: Callable[[float], Any] | None = None,
+) -> int:
+    """Dimension of the null space of D on some monomials; those of low degree come first, which costs least."""
+    import numpy as np
+
+    from liepoisson import _core
+
+    parts = list(_entries(derivation, residues, np.array(sorted(monomials, key=lambda m: (sum(m), m)), dtype=np.int64)))
+    if not parts:
+        return len(monomials)
+    columns, images, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+    rows = _numbered(images)
+    order = np.lexsort((columns, rows))
+    starts = np.searchsorted(rows[order], np.arange(rows.max() + 2))
+    matrix = starts.astype(np.uint64), columns[order].astype(np.uint32), values[order]
+    found = _core.modular_null_space(*matrix, len(monomials), residues.p, None, inf, progress)
+    return len(monomials) - found["rank"]
+
+
+def _entries(derivation: Derivation, residues: Residues, monomials: NDArray[np.int64]) -> Iterator[Any]:
+    """For each term of D the columns, the monomials of the rows and the residues of its entries."""
+    import numpy as np
+
+    p = residues.p
+    for k, component in enumerate(derivation.components):
+        columns = np.flatnonzero(monomials[:, k])
+        powers = monomials[columns, k]
+        for factor, coefficient in component.items():
+            residue = residues(coefficient) % p
+            if not residue or not len(columns):
+                continue
+            # residues of 61 bits times powers would overflow: a table of Python's integers
+            table = np.array([residue * m % p for m in range(int(powers.max()) + 1)], dtype=np.uint64)
+            images = monomials[columns] + np.array(factor)
+            images[:, k] -= 1
+            yield columns, images, table[powers]
+
+
+def _numbered(monomials: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A number for each monomial from 0, the same for equal ones."""
+    import numpy as np
+
+    base = int(monomials.max(initial=0)) + 1
+    keys, size = np.zeros(len(monomials), dtype=np.int64), 1
+    for exponents in monomials.T:
+        if size * base > _LARGEST_KEY:
+            keys = np.unique(keys, return_inverse=True)[1]
+            size = int(keys.max()) + 1
+        keys, size = keys * base + exponents, size * base
+    return np.unique(keys, return_inverse=True)[1]
+
 
 Label = tuple[int, ...]
 _MOST_TERMS = 400
@@ -40,19 +149,12 @@ _MOST_POINTS = 400
 
 @dataclass
 class Generator:
-    """An integral whose products with others are known.
-
-    Attributes:
-        name: How it is called.
-        polynomial: It.
-        is_new: Whether the search found it.
-        is_independent: Whether it is functionally independent of those before it.
-    """
+    """An integral whose products with others are known."""
 
     name: str
     polynomial: Polynomial
-    is_new: bool
-    is_independent: bool = True
+    is_new: bool  # whether the search found it
+    is_independent: bool = True  # whether it is functionally independent of those before it
 
     @property
     def degree(self) -> int:
@@ -62,42 +164,37 @@ class Generator:
 
 @dataclass(frozen=True)
 class BlockCount:
-    """What was found in one block.
+    """What was found in one block."""
 
-    Attributes:
-        label: The weights of its monomials.
-        n_unknowns: Number of monomials.
-        nullity: Dimension of the null space modulo the prime, at least that of the integrals.
-        n_known: Dimension of the span of products of the known integrals and of those found.
-    """
-
-    label: Label
+    label: Label  # the weights of its monomials
     n_unknowns: int
-    nullity: int
-    n_known: int
+    nullity: int  # dimension of the null space modulo the prime, at least that of the integrals
+    n_known: int  # dimension of the span of products of the known integrals and of those found
 
 
 @dataclass
 class Search:
-    """The search on one set of monomials.
-
-    Attributes:
-        derivation: The equations.
-        gradings: Their gradings; on a level only those in which its equations are homogeneous.
-        level: The level set, or all of phase space.
-        equations: The polynomials that vanish on the level.
-        generators: Integrals that are known, to which those that are found are added.
-        slope: The gradient of another known integral, which is no polynomial; empty if there is none.
-        counts: What was found, block by block.
-    """
+    """The search on one set of monomials."""
 
     derivation: Derivation
-    gradings: tuple[Grading, ...]
-    level: Level
-    equations: tuple[Polynomial, ...]
-    generators: list[Generator]
+    gradings: tuple[Grading, ...]  # their gradings; on a level only those in which its equations are homogeneous
+    level: Level  # the level set, or all of phase space
+    equations: tuple[Polynomial, ...]  # the polynomials that vanish on the level
+    generators: list[Generator]  # integrals that are known, to which those that are found are added
+    # the gradient of another known integral, which is no polynomial; empty if there is none
     slope: tuple[Polynomial, ...] = ()
-    counts: list[BlockCount] = field(default_factory=list)
+    counts: list[BlockCount] = field(default_factory=list)  # what was found, block by block
+
+    def over(self, field: Coefficients) -> Search:
+        """The same over a larger field than the rational numbers, with nothing known."""
+        components = tuple(in_field(f, field) for f in self.derivation.components)
+        return Search(
+            Derivation(self.derivation.variables, components, field),
+            self.gradings,
+            self.level.mapped(lambda generator: in_field(generator, field)),
+            tuple(in_field(f, field) for f in self.equations),
+            [],
+        )
 
     @property
     def complete(self) -> bool:
@@ -114,11 +211,6 @@ class Search:
 
         Modulo a prime by which a difference of coefficients is divisible, null spaces may be larger than they are: then
         the search finds all integrals, and is not complete.
-
-        Args:
-            monomials: All up to a degree, or of one weight.
-            progress: Told the fraction that is done.
-            weights: The weights of the variables, if the monomials are those of one weight.
         """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
         self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
@@ -156,33 +248,29 @@ class Search:
             if size > largest:
                 break
             span = Echelon(self.residues.field)
-            self._insert_products({(): span}, highest, self.generators, whole=True)
+            self._insert_products({(): span}, highest, whole=True)
             if span.reduce(modular(part, self.residues)):
-                others = [g.polynomial for g in self.generators]
-                self.generators.append(
-                    Generator(self._next_name, part, is_new=True, is_independent=self.is_independent(others, part))
-                )
+                self._take(part, part)
 
-    @property
-    def _next_name(self) -> str:
-        return next_name({g.name for g in self.generators}, set(map(str, self.derivation.variables)))
+    def _take(self, polynomial: Polynomial, written: Polynomial) -> None:
+        """Take an integral that was found, as it is written, as known; ranks at a random point prove independence."""
+        others = [g.polynomial for g in self.generators]
+        is_independent = self._rank([*others, polynomial]) > self._rank(others)
+        name = next_name({g.name for g in self.generators}, set(map(str, self.derivation.variables)))
+        self.generators.append(Generator(name, written, is_new=True, is_independent=is_independent))
 
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
         if not self.level.basis:
-            return self._modular_derivation.nullity(block, progress=progress)
+            return modular_nullity(self.derivation, self.residues, block, progress)
         columns: list[Polynomial] = []
-        for monomial in block:
+        for k, monomial in enumerate(block):
             checkpoint("the search for integrals")
-            if progress and not len(columns) % 100:
-                progress(len(columns) / len(block))
+            if progress and not k % 100:
+                progress(k / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
-            columns.append(self._level_mod.remainder(image))
+            columns.append(self.level_mod.remainder(image))
         return len(nullspace_mod(transposed(columns), len(block), self.residues.p))
-
-    @cached_property
-    def _modular_derivation(self) -> ModularDerivation:
-        return ModularDerivation.of(self.derivation, self.residues)
 
     def _image(self, monomial: Exponents) -> Polynomial:
         checkpoint("the search for integrals")
@@ -192,7 +280,7 @@ class Search:
         """Blocks with integrals: those that products of known ones give, and the others, lowest degree first."""
         highest = max((sum(block[0]) for _, block, _ in excess), default=0)
         spans = {label: Echelon(self.residues.field) for label, _, _ in excess}
-        self._insert_products(spans, highest, self.generators)
+        self._insert_products(spans, highest)
         waiting: list[tuple[int, Label, Polynomial]] = []
         for label, block, nullity in excess:
             if len(spans[label]) < nullity:
@@ -201,11 +289,8 @@ class Search:
             image = modular(polynomial, self.residues)
             if not spans[label].reduce(image):
                 continue
-            simplest = self._simplest(polynomial, label)
-            found = Generator(self._next_name, simplest, is_new=True)
-            found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
-            self.generators.append(found)
-            self._insert_products(spans, highest, self.generators, must_contain=len(self.generators) - 1)
+            self._take(polynomial, self._simplest(polynomial, label))
+            self._insert_products(spans, highest, must_contain=len(self.generators) - 1)
         for label, block, nullity in excess:
             self.counts.append(BlockCount(label, len(block), nullity, len(spans[label])))
 
@@ -218,12 +303,12 @@ class Search:
 
     def _simplest(self, polynomial: Polynomial, label: Label) -> Polynomial:
         """A sum of the polynomial and multiples of known products with few terms, by a greedy search."""
-        products = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
+        shorter = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
         best, zero = polynomial, self.derivation.field.zero
         while len(best) <= _MOST_TERMS:
             found = [
                 {m: c for m in best.keys() | q.keys() if (c := best.get(m, zero) - best[k] / q[k] * q.get(m, zero))}
-                for q in products
+                for q in shorter
                 for k in best.keys() & q.keys()
             ]
             shortest = min(found, key=len, default=best)
@@ -234,24 +319,23 @@ class Search:
 
     def _products(self, highest: int, label: Label) -> list[Polynomial]:
         """The products of integrals in a block, up to a degree, exactly."""
-        field_one, found = self.derivation.field.one, list[Polynomial]()
-        factors = [
-            (max(map(sum, part)), part)
-            for generator in self.generators
-            for part in homogeneous_parts(generator.polynomial, self.gradings).values()
-            if any(map(any, part))
-        ]
+        factors = [(max(map(sum, part)), part) for _, part in self._parts(self.gradings)]
+        found = (
+            {m: c for m, c in self.level.remainder(product).items() if any(m)}
+            for _, _, product in products(factors, highest, _MOST_TERMS**2)
+            if tuple(g.of(next(iter(product))) for g in self.gradings) == label
+        )
+        return [p for p in found if p]
 
-        for _, _, product in products(factors, highest, _MOST_TERMS**2):
-            if tuple(g.of(next(iter(product))) for g in self.gradings) == label:
-                found.append({m: c for m, c in self.level.remainder(product).items() if any(m)})
-        return [{m: field_one * c for m, c in p.items()} for p in found if p]
+    def _parts(self, gradings: Sequence[Grading]) -> list[tuple[int, Polynomial]]:
+        """The homogeneous parts of the known integrals with the numbers of these."""
+        divided = [homogeneous_parts(generator.polynomial, gradings) for generator in self.generators]
+        return [(k, part) for k, parts in enumerate(divided) for part in parts.values()]
 
     def _insert_products(
         self,
         spans: Mapping[Label, Echelon],
         highest: int,
-        generators: Sequence[Generator],
         *,
         must_contain: int | None = None,
         whole: bool = False,
@@ -261,23 +345,20 @@ class Search:
         Those of parts of one weight; of whole integrals into one span, with an empty label.
         """
         gradings = () if whole else self.gradings
-        factors: list[tuple[int, Polynomial]] = []
-        indices: list[int] = []
-        for index, generator in enumerate(generators):
-            for part in homogeneous_parts(generator.polynomial, gradings).values():
-                factors.append((max(map(sum, part)), modular(part, self.residues)))
-                indices.append(index)
+        parts = self._parts(gradings)
+        factors = [(max(map(sum, part)), modular(part, self.residues)) for _, part in parts]
         for chosen, _, product in products(factors, highest):
-            if must_contain is not None and all(indices[k] != must_contain for k in chosen):
+            if must_contain is not None and all(parts[k][0] != must_contain for k in chosen):
                 continue
             label = tuple(g.of(next(iter(product))) for g in gradings)
             if label in spans:
-                reduced = self._level_mod.remainder(product)
+                reduced = self.level_mod.remainder(product)
                 spans[label].insert({m: c for m, c in reduced.items() if any(m)})
 
     @cached_property
-    def _level_mod(self) -> Level:
-        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
+    def level_mod(self) -> Level:
+        """The level modulo the prime."""
+        return self.level.mapped(lambda generator: modular(generator, self.residues))
 
     @cached_property
     def residues(self) -> Residues:
@@ -286,10 +367,6 @@ class Search:
         basis = [polynomial for _, polynomial in self.level.basis]
         coefficients = (*self.derivation.components, *self.slope, *self.equations, *basis, *known)
         return residues_of(self.derivation.field, coefficients)
-
-    def is_independent(self, others: Sequence[Polynomial], polynomial: Polynomial) -> bool:
-        """Whether a polynomial is functionally independent of others: proved if True, by ranks at random points."""
-        return self._rank([*others, polynomial]) > self._rank(others)
 
     def _rank(self, polynomials: Sequence[Polynomial]) -> int:
         point = self.point
@@ -303,6 +380,11 @@ class Search:
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
 
 
+def in_field(polynomial: Polynomial, field: Coefficients) -> Polynomial:
+    """A polynomial with rational coefficients over a larger field."""
+    return {m: field.number(c) for m, c in polynomial.items()}
+
+
 def next_name(*known: Collection[str]) -> str:
     """F1, F2, ..., the first that is neither a coordinate nor taken."""
     return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
@@ -313,13 +395,7 @@ def products(
 ) -> Iterator[tuple[tuple[int, ...], int, Polynomial]]:
     """The products of factors of positive degree up to a degree: the numbers of the factors, the degree left, and it.
 
-    Args:
-        factors: The factors with their degrees.
-        highest: The degree.
-        most_terms: Of products before terms are collected; longer ones are left out.
-
-    Raises:
-        TimeLimitError: the deadline of the call has passed.
+    Products of more than `most_terms` terms, before these are collected, are left out.
     """
 
     def extended(
@@ -344,11 +420,7 @@ def _part(progress: Callable[[float], Any] | None, start: float, share: float) -
 
 
 def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[Element]:
-    """A random point modulo the prime at which some polynomials in n variables vanish.
-
-    Raises:
-        ParameterError: none was found.
-    """
+    """A random point modulo the prime at which some polynomials in n variables vanish."""
     if not equations:
         return random_point(n, residues)
     images = [modular(f, residues) for f in equations]

@@ -2,39 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from itertools import chain, count
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
+
+from sympy import Expr
 
 from liepoisson.algebra.exact_numbers import is_sympy, to_sympy
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
-from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.refusals import not_a, shown
+from liepoisson.integrability.algebraic_functions import AlgebraicEquations
 from liepoisson.integrability.derivation import (
     Derivation,
     Exponents,
     Grading,
+    Level,
     derivation_of,
     gradings,
+    level_of,
     n_monomials,
     n_of_weights,
-    of_degree,
     of_weight,
     positive_grading,
+    real_points,
+    squarefree,
+    up_to_degree,
 )
-from liepoisson.integrability.level import Level, level_of, real_points, squarefree
 from liepoisson.integrability.search import Generator, Search
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.formula.parameters import Parameter
-    from liepoisson.model.system import System
+from liepoisson.model.hamiltonian import symbols_in
+from liepoisson.model.system import System
+from liepoisson.report.printing import Formula
+from liepoisson.structure.bracket import Bracket
 
 Equations: TypeAlias = "str | Expr | Sequence[str | Expr] | Mapping[str, Parameter]"
 """Equations of a level set: texts or functions that vanish, one or several, or values by name."""
@@ -44,57 +49,36 @@ _LARGEST_WEIGHT = 10_000
 
 @dataclass(frozen=True)
 class SearchProblem:
-    """Equations of motion, known integrals, and a level set, as polynomials over one field.
+    """Equations of motion, known integrals, and a level set, as polynomials over one field."""
 
-    Attributes:
-        derivation: The equations.
-        known: The integrals that are known, by name.
-        zeros: The functions that vanish on the level set; empty for all of phase space.
-    """
-
-    derivation: Derivation
-    known: dict[str, Polynomial]
-    zeros: list[Polynomial]
+    equations: AlgebraicEquations
+    known: dict[str, Polynomial]  # the integrals that are known, by name
+    zeros: list[Polynomial]  # the functions that vanish on the level set; empty for all of phase space
 
     @classmethod
     def of(cls, system: System, known: Mapping[str, Expr], on: Sequence[Expr]) -> SearchProblem:
-        """The problem for a system with polynomial equations.
-
-        Raises:
-            ParameterError: the equations, or functions, are no polynomials.
-        """
+        """The problem for a system with polynomial equations."""
         derivation, functions = derivation_of(system, *known.values(), *on)
         n = len(known)
-        return cls(derivation, dict(zip(known, functions[:n], strict=True)), functions[n:])
+        return cls(AlgebraicEquations(derivation, {}, ()), dict(zip(known, functions[:n], strict=True)), functions[n:])
 
-    def check(
-        self,
-        known: Mapping[str, Expr],
-        relations: Level | None = None,
-        written: Callable[[Polynomial], Expr] | None = None,
-    ) -> None:
-        """Refuse functions that are no integrals.
+    @property
+    def derivation(self) -> Derivation:
+        """The equations of motion."""
+        return self.equations.derivation
 
-        Args:
-            known: As they were given.
-            relations: Of functions that are variables.
-            written: How a polynomial is written in the coordinates.
-        """
-        level, written = relations or Level(), written or self.derivation.expression
+    def check(self, known: Mapping[str, Expr]) -> None:
+        """Refuse functions that are no integrals; `known` has them as they were given."""
         for name, polynomial in self.known.items():
-            if rate := level.remainder(self.derivation(polynomial)):
+            if rate := self.equations.level.remainder(self.derivation(polynomial)):
                 raise ParameterError(
                     f"known: wanted integrals; got {name} = {shown(known[name])}, whose derivative "
-                    f"{shown(written(rate))} is not zero"
+                    f"{shown(self.equations.expression(rate))} is not zero"
                 )
 
     @cached_property
     def level(self) -> Level:
-        """The level set.
-
-        Raises:
-            ParameterError: it is not invariant, or empty.
-        """
+        """The level set."""
         return level_of(self.derivation, self.zeros)
 
     @cached_property
@@ -128,23 +112,14 @@ def _are_homogeneous(grading: Grading, polynomials: Iterable[Polynomial]) -> boo
 
 @dataclass(frozen=True)
 class SizeAsked:
-    """The total degree up to which is searched, or a weight.
+    """The total degree up to which is searched, or a weight."""
 
-    Attributes:
-        degree: The degree, or None.
-        weight: The weight, or None.
-    """
-
-    degree: int | None
-    weight: int | None
+    degree: int | None  # the degree, or None
+    weight: int | None  # the weight, or None
 
     @classmethod
     def of(cls, degree: int | None, weight: int | None) -> SizeAsked:
-        """What a caller asks for; degree 2 if he says nothing.
-
-        Raises:
-            ParameterError: both were given, or one is no number from 1.
-        """
+        """What a caller asks for; degree 2 if he says nothing."""
         if weight is None:
             return cls(2 if degree is None else as_count(degree, "degree", least=1), None)
         w = as_count(weight, "weight", least=1)
@@ -158,11 +133,7 @@ class SizeAsked:
         return (self.degree if self.weight is None else self.weight) or 0
 
     def n_up_to_degree(self, n: int, most: int) -> int:
-        """How many monomials of n coordinates have at most the degree, without 1.
-
-        Raises:
-            ParameterError: more than are searched.
-        """
+        """How many monomials of n coordinates have at most the degree, without 1."""
         d = self.value
         if (size := n_monomials(n, d) - 1) > most:
             fits = next(k for k in count() if n_monomials(n, k + 1) > most)
@@ -177,19 +148,12 @@ class SizeAsked:
     ) -> tuple[Iterator[Exponents], int, tuple[int, ...]]:
         """The monomials of the search, the number of those that are not constant, and the weights of the coordinates.
 
-        Args:
-            derivation: The equations.
-            found: Their gradings.
-            most: Of how many monomials a search is begun.
-            up_to: Whether monomials of smaller weights belong to it.
-
-        Raises:
-            ParameterError: there are more, or no positive grading for a weight.
+        Up to a weight, or of it alone; not more than `most`.
         """
         n, w = len(derivation.variables), self.weight
         if w is None:
             size = self.n_up_to_degree(n, most)
-            return chain.from_iterable(of_degree(n, k) for k in range(self.value + 1)), size, ()
+            return up_to_degree(n, self.value), size, ()
         grading = positive_grading(found)
         if grading is None:
             raise ParameterError(
@@ -208,25 +172,40 @@ class SizeAsked:
 
 
 def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
-    """Functions of the state by name.
-
-    Raises:
-        ParameterError: they have no names.
-    """
+    """Functions of the state by name."""
     return by_name(known, what, "functions", '{"K": "l3"}')
 
 
 def known_functions(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
-    return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+    return {"H": system.hamiltonian} | casimirs_of(system)
+
+
+def casimirs_of(system: System) -> dict[str, Expr]:
+    """The Casimirs by name."""
+    return {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+
+
+def with_hamiltonian(system: System, energy: Expr, bracket: Bracket | None = None) -> System:
+    """The system with another Hamiltonian, and perhaps another bracket; without quadratures."""
+    symbols = symbols_in(energy, system.component_names)
+    return System(bracket or system.bracket, energy, name=system.name, symbols=symbols)
+
+
+def at_values(system: System, values: Mapping[Any, Fraction]) -> System:
+    """The system with rational values for some of its symbols."""
+    own = {str(s): value for s, value in values.items() if str(s) in system.bracket.symbols}
+    energy = cast("Any", system.hamiltonian).xreplace({s: to_sympy(value) for s, value in values.items()})
+    return with_hamiltonian(system, energy, system.bracket.substitute(own))
+
+
+def where(functions: Sequence[Expr]) -> str:
+    """The equations f = 0 in a row."""
+    return ", ".join(f"{Formula(f).plain} = 0" for f in functions)
 
 
 def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
-    """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made.
-
-    Raises:
-        ParameterError: they are none of these, or a value is not exact.
-    """
+    """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made."""
     if isinstance(on, str) or is_sympy(on):
         return (cast("str | Expr", on),)
     if (values := named(on, "on")) is None:
@@ -241,12 +220,7 @@ def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
 
 
 def zeros_on_level(system: System, on: Equations) -> list[Expr]:
-    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name.
-
-    Raises:
-        ParameterError: an equation holds everywhere.
-        ExpressionError: a text cannot be read.
-    """
+    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name."""
     zeros: list[Expr] = []
     for equation in equations_of(system, on):
         if isinstance(equation, str):

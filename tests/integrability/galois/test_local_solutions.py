@@ -6,9 +6,9 @@ import pytest
 import sympy as sp
 from flint import fmpq_poly
 
+from liepoisson.algebra.function_fields import root_text
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.integrability import linear_system
-from liepoisson.integrability.galois.linear_systems import root_text
 
 p, s = sp.symbols("p s")
 ORIGIN = fmpq_poly([0, 1])

@@ -19,7 +19,7 @@ CUBIC = lp.System(lp.canonical(names=("q",)), "p_q^2/2 + q^2/2 - q^3/3", name="c
 
 def column(solution, expressions):
     """A column of functions on a solution as rational functions."""
-    arithmetic = Arithmetic(solution.variable, solution.root, sp.QQ)
+    arithmetic = Arithmetic(solution.variable, solution.root)
     return [arithmetic.read(sp.sympify(e), "") for e in expressions]
 
 

@@ -18,8 +18,7 @@ from liepoisson.algebra.ideals.coordinate_ring import Resolvent
 from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
 from liepoisson.algebra.matrices import characteristic_polynomial, eliminated
 from liepoisson.integrability.derivation import derivation_of_rates
-from liepoisson.integrability.painleve.expansion import OverField, condition_text, expand
-from liepoisson.integrability.painleve.exponents import exponents_of
+from liepoisson.integrability.painleve.expansion import OverField, condition_text, expand, exponents_of
 from liepoisson.integrability.painleve.generic_points import generic_points, of_family
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
 
@@ -145,7 +144,8 @@ def expansion(rates, variables, weights, point):
     system = QuasiHomogeneous.of(field, tuple(map(Fraction, weights)))
     local = LocalField.of(system, Q, {})
     values = [fmpq(c) for c in point]
-    assert not any(local.indicial_residuals(values))
+    at = dict(zip(system.context.names(), values, strict=True))
+    assert not any(polynomial_at(e, at, Q) for e in system.indicial_equations())
     matrix = local.kovalevskaya_matrix(values)
     exponents = exponents_of(characteristic_polynomial(matrix, Q.number), Q)
     return expand(local, values, OverField(matrix, Q), exponents)

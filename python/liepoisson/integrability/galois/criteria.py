@@ -21,16 +21,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from flint import ctx, fmpq_poly
+from sympy.polys.matrices import DomainMatrix
 
 from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
+from liepoisson.integrability.galois.local_solutions import LocalSystem
 from liepoisson.integrability.galois.monodromy import PRECISION, Monodromy, continued, generators, loop_around_all
-
-if TYPE_CHECKING:
-    from liepoisson.integrability.galois.local_solutions import LocalSystem
-    from liepoisson.integrability.galois.variational import Flag
+from liepoisson.integrability.galois.variational import Flag
 
 _MOST_TERMS = 64
 """Terms of local series in which solutions are compared with a flag."""
@@ -41,49 +42,30 @@ _MOST_LOOPS = 12
 
 @dataclass(frozen=True)
 class LogarithmOnFlag:
-    """The logarithm N of the local monodromy on a quotient F_high / F_low on which it is minimal.
+    """The logarithm N of the local monodromy on a quotient F_high / F_low on which it is minimal."""
 
-    Attributes:
-        point: The irreducible polynomial of the singular point; None for infinity.
-        low: a.
-        high: b.
-        rank: The rank of the map from F_b / F_(b-1) to F_(a+1) / F_a.
-    """
-
-    point: Any
-    low: int
-    high: int
-    rank: int
+    point: Any  # the irreducible polynomial of the singular point; None for infinity
+    low: int  # a
+    high: int  # b
+    rank: int  # the rank of the map from F_b / F_(b-1) to F_(a+1) / F_a
 
 
 @dataclass(frozen=True)
 class ExactObstruction:
-    """The exact criterion, with the points at which it holds.
+    """The exact criterion, with the points at which it holds."""
 
-    Attributes:
-        logarithm: N.
-        other: The irreducible polynomial of the other point; None for infinity.
-        image: The exponents there on F_(a+1) / F_a.
-        source: Those on F_b / F_(b-1).
-    """
-
-    logarithm: LogarithmOnFlag
-    other: Any
-    image: Any
-    source: Any
+    logarithm: LogarithmOnFlag  # N
+    other: Any  # the irreducible polynomial of the other point; None for infinity
+    image: Any  # the exponents there on F_(a+1) / F_a
+    source: Any  # those on F_b / F_(b-1)
 
 
 @dataclass(frozen=True)
 class NeatElement:
-    """An element of the Galois group none of whose quotients of two different eigenvalues is a root of unity.
+    """An element of the Galois group none of whose quotients of two different eigenvalues is a root of unity."""
 
-    Attributes:
-        name: Where it comes from.
-        balls: Its matrix, enclosed.
-    """
-
-    name: str
-    balls: Any
+    name: str  # where it comes from
+    balls: Any  # its matrix, enclosed
 
 
 @dataclass(frozen=True)
@@ -149,8 +131,6 @@ def logarithms(flag: Flag, point: Any) -> tuple[LogarithmOnFlag, ...]:
 
 def _ranks(r: int, classes: Sequence[tuple[Any, list[Any]]], local: LocalSystem) -> list[list[int]]:
     """The ranks of the blocks of N between the quotients of a flag, from where (column) to where (row)."""
-    from sympy.polys.matrices import DomainMatrix
-
     ranks = [[0] * r for _ in range(r)]
     for nilpotent, chain in classes:
         columns: list[Any] = []
@@ -173,10 +153,9 @@ def _ranks(r: int, classes: Sequence[tuple[Any, list[Any]]], local: LocalSystem)
 def exact_obstruction(flag: Flag) -> ExactObstruction | None:
     """The exact criterion on a flag; None where it says nothing."""
     system = flag.system
-    points = [*system.singular_points, *([None] if system.infinity_is_singular else [])]
-    for point in points:
+    for point in system.points:
         for log in logarithms(flag, point):
-            for other in points:
+            for other in system.points:
                 if other is point:
                     continue
                 image = flag.quotient(log.low, log.low + 1).local(other)
@@ -192,40 +171,23 @@ def exact_obstruction(flag: Flag) -> ExactObstruction | None:
     return None
 
 
-def commutators(
-    system: LinearSystem, *, precision: int = PRECISION, stop: bool = True
-) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
-    """Commutators of neat powers of the local monodromies, infinity included, and of their conjugates.
-
-    Args:
-        system: The system.
-        precision: Bits that are wanted.
-        stop: Whether to end with the first pair that does not commute.
-
-    Returns:
-        The commutators, and what was left out.
-
-    Raises:
-        EnclosureError: the precision does not suffice, or the loops cannot be made.
-        TimeLimitError: the deadline of the call has passed.
-    """
-    from flint import ctx
-
+def commutators(system: LinearSystem) -> tuple[tuple[Commutator, ...], tuple[str, ...]]:
+    """Commutators of powers of local monodromies and of their conjugates, up to one that is not 0; what is left."""
     found: list[Commutator] = []
     left: list[str] = []
     before = ctx.prec
-    ctx.prec = 3 * precision
+    ctx.prec = 3 * PRECISION
     try:
-        for first, second in _pairs(system, precision, left):
+        for first, second in _pairs(system, left):
             found.append(commutator(first, second))
-            if stop and found[-1].is_proved:
+            if found[-1].is_proved:
                 break
     finally:
         ctx.prec = before
     return tuple(found), tuple(left)
 
 
-def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tuple[NeatElement, NeatElement]]:
+def _pairs(system: LinearSystem, left: list[str]) -> Iterator[tuple[NeatElement, NeatElement]]:
     """Pairs of elements that commute if the identity component is abelian; what was left out is added to a list."""
     loops = generators(system)
     if len(loops) > _MOST_LOOPS:
@@ -237,7 +199,7 @@ def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tu
     for f, loop in loops:
         if loop.corners[0] != base:
             raise EnclosureError(f"the loop around {loop.name}: it has another base point than the first one")
-        matrices.append(continued(system, loop, precision=precision))
+        matrices.append(continued(system, loop))
         if sum(abs(w) for _, w in matrices[-1].windings) != 1:
             raise EnclosureError(
                 f"the loop around {loop.name}: it goes around other singular points, too; give polygons to `monodromy`"
@@ -250,7 +212,7 @@ def _pairs(system: LinearSystem, precision: int, left: list[str]) -> Iterator[tu
         elements.append(new)
     if system.infinity_is_singular and not left:
         if system.local().is_regular:
-            outer = continued(system, loop_around_all(system, loops[0][1]), precision=precision)
+            outer = continued(system, loop_around_all(system, loops[0][1]))
             if any(winding != 1 for _, winding in outer.windings) or outer.loop.corners[0] != base:
                 raise EnclosureError(
                     "the loop around infinity does not go once around each singular point, from the base"
@@ -277,25 +239,17 @@ def commutator(first: NeatElement, second: NeatElement) -> Commutator:
 
 def _neat(name: str, balls: Any, power: int) -> NeatElement:
     """A power of the monodromy around a point."""
-    found = balls
-    for _ in range(power - 1):
-        found = found * balls
     text = f"the monodromy around {name}"
-    return NeatElement(text if power == 1 else f"power {power} of {text}", found)
+    return NeatElement(text if power == 1 else f"power {power} of {text}", balls**power)
 
 
 def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[Any, list[Any]]:
     """N of a class of exponents, and for each subspace of the flag its solutions, as rows of coefficients."""
-    from sympy.polys.matrices import DomainMatrix
-
     found = local.solutions(exponent, terms=terms)
     weights: Sequence[int] = local.weights or ()
     n, count, field = flag.system.n, found.n, local.field
-    rows = [
-        _local_row(row, local, len(found.coefficients) + max(weights))
-        for row in flag.annihilators.to_dense().rep.to_list()
-    ]
     size = len(found.coefficients)
+    rows = [_local_row(row, local, size + max(weights)) for row in flag.annihilators.to_dense().rep.to_list()]
     entries = [[u.to_dense().rep.to_list() for u in row] for row in found.coefficients]
     chain: list[Any] = []
     powers = len(found.coefficients[0])
@@ -326,8 +280,6 @@ def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[A
 
 def _local_row(row: list[Any], local: LocalSystem, count: int) -> list[list[Any]]:
     """A row of rational functions, times their common denominator, as series at the point."""
-    from flint import fmpq_poly
-
     tops, _ = over_common_denominator(list(map(fraction, row)), fmpq_poly([1]))
     if local.point is None:
         size = max((top.degree() for top in tops), default=0)

@@ -11,16 +11,25 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.algebra.exact_numbers import is_sympy
-from liepoisson.algebra.function_fields import over_common_denominator
+from flint import fmpq_poly
+from sympy import QQ, Matrix, Symbol, together
+from sympy import Symbol as SymPySymbol
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.polyerrors import CoercionFailed, PolynomialError
+from sympy.utilities.iterables import connected_components
+
+from liepoisson.algebra.exact_numbers import as_expression, is_sympy
+from liepoisson.algebra.function_fields import over_common_denominator, root_text
+from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, texts
 from liepoisson.inputs.refusals import shown
+from liepoisson.model.hamiltonian import with_exact_numbers
 
 if TYPE_CHECKING:
-    from sympy import Matrix, Symbol
-
     from liepoisson.integrability.galois.local_solutions import LocalSystem
 
 MOST_COMPONENTS = 24
@@ -58,8 +67,6 @@ class LinearSystem:
     @cached_property
     def polynomials(self) -> tuple[list[list[Any]], Any]:
         """A = M/d: the numerators M and the common denominator d, which has leading coefficient 1."""
-        from flint import fmpq_poly
-
         rows = [[fraction(entry) for entry in row] for row in self.entries.to_dense().rep.to_list()]
         tops, common = over_common_denominator([entry for row in rows for entry in row], fmpq_poly([1]))
         lead, left = common.leading_coefficient(), iter(tops)
@@ -70,6 +77,11 @@ class LinearSystem:
         """The finite poles of A: monic irreducible polynomials whose roots they are."""
         _, denominator = self.polynomials
         return tuple(sorted((f for f, _ in denominator.factor()[1]), key=lambda f: (f.degree(), str(f))))
+
+    @property
+    def points(self) -> tuple[Any, ...]:
+        """All singular points, with None for infinity if it is one."""
+        return (*self.singular_points, None) if self.infinity_is_singular else self.singular_points
 
     def part(self, places: Sequence[int]) -> LinearSystem:
         """The equations of some components among themselves."""
@@ -106,11 +118,11 @@ class LinearSystem:
         Args:
             point: An irreducible polynomial whose roots are the points; None for infinity.
         """
-        from liepoisson.integrability.galois.local_solutions import local_system
+        from liepoisson.integrability.galois.local_solutions import LocalSystem
 
         key = None if point is None else str(point)
         if key not in self._local:
-            self._local[key] = local_system(self, point)
+            self._local[key] = LocalSystem(self, point)
         return self._local[key]
 
     @cached_property
@@ -120,8 +132,6 @@ class LinearSystem:
     @cached_property
     def summands(self) -> tuple[tuple[int, ...], ...]:
         """The components in groups that do not influence each other, the smallest partition."""
-        from sympy.utilities.iterables import connected_components
-
         rows = self.entries.to_dense().rep.to_list()
         influences = [(i, j) for i, row in enumerate(rows) for j, entry in enumerate(row) if entry]
         groups = connected_components((list(range(self.n)), influences))
@@ -155,10 +165,6 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
         ShapeError: the matrix is not square, is too large, or has not as many rows as there are names.
         ParameterError: an entry is no rational function of the variable over the rational numbers.
     """
-    from sympy import QQ
-    from sympy import Symbol as SymPySymbol
-    from sympy.polys.matrices import DomainMatrix
-
     if not isinstance(variable, SymPySymbol):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
     rows = _rows(matrix)
@@ -180,20 +186,13 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
 
 def _restored(variable: Symbol, matrix: Any, names: tuple[str, ...], symbols: tuple[Symbol, ...]) -> LinearSystem:
     """The equations of a pickle."""
-    from sympy import QQ
-    from sympy.polys.matrices import DomainMatrix
-
     field = QQ.frac_field(*symbols)
     entries = [[field.from_sympy(entry) for entry in row] for row in matrix.tolist()]
     return LinearSystem(variable, DomainMatrix(entries, matrix.shape, field), names)
 
 
 def _rows(matrix: Any) -> list[list[Any]]:
-    """The rows of a matrix of SymPy or NumPy, or of lists.
-
-    Raises:
-        ParameterError: it is none.
-    """
+    """The rows of a matrix of SymPy or NumPy, or of lists."""
     given = listed(matrix.tolist() if is_sympy(matrix) and hasattr(matrix, "tolist") else matrix, "matrix")
     rows = [listed(row, "matrix") for row in given or ()]
     if given is None or any(row is None for row in rows):
@@ -202,24 +201,7 @@ def _rows(matrix: Any) -> list[list[Any]]:
 
 
 def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
-    """A SymPy expression: texts are read as formulas, never as code, and doubles as the decimals that they print as.
-
-    Args:
-        given: An expression, a number or a text.
-        symbols: The symbols that a text may name.
-        where: What to call it in an error message.
-
-    Raises:
-        ExpressionError: a text that is no formula.
-        ParameterError: what is none of these.
-    """
-    from sympy import Symbol
-
-    from liepoisson.algebra.exact_numbers import as_expression
-    from liepoisson.formula.expression import read_expression
-    from liepoisson.formula.scope import Scope
-    from liepoisson.model.hamiltonian import with_exact_numbers
-
+    """A SymPy expression: texts are read as formulas, never as code, and doubles as the decimals that they print as."""
     if isinstance(given, str):
         read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))
         return read.xreplace({Symbol(str(s)): s for s in symbols})
@@ -227,14 +209,7 @@ def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
 
 
 def rational_function(expression: Any, field: Any) -> Any:
-    """An element of a field of rational functions.
-
-    Raises:
-        ParameterError: the expression is no rational function over the rational numbers.
-    """
-    from sympy import together
-    from sympy.polys.polyerrors import CoercionFailed, PolynomialError
-
+    """An element of a field of rational functions."""
     try:
         return field.from_sympy(together(expression))
     except (CoercionFailed, PolynomialError, ValueError, TypeError, AttributeError, ZeroDivisionError):
@@ -256,8 +231,6 @@ def fraction(entry: Any) -> tuple[Any, Any]:
 
 def from_polynomial(polynomial: Any, field: Any) -> Any:
     """A polynomial of FLINT as a rational function."""
-    from sympy import QQ
-
     s, value = field.gens[0], field.zero
     for c in reversed(polynomial.coeffs()):
         value = value * s + field(QQ(c.p, c.q))
@@ -266,33 +239,12 @@ def from_polynomial(polynomial: Any, field: Any) -> Any:
 
 def reversed_fraction(entry: Any, field: Any) -> Any:
     """f(1/s) for a rational function f(s)."""
-    from flint import fmpq_poly
-
     top, bottom = fraction(entry)
     size = max(top.degree(), bottom.degree(), 0)
     turned = [fmpq_poly([f[size - k] for k in range(size + 1)]) for f in (top, bottom)]
     return from_polynomial(turned[0], field) / from_polynomial(turned[1], field)
 
 
-def root_text(polynomial: Any, variable: Any) -> str:
-    """The roots of an irreducible polynomial in words, for example "s = -1" or "s^2 + 1 = 0"."""
-    if polynomial.degree() == 1:
-        return f"{variable} = {-polynomial[0] / polynomial[1]}"
-    terms: list[str] = []
-    for k in range(polynomial.degree(), -1, -1):
-        c = polynomial[k]
-        if c == 0:
-            continue
-        sign = "-" if c < 0 else "+"
-        size = abs(c)
-        power = "" if k == 0 else f"{variable}" if k == 1 else f"{variable}^{k}"
-        body = str(size) if not power else power if size == 1 else f"{size}*{power}"
-        terms.append(f"{sign} {body}" if terms else body if sign == "+" else f"-{body}")
-    return f"{' '.join(terms)} = 0"
-
-
 def _polynomial(element: Any) -> Any:
-    from flint import fmpq, fmpq_poly
-
     coefficients: list[Any] = list(reversed(element.to_dense())) if element else [0]
-    return fmpq_poly([fmpq(int(c.numerator), int(c.denominator)) for c in coefficients])
+    return fmpq_poly([as_fmpq(c) for c in coefficients])

@@ -17,13 +17,19 @@ References: [wasow1965], chapters I and II.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import zip_longest
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
+from flint import fmpq_poly
+from sympy import QQ, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
+from liepoisson.algebra.function_fields import common_roots, root_text
+from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -100,27 +106,17 @@ class Exponents:
     @property
     def text(self) -> str:
         """The exponents in one line."""
-        from liepoisson.integrability.galois.linear_systems import root_text
-
         parts = [str(e) for e in sorted(self.rational) for _ in range(self.rational[e])]
         return ", ".join([*parts, *(f"the roots of {root_text(f, 'e')}" for f in self.others)])
 
 
 @dataclass(frozen=True)
 class LocalSolutions:
-    """The solutions whose exponents are e + n, n integers.
+    """The solutions whose exponents are e + n, n integers."""
 
-    Attributes:
-        exponent: e, at least 0 and below 1.
-        first: The smallest n.
-        coefficients: u[n - first][j], each a matrix with one row for each component and one column for each solution.
-        nilpotent: N, the derivative by ln p of the solutions, a square matrix.
-    """
-
-    exponent: Fraction
-    first: int
+    # u_(n,j) for n from the smallest on, matrices with a row for each component and a column for each solution
     coefficients: tuple[tuple[Any, ...], ...]
-    nilpotent: Any
+    nilpotent: Any  # N, the derivative by ln p of the solutions, a square matrix
 
     @property
     def n(self) -> int:
@@ -143,9 +139,7 @@ class LocalSystem:
         weights: w, such that u_i = p^(w_i) y_i has a simple pole; None where there are none.
     """
 
-    def __init__(self, system: LinearSystem, point: Any, weights: Sequence[int] | None = None) -> None:
-        from sympy import QQ, Poly, Symbol
-
+    def __init__(self, system: LinearSystem, point: Any) -> None:
         self.system = system
         self.point = point
         self._here = system.at_infinity if point is None else system
@@ -154,7 +148,7 @@ class LocalSystem:
             coefficients = [QQ(c.p, c.q) for c in reversed(point.coeffs())]
             self.field = QQ.alg_field_from_poly(Poly(coefficients, Symbol("theta"), domain=QQ))
         self._valuations, self._pole = self._orders()
-        self.weights: tuple[int, ...] | None = self._weights() if weights is None else self._checked(weights)
+        self.weights = self._weights()
         self._series: list[Any] = []
 
     @property
@@ -164,48 +158,19 @@ class LocalSystem:
 
     @cached_property
     def exponents(self) -> Exponents:
-        """The exponents of u.
-
-        Raises:
-            ParameterError: no weights were found.
-        """
-        from flint import fmpq, fmpq_poly
-        from sympy import QQ
-        from sympy.polys.densetools import dup_diff
-        from sympy.polys.euclidtools import dup_gcd
-
-        characteristic = [self.coefficient(0).domain.convert(c) for c in self.coefficient(0).charpoly()]
-        norm = fmpq_poly([1])
-        if all(_is_rational(c, self.field) for c in characteristic):
-            norm = fmpq_poly([_rational(c, self.field) for c in reversed(characteristic)])
-        else:
-            norm = _norm(characteristic, self.field)
-        rational: dict[Fraction, int] = {}
+        """The exponents of u."""
+        characteristic: Any = Poly(self.coefficient(0).charpoly(), Symbol("x"), domain=self.field)
+        coordinates = [_coordinates(c, self.field) for c in reversed(characteristic.rep.to_list())]
+        rational, *_ = common_roots(zip_longest(*coordinates, fillvalue=0))
         others: list[Any] = []
-        for factor, _ in norm.factor()[1]:
-            if factor.degree() > 1:
-                others.append(factor)
-                continue
-            root = fmpq(-factor[0] / factor[1])
-            count, left = 0, characteristic
-            while len(left) > 1:
-                quotient, rest = _divided(left, self.field(QQ(root.p, root.q)))
-                if rest:
-                    break
-                count, left = count + 1, quotient
-            if count:
-                rational[Fraction(int(root.p), int(root.q))] = count
-        if sum(rational.values()) == self.system.n:
-            others = []
-        repeated = dup_gcd(characteristic, dup_diff(characteristic, 1, self.field), self.field)
-        return Exponents(rational, tuple(others), self.system.n, self.system.n - len(repeated) + 1)
+        if sum(rational.values()) < self.system.n:
+            norm = characteristic.norm() if self.field.is_Algebraic else characteristic
+            whole = fmpq_poly([c for e in reversed(norm.rep.to_list()) for c in _coordinates(e, norm.domain)])
+            others = [f for f, _ in whole.factor()[1] if f.degree() > 1]
+        return Exponents(rational, tuple(others), self.system.n, int(characteristic.sqf_part().degree()))
 
     def coefficient(self, k: int) -> Any:
-        """B_k, a matrix over the field.
-
-        Raises:
-            ParameterError: no weights were found.
-        """
+        """B_k, a matrix over the field."""
         if self.weights is None:
             raise ParameterError(
                 f"{self.place} is an irregular singular point, or no weights of the components were "
@@ -235,7 +200,7 @@ class LocalSystem:
                 break
             powers += 1
         nilpotent = _shift_of(found, self.field, self.system.n, count)
-        return LocalSolutions(exponent, first, tuple(tuple(row) for row in found), nilpotent)
+        return LocalSolutions(tuple(tuple(row) for row in found), nilpotent)
 
     @cached_property
     def n_without_logarithm(self) -> int:
@@ -250,8 +215,6 @@ class LocalSystem:
     @property
     def place(self) -> str:
         """The point in words."""
-        from liepoisson.integrability.galois.linear_systems import root_text
-
         return "infinity" if self.point is None else root_text(self.point, self.system.variable)
 
     def series(self, polynomial: Any, count: int) -> list[Any]:
@@ -265,8 +228,6 @@ class LocalSystem:
 
     def _value(self, polynomial: Any) -> Any:
         """A polynomial at the point."""
-        from sympy import QQ
-
         if self.point is None:
             c = polynomial[0]
             return QQ(c.p, c.q)
@@ -277,8 +238,6 @@ class LocalSystem:
 
     def _orders(self) -> tuple[list[list[int | None]], int]:
         """The orders of the entries of A at the point (None for zeros), and that of its common denominator."""
-        from flint import fmpq_poly
-
         numerators, denominator = self._here.polynomials
         point = fmpq_poly([0, 1]) if self.point is None else self.point
 
@@ -311,191 +270,70 @@ class LocalSystem:
         least = min(found)
         return tuple(w - least for w in found)
 
-    def _checked(self, weights: Sequence[int]) -> tuple[int, ...]:
-        n = self.system.n
-        if len(weights) != n:
-            raise ParameterError(f"weights: wanted {n}, one for each component; got {len(weights)}")
-        for i in range(n):
-            for j in range(n):
-                order = self._valuations[i][j]
-                if order is not None and order + 1 + weights[i] - weights[j] < 0:
-                    raise ParameterError(
-                        f"weights {tuple(weights)}: entry ({i + 1}, {j + 1}) keeps a pole that is not simple at "
-                        f"{self.place}; leave them out, and weights are found"
-                    )
-        return tuple(int(w) for w in weights)
-
     def _expanded(self, count: int) -> list[Any]:
         """B_0, B_1, ..., so many."""
-        from sympy.polys.matrices import DomainMatrix
-
         assert self.weights is not None
         w, n, pole, zero = self.weights, self.system.n, self._pole, self.field.zero
         numerators, denominator = self._here.polynomials
-        spread = max(w) - min(w)
-        size = count + spread + pole
-        inverse = _inverse_series(self.series(denominator, size + pole)[pole:], self.field, size)
-        tables: list[list[list[Any]]] = [[[zero] * n for _ in range(n)] for _ in range(count)]
-        for i in range(n):
-            for j in range(n):
-                if not numerators[i][j]:
-                    continue
-                entry = _product(self.series(numerators[i][j], size), inverse, size, zero)
-                # p^(w_i - w_j + 1 - pole) times this series
-                for k in range(count):
-                    m = k - (w[i] - w[j] + 1 - pole)
-                    if 0 <= m < size:
-                        tables[k][i][j] = entry[m]
-            tables[0][i][i] = tables[0][i][i] + self.field(w[i])
-        return [DomainMatrix(table, (n, n), self.field) for table in tables]
+        size = count + max(w) - min(w) + pole
+        first, *lower = self.series(denominator, size)[pole:]
+        series = [[self.series(f, size) if f else [zero] * size for f in row] for row in numerators]
+        found: list[Any] = []
+        for k in range(count):
+            # p^(w_i - w_j + 1 - pole) M_ij, divided by d p^-pole
+            places = [[k - (a - b + 1 - pole) for b in w] for a in w]
+            table = [
+                [of_one[m] if 0 <= m < size else zero for of_one, m in zip(*rows, strict=True)]
+                for rows in zip(series, places, strict=True)
+            ]
+            total = DomainMatrix(table, (n, n), self.field)
+            for j, c in enumerate(lower[:k], start=1):
+                total = total - found[k - j] * c if c else total
+            found.append(total * (self.field.one / first))
+        weights = [[self.field(w[i]) if i == j else zero for j in range(n)] for i in range(n)]
+        return [found[0] + DomainMatrix(weights, (n, n), self.field), *found[1:]]
 
     def _solved(self, exponent: Fraction, first: int, last: int, powers: int) -> list[list[Any]]:
         """The solutions with powers of ln p below a bound, as in `LocalSolutions.coefficients`."""
-        from sympy import QQ
-        from sympy.polys.matrices import DomainMatrix
-
         n, field = self.system.n, self.field
         e = field(QQ(exponent.numerator, exponent.denominator))
-        identity = DomainMatrix.eye(n, field).to_dense()
+        identity, zero = DomainMatrix.eye(n, field), DomainMatrix.zeros((n, n), field)
         found: list[list[Any]] = []
         n_columns = 0
         for m in range(first, last + 1):
-            shifted = self.coefficient(0) - identity * (e + field(m))
+            shifted = self.coefficient(0).to_sparse() - identity * (e + field(m))
             # unknowns: u_{m,0}, ..., u_{m,powers-1}, then the coefficients of the solutions found so far
-            rows: list[list[Any]] = []
-            known = [_sum_of_products(self, found, j, m - first, (n, n_columns)) for j in range(powers)]
-            dense = shifted.to_dense().rep.to_list()
+            rows: list[Any] = []
             for j in range(powers):
-                given = known[j].to_dense().rep.to_list() if n_columns else [[]] * n
-                for i in range(n):
-                    row = [field.zero] * (n * powers)
-                    row[n * j : n * (j + 1)] = dense[i]
-                    if j + 1 < powers:
-                        row[n * (j + 1) + i] = -field.one
-                    rows.append([*row, *given[i]])
-            matrix = DomainMatrix(rows, (n * powers, n * powers + n_columns), field)
-            basis = matrix.to_sparse().nullspace().to_dense().rep.to_list()
-            if basis:
-                combine = (
-                    DomainMatrix([v[n * powers :] for v in basis], (len(basis), n_columns), field)
-                    .transpose()
-                    .to_sparse()
-                )
-            else:
-                combine = DomainMatrix.zeros((n_columns, 0), field)
-            found = [
-                [u.to_sparse() * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row]
-                for row in found
-            ]
-            n_columns = len(basis)
-            new = [
-                DomainMatrix([[v[n * j + i] for v in basis] for i in range(n)], (n, n_columns), field)
-                for j in range(powers)
-            ]
-            found.append(new)
+                blocks = [shifted if i == j else -identity if i == j + 1 else zero for i in range(powers)]
+                known = DomainMatrix.zeros((n, n_columns), field)  # the sum of B_k u_(m-k,j) over k > 0
+                for k in range(1, m - first + 1):
+                    known = known + self.coefficient(k).to_sparse() * found[m - first - k][j]
+                rows.append(DomainMatrix.hstack(*blocks, known))
+            basis = DomainMatrix.vstack(*rows).nullspace().transpose()
+            found = [[u * basis[n * powers :, :] for u in row] for row in found]
+            found.append([basis[n * j : n * (j + 1), :] for j in range(powers)])
+            n_columns = basis.shape[1]
         return found
-
-
-def local_system(system: LinearSystem, point: Any = None, *, weights: Sequence[int] | None = None) -> LocalSystem:
-    """A system near a singular point.
-
-    Args:
-        system: The system.
-        point: The irreducible polynomial (of FLINT) whose roots are the points; None for infinity.
-        weights: As in `LocalSystem`; found by default.
-
-    Raises:
-        ParameterError: the weights leave a pole that is not simple.
-    """
-    return LocalSystem(system, point, weights)
-
-
-def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, shape: tuple[int, int]) -> Any:
-    """The sum of B_k u_(m-k,j) over k > 0."""
-    from sympy.polys.matrices import DomainMatrix
-
-    total = DomainMatrix.zeros(shape, local.field)  # sparse, as are most of the factors
-    for k in range(1, m + 1):
-        total = total + local.coefficient(k).to_sparse() * found[m - k][j].to_sparse()
-    return total.to_dense()
 
 
 def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
     """N, with u_{m,j} N = u_{m,j+1}."""
-    from sympy.polys.matrices import DomainMatrix
-
-    powers = len(found[0])
-    zero = DomainMatrix.zeros((n, count), field).to_dense()
-    left = DomainMatrix.vstack(*(row[j].to_dense() for row in found for j in range(powers)))
-    right = DomainMatrix.vstack(
-        *(row[j + 1].to_dense() if j + 1 < powers else zero for row in found for j in range(powers))
-    )
-    reduced, pivots = left.hstack(right).rref()
+    left = DomainMatrix.vstack(*(u for row in found for u in row))
+    right = DomainMatrix.vstack(*(u for row in found for u in (*row[1:], DomainMatrix.zeros((n, count), field))))
+    reduced, pivots = left.hstack(right).to_dense().rref()
     assert pivots[:count] == tuple(range(count)), "solutions that are not independent"
     return reduced.extract(list(range(count)), list(range(count, 2 * count)))
 
 
-def _inverse_series(series: list[Any], field: Any, count: int) -> list[Any]:
-    start = field.one / series[0]
-    found = [start]
-    for k in range(1, count):
-        total = field.zero
-        for j in range(1, min(k, len(series) - 1) + 1):
-            if series[j]:
-                total = total + series[j] * found[k - j]
-        found.append(-total * start)
-    return found
-
-
-def _product(a: list[Any], b: list[Any], count: int, zero: Any) -> list[Any]:
-    found = [zero] * count
-    for i, value in enumerate(a):
-        if value:
-            for j in range(count - i):
-                found[i + j] = found[i + j] + value * b[j]
-    return found
-
-
-def _is_rational(element: Any, field: Any) -> bool:
-    return not field.is_Algebraic or len(element.to_list()) <= 1
-
-
-def _rational(element: Any, field: Any) -> Any:
-    from flint import fmpq
-
-    value = element
-    if field.is_Algebraic:
-        value = element.to_list()[0] if element else field.dom.zero
-    return fmpq(int(value.numerator), int(value.denominator))
-
-
-def _norm(coefficients: list[Any], field: Any) -> Any:
-    """The product of the conjugates of a polynomial over an algebraic field, by interpolation of determinants."""
-    from flint import fmpq, fmpq_poly
-    from sympy import Poly, Symbol
-
-    x, theta = Symbol("x"), Symbol("theta")
-    modulus = Poly(field.mod.to_list(), theta)
-    expression = sum(
-        (Poly(c.to_list() or [0], theta).as_expr() * x**k for k, c in enumerate(reversed(coefficients))), 0 * x
-    )
-    result: Any = Poly(modulus.as_expr(), theta).resultant(Poly(expression, theta))
-    polynomial = Poly(result.as_expr(), x)
-    return fmpq_poly([fmpq(int(c.p), int(c.q)) for c in reversed(polynomial.all_coeffs())])
-
-
-def _divided(coefficients: list[Any], root: Any) -> tuple[list[Any], Any]:
-    """Quotient and rest of a polynomial, highest power first, by x - root."""
-    found = [coefficients[0]]
-    for c in coefficients[1:]:
-        found.append(found[-1] * root + c)
-    return found[:-1], found[-1]
+def _coordinates(element: Any, field: Any) -> list[Any]:
+    """A number of the field by its coordinates, the coefficients of powers of theta."""
+    numbers = reversed(element.to_list()) if field.is_Algebraic else [element]
+    return [as_fmpq(c) for c in numbers]
 
 
 def rational_shift(f: Any, g: Any) -> Fraction | None:
     """The rational d with g(x) = f(x + d) up to a factor, f and g of FLINT; None if there is none."""
-    from flint import fmpq_poly
-
     n = f.degree()
     if n != g.degree():
         return None
@@ -503,4 +341,4 @@ def rational_shift(f: Any, g: Any) -> Fraction | None:
     moved = f(fmpq_poly([d, 1]))
     if moved / moved.leading_coefficient() != g / g.leading_coefficient():
         return None
-    return Fraction(int(d.p), int(d.q))
+    return as_fraction(d)

@@ -24,18 +24,22 @@ from functools import cached_property
 from math import frexp
 from typing import TYPE_CHECKING, Any
 
+from flint import acb, acb_mat, acb_poly, arb, ctx, fmpq
+
+from liepoisson.algebra.flint_pickles import register
+from liepoisson.algebra.function_fields import root_text
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
+from liepoisson.integrability.galois.linear_systems import LinearSystem
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from liepoisson.integrability.galois.linear_systems import LinearSystem
 
 PRECISION = 64
 """Bits that are wanted: the radii of the balls are at most 2^-64 times the largest entry."""
@@ -112,12 +116,7 @@ class Monodromy:
 
     def power(self, k: int) -> Any:
         """The k-th power of the balls, k at least 0."""
-        from flint import acb_mat
-
-        found = acb_mat([[int(i == j) for j in range(self.system.n)] for i in range(self.system.n)])
-        for _ in range(k):
-            found = found * self.balls
-        return found
+        return self.balls**k
 
     def __repr__(self) -> str:
         around = ", ".join(f"{complex(z):.3g}: {w}" for z, w in self.windings if w)
@@ -153,12 +152,6 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
     """Loops with one base point, one around each finite singular point: they generate the monodromy group.
 
     They are in the order of their angles at the base point, so that one after the other they go once around all.
-
-    Returns:
-        For each the irreducible polynomial of the singular point, and the loop.
-
-    Raises:
-        EnclosureError: no base point was found from which the ways are clear.
     """
     roots = [(f, complex(root)) for f in system.singular_points for root, _ in f.numer().complex_roots()]
     places = [z for _, z in roots]
@@ -193,22 +186,7 @@ def loop_around_all(system: LinearSystem, like: Loop) -> Loop:
 
 
 def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -> Monodromy:
-    """The monodromy along a loop.
-
-    Args:
-        system: The system.
-        loop: The loop.
-        precision: Bits that are wanted.
-
-    Raises:
-        ParameterError: the loop goes through a singular point.
-        EnclosureError: the precision does not suffice.
-        TimeLimitError: the deadline of the call has passed.
-    """
-    from flint import ctx
-
-    from liepoisson.algebra.flint_pickles import register
-
+    """The monodromy along a loop."""
     register()  # a result keeps its balls
 
     before, bits = ctx.prec, 4 * precision
@@ -230,8 +208,6 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION) -
 
 def _around(system: LinearSystem, loop: Loop, precision: int) -> Monodromy | None:
     """The monodromy with the bits that are set; None where they do not suffice."""
-    from flint import acb, acb_mat, arb, fmpq
-
     _, denominator = system.polynomials
     factors = [(power, [root for root, _ in f.numer().complex_roots()]) for f, power in denominator.factor()[1]]
     poles = [root for _, roots in factors for root in roots]
@@ -272,8 +248,6 @@ def _around(system: LinearSystem, loop: Loop, precision: int) -> Monodromy | Non
 
 def _step(system: LinearSystem, factors: Any, here: Any, h: Any, *, radius: float, precision: int) -> Any:
     """The matrix that continues a solution from `here` to `here` + h."""
-    from flint import acb, acb_mat, acb_poly, arb
-
     numerators, denominator = system.polynomials
     n = system.n
     moved = acb_poly([here, h])  # all in units of h: the step is from 0 to 1
@@ -321,8 +295,6 @@ def _step(system: LinearSystem, factors: Any, here: Any, h: Any, *, radius: floa
 
 def _largest(numerators: Any, factors: Any, here: Any, rho: Any) -> Any:
     """A bound of the row sums of |A| on the disc of radius rho; the denominator has the leading coefficient 1."""
-    from flint import acb, acb_poly, arb
-
     below = arb(1)
     for power, roots in factors:
         for root in roots:
@@ -374,8 +346,6 @@ def _distance(start: complex, end: complex, point: complex) -> float:
 
 def _lasso(base: tuple[Fraction, Fraction], z: complex, near: float, point: Any, system: LinearSystem) -> Loop:
     """From the base point towards z, around it counterclockwise, and back."""
-    from liepoisson.integrability.galois.linear_systems import root_text
-
     radius = near / 2
     angle = phase(complex(*map(float, base)) - z)
     around = [z + radius * exp(1j * (angle + 2 * pi * k / _SIDES)) for k in range(_SIDES)]

@@ -21,19 +21,20 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
+from liepoisson.algebra.function_fields import root_text
 from liepoisson.errors import EnclosureError, TimeLimitError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import not_a
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
-from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS, root_text
+from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS
 from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, solutions_on_planes
 from liepoisson.integrability.galois.variational import Flag, flag, variational_equations
 from liepoisson.io.display import as_text
+from liepoisson.model.system import System
 
 if TYPE_CHECKING:
     from liepoisson.integrability.galois.linear_systems import LinearSystem
-    from liepoisson.model.system import System
 
 Verdict = Literal["not integrable", "no obstruction found", "open"]
 How = Literal["checked exactly", "enclosed", "theorem", "not decided"]

@@ -22,31 +22,30 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain, combinations, count, islice, product
 from math import isqrt
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
-from liepoisson.algebra.sparse_polynomials import value_at
+from sympy import QQ, Expr, Poly, Rational, Symbol, degree, factor, solve, sqrt, symbols
+from sympy.polys.polyerrors import CoercionFailed, PolynomialError
+
+from liepoisson.algebra.sparse_polynomials import gradient_at, value_at
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_data_set, is_named, listed, named
 from liepoisson.inputs.refusals import shown
+from liepoisson.integrability.derivation import Exponents, polynomial_terms
+from liepoisson.integrability.galois.linear_systems import exact_expression, rational_function
+from liepoisson.model.discrete_symmetries import discrete_symmetries
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.casimir_part import normal_form
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 MOST_COORDINATES = 12
 """Of systems with more, coordinate planes are not searched: there are 2^N."""
 
 _LARGEST_PLANE = 4
 """Dimension of the largest plane on which the motion may have one degree of freedom, constants included."""
-
-_PER_PLANE = 1
-"""Separatrices of one plane: others often follow by scaling."""
 
 _GRID = ("0", "-1", "1", "-2", "2", "-3", "3", "-4", "4", "-1/2", "1/2")
 """Coordinates of the equilibria that are tried."""
@@ -162,32 +161,30 @@ def particular_solutions(system: System, *, most: int = 4) -> tuple[ParticularSo
 
 
 def solutions_on_planes(system: System) -> Iterator[ParticularSolution]:
-    """The same, one after the other as they are found.
-
-    Raises:
-        ParameterError: the equations are not polynomial, or have coefficients that are not rational.
-    """
+    """The same, one after the other as they are found."""
     check_polynomial(system)
     planes = [(plane, _Restricted(system, plane)) for plane in invariant_planes(system)]
-    for plane, field in planes:
-        checkpoint("the search for particular solutions")
-        yield from islice(_separatrices(system, plane, field), _PER_PLANE)
-    for plane, field in planes:
-        checkpoint("the search for particular solutions")
-        yield from islice(_elliptic(system, plane, field), 1)
+    for kind in (_separatrices, _elliptic):
+        for plane, field in planes:
+            checkpoint("the search for particular solutions")
+            yield from islice(kind(system, plane, field), 1)  # others of a plane often follow by scaling
 
 
 @dataclass(frozen=True)
 class Plane:
-    """An invariant linear subspace x = sum c_k v_k.
+    """An invariant linear subspace x = sum c_k v_k."""
 
-    Attributes:
-        basis: The vectors v_k, with integer components and disjoint supports.
-        origin: How it was found.
-    """
-
-    basis: tuple[tuple[int, ...], ...]
+    basis: tuple[tuple[int, ...], ...]  # the vectors v_k, with integer components and disjoint supports
     origin: str
+
+    def at(self, coordinates: Sequence[Any]) -> list[Any]:
+        """The point with some coordinates c."""
+        return [sum(v[i] * c for v, c in zip(self.basis, coordinates, strict=True)) for i in range(len(self.basis[0]))]
+
+    def state(self, reduction: _Reduction, z: Any, y: Any) -> list[Any]:
+        """The state at values of z and its rate."""
+        at = {reduction.z: z, reduction.y: y}
+        return self.at([f.subs(at, simultaneous=True) for f in reduction.coordinates])
 
 
 def invariant_planes(system: System) -> tuple[Plane, ...]:
@@ -196,8 +193,6 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
     They are the coordinate planes and the fixed sets of those symmetries that are signed permutations and keep the
     direction of time.
     """
-    from liepoisson.model.discrete_symmetries import discrete_symmetries
-
     n = len(system.variables)
     found: dict[tuple[tuple[int, ...], ...], str] = {}
     if n <= MOST_COORDINATES:
@@ -224,14 +219,7 @@ def invariant_planes(system: System) -> tuple[Plane, ...]:
 
 
 def check_polynomial(system: System) -> None:
-    """Refuse what is no polynomial vector field with rational coefficients.
-
-    Raises:
-        ParameterError: it is not.
-    """
-    from sympy import QQ, Poly
-    from sympy.polys.polyerrors import PolynomialError
-
+    """Refuse what is no polynomial vector field with rational coefficients."""
     if len(system.variables) != system.bracket.dimension:
         raise ParameterError(f"system: {system.name} has components found by quadrature; make it without quadratures")
     for x, rate in system.equations.items():
@@ -242,23 +230,14 @@ def check_polynomial(system: System) -> None:
             )
         try:
             Poly(expression, *system.variables, domain=QQ)
-        except (PolynomialError, ValueError, TypeError):
+        except (PolynomialError, CoercionFailed, ValueError, TypeError):
             raise ParameterError(
                 f"system: wanted polynomial equations with rational coefficients; the rate of {x} in {system.name} is "
-                f"{shown(Formula(expression).plain)}; coordinates in which it is a polynomial may exist"
-            ) from None
-        except Exception as error:  # SymPy's CoercionFailed is of several kinds
-            if type(error).__name__ != "CoercionFailed":
-                raise
-            raise ParameterError(
-                f"system: wanted rational coefficients; the rate of {x} in {system.name} is "
-                f"{shown(Formula(expression).plain)}; scale the coordinates"
+                f"{shown(Formula(expression).plain)}; other coordinates, or scaled ones, may have such equations"
             ) from None
 
 
 def _terms(system: System) -> list[list[tuple[int, ...]]]:
-    from sympy import Poly
-
     return [list(Poly(e, *system.variables).monoms()) if e != 0 else [] for e in system.equations.values()]
 
 
@@ -284,10 +263,6 @@ def _verified(
     system: System, state: Sequence[Any], variable: Any, rate: Any, *, root: tuple[Any, Any] | None, origin: str
 ) -> ParticularSolution:
     """A solution, after it was put into the equations."""
-    from sympy import QQ, Symbol
-
-    from liepoisson.integrability.galois.linear_systems import exact_expression
-
     check_polynomial(system)
     if not isinstance(variable, Symbol):
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
@@ -295,7 +270,7 @@ def _verified(
         if not isinstance(root, (tuple, list)) or len(root) != 2 or not isinstance(root[0], Symbol):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(f"root: wanted a SymPy symbol y and y^2, as (y, 1 - x**2); got {shown(root)}")
         root = (root[0], exact_expression(root[1], [variable], "root"))
-    arithmetic = Arithmetic(variable, root, QQ)
+    arithmetic = Arithmetic(variable, root)
     symbols = [variable] if root is None else [variable, root[0]]
 
     def read(given: Any, where: str) -> tuple[Any, Any]:
@@ -307,11 +282,11 @@ def _verified(
         raise ParameterError("rate: wanted a function that is not zero; the variable must move")
     if root is not None and speed[0]:
         raise ParameterError(f"rate: wanted a multiple of {root[0]}, c(s) {root[0]}; got {shown(str(rate))}")
-    powers = [arithmetic.powers(v, d) for v, d in zip(values, _degrees(system), strict=True)]
+    powers = [arithmetic.powers(v, d) for v, d in zip(values, degrees(system), strict=True)]
     for k, (x, equation) in enumerate(system.equations.items()):
         left = arithmetic.rate(values[k], speed)
         right = arithmetic.at(equation, system.variables, powers)
-        rest = arithmetic.minus(left, right)
+        rest = (left[0] - right[0], left[1] - right[1])
         if any(rest):
             raise ParameterError(
                 f"state: this curve is no solution; d{x}/dt less its right-hand side is "
@@ -324,7 +299,8 @@ def _verified(
     return ParticularSolution(system, variable, arithmetic.text(speed), written, kept, origin)
 
 
-def _degrees(system: System) -> list[int]:
+def degrees(system: System) -> list[int]:
+    """The largest powers of the coordinates in the equations, at least 1."""
     found = [1] * len(system.variables)
     for terms in _terms(system):
         for m in terms:
@@ -335,10 +311,8 @@ def _degrees(system: System) -> list[int]:
 class Arithmetic:
     """Functions f + g y of s, where f and g are rational and y^2 = Q, as pairs (f, g)."""
 
-    def __init__(self, variable: Any, root: tuple[Any, Any] | None, numbers: Any) -> None:
-        from liepoisson.integrability.galois.linear_systems import rational_function
-
-        self.field = numbers.frac_field(variable)
+    def __init__(self, variable: Any, root: tuple[Any, Any] | None) -> None:
+        self.field = QQ.frac_field(variable)
         self.s = self.field.gens[0]
         self.zero, self.one = self.field.zero, self.field.one
         self.root = None if root is None else root[0]
@@ -348,38 +322,19 @@ class Arithmetic:
 
     def read(self, expression: Any, where: str) -> tuple[Any, Any]:
         """A SymPy expression as such a function."""
-        from sympy import Poly
-        from sympy.polys.polyerrors import PolynomialError
-
-        from liepoisson.integrability.galois.linear_systems import rational_function
-
         try:
             if self.root is None or not expression.has(self.root):
                 return rational_function(expression, self.field), self.zero
-            total = (self.zero, self.zero)
+            total = [self.zero, self.zero]
             for (k,), c in Poly(expression, self.root).terms():
-                total = self.plus(
-                    total, self.times((rational_function(c, self.field), self.zero), self.power_of_root(k))
-                )
-            return total
+                total[k % 2] = total[k % 2] + rational_function(c, self.field) * self.square ** (k // 2)
+            return total[0], total[1]
         except (ParameterError, PolynomialError) as error:
             kinds = f" and {self.root}" if self.root is not None else ""
             raise ParameterError(
                 f"{where}: wanted a rational function of {self.field.symbols[0]}{kinds} with rational coefficients; "
                 f"got {shown(str(expression))}"
             ) from error
-
-    def power_of_root(self, k: int) -> tuple[Any, Any]:
-        """y^k."""
-        return (self.zero, self.square ** (k // 2)) if k % 2 else (self.square ** (k // 2), self.zero)
-
-    def plus(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """A + b."""
-        return a[0] + b[0], a[1] + b[1]
-
-    def minus(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """A - b."""
-        return a[0] - b[0], a[1] - b[1]
 
     def times(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
         """A b."""
@@ -401,8 +356,6 @@ class Arithmetic:
 
     def at(self, polynomial: Any, variables: Sequence[Any], powers: list[list[tuple[Any, Any]]]) -> tuple[Any, Any]:
         """A polynomial in the coordinates on the curve."""
-        from sympy import QQ, Poly
-
         total = (self.zero, self.zero)
         if polynomial == 0:
             return total
@@ -411,13 +364,11 @@ class Arithmetic:
             for k, power in enumerate(m):
                 if power:
                     term = self.times(term, powers[k][power])
-            total = self.plus(total, term)
+            total = (total[0] + term[0], total[1] + term[1])
         return total
 
     def text(self, a: tuple[Any, Any]) -> Any:
         """As a SymPy expression, factored."""
-        from sympy import factor
-
         value: Any = factor(a[0].as_expr())
         return value if self.root is None or not a[1] else value + factor(a[1].as_expr()) * self.root
 
@@ -436,10 +387,8 @@ def _separatrices(system: System, plane: Plane, field: _Restricted) -> Iterator[
     """Separatrices of the equilibria with small rational coordinates."""
     levels: set[Any] = set()
     for point in field.saddles():
-        if (reduction := field.reduced(point)) is None:
-            continue
-        key = (reduction.square, reduction.coordinates)
-        if key not in levels:
+        reduction = field.reduced(point)
+        if reduction is not None and (key := (reduction.square, reduction.coordinates)) not in levels:
             levels.add(key)
             yield from _separatrix(system, plane, field, reduction, point)
 
@@ -447,8 +396,6 @@ def _separatrices(system: System, plane: Plane, field: _Restricted) -> Iterator[
 def _separatrix(
     system: System, plane: Plane, field: _Restricted, reduction: _Reduction, point: Sequence[Any]
 ) -> Iterator[ParticularSolution]:
-    from sympy import Poly, Rational, sqrt
-
     x = _new_symbol(system, "x", "u", "sigma")
     z0 = point[field.coordinates.index(reduction.z)]
     moved = Poly(reduction.square.subs(reduction.z, reduction.z + z0), reduction.z)
@@ -463,18 +410,12 @@ def _separatrix(
     side: Any = sqrt(ab)
     A, B = (side, side) if side.is_Rational and side else (Rational(1), ab)
     zeta = x / (A * x**2 - r1 / (2 * r0) * x + B)
-    z = z0 + zeta
-    speed = kappa * x * zeta.diff(x)
-    values = [f.subs({reduction.z: z, reduction.y: speed}, simultaneous=True) for f in reduction.coordinates]
-    state = [sum(v[i] * f for v, f in zip(plane.basis, values, strict=True)) for i in range(len(system.variables))]
-    origin = f"a separatrix on {plane.origin}"
-    yield _verified(system, state, x, kappa * x, root=None, origin=origin)
+    state = plane.state(reduction, z0 + zeta, kappa * x * zeta.diff(x))
+    yield _verified(system, state, x, kappa * x, root=None, origin=f"a separatrix on {plane.origin}")
 
 
 def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[ParticularSolution]:
     """A solution with an elliptic curve, through a state with small coordinates."""
-    from sympy import Poly, Rational, degree
-
     s, y = _new_symbol(system, "s", "u", "sigma"), _new_symbol(system, "y", "w", "root")
     for point in ((1, 2, 3, 5), (2, -1, 1, 3), (1, 1, 2, 1)):
         at = [Rational(c) for c in point[: len(plane.basis)]]
@@ -484,23 +425,16 @@ def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[Part
         square = reduction.square.subs(reduction.z, s)
         if degree(square, s) not in (3, 4) or not Poly(square, s).is_sqf:
             continue
-        values = [f.subs({reduction.z: s, reduction.y: y}, simultaneous=True) for f in reduction.coordinates]
-        state = [sum(v[i] * f for v, f in zip(plane.basis, values, strict=True)) for i in range(len(system.variables))]
-        yield _verified(system, state, s, y, root=(y, square), origin=f"an elliptic solution on {plane.origin}")
+        state, origin = plane.state(reduction, s, y), f"an elliptic solution on {plane.origin}"
+        yield _verified(system, state, s, y, root=(y, square), origin=origin)
 
 
 class _Restricted:
     """The equations and integrals on an invariant plane."""
 
     def __init__(self, system: System, plane: Plane) -> None:
-        from sympy import symbols
-
         self.coordinates: tuple[Any, ...] = symbols(f"c1:{len(plane.basis) + 1}")
-        places = [
-            sum(v[i] * c for v, c in zip(plane.basis, self.coordinates, strict=True))
-            for i in range(len(system.variables))
-        ]
-        at = dict(zip(system.variables, places, strict=True))
+        at = dict(zip(system.variables, plane.at(self.coordinates), strict=True))
         equations: list[Any] = list(system.equations.values())
         full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in equations]
         first = [next(i for i, entry in enumerate(v) if entry) for v in plane.basis]
@@ -515,33 +449,27 @@ class _Restricted:
 
         Multiples of a point are tried, too: the square of the eigenvalue is often proportional to them.
         """
-        from sympy import Poly, Rational
-
         grid = [Fraction(c) for c in _GRID]
-        rates = [_terms_of(rate, self.coordinates) for rate in self.rates]
-        slopes = [[Poly(rate, *self.coordinates).diff(c).as_expr() for c in self.coordinates] for rate in self.rates]
-        jacobian = [[_terms_of(slope, self.coordinates) for slope in row] for row in slopes]
+        rates = [polynomial_terms(rate, self.coordinates, "a rate") for rate in self.rates]
         fixed = [self.coordinates.index(c) for c in self.fixed]
         order = {c: k for k, c in enumerate(grid)}
         for point in sorted(product(grid, repeat=len(self.coordinates)), key=lambda p: sum(order[c] for c in p)):
             if any(point[k] == 0 for k in fixed):  # it lies on a smaller plane
                 continue
-            if any(value_at(one, point) for one in rates):
+            if any(value_at(one.items(), point) for one in rates):
                 continue
-            squared = _trace_of_square(jacobian, point) / 2
+            squared = _trace_of_square(rates, point) / 2
             if squared <= 0:
                 continue
-            for factor in (Fraction(1), squared, 1 / squared):
-                multiple = tuple(factor * c for c in point)
-                here = _trace_of_square(jacobian, multiple) / 2
-                if _is_square(here) and not any(value_at(one, multiple) for one in rates):
+            for scale in (Fraction(1), squared, 1 / squared):
+                multiple = tuple(scale * c for c in point)
+                here = _trace_of_square(rates, multiple) / 2
+                if _is_square(here) and not any(value_at(one.items(), multiple) for one in rates):
                     yield tuple(Rational(c.numerator, c.denominator) for c in multiple)
                     break
 
     def reduced(self, point: Sequence[Any]) -> _Reduction | None:
         """One coordinate z with z'^2 = Q(z) on the level of the integrals through a point."""
-        from sympy import Poly, Symbol, solve
-
         constants = {c: point[self.coordinates.index(c)] for c in self.fixed}
         level = [f - f.subs(dict(zip(self.coordinates, point, strict=True))) for f in self.integrals]
         level = [f.subs(constants) for f in level]
@@ -581,27 +509,14 @@ class _Restricted:
 
 def _new_symbol(system: System, *names: str) -> Any:
     """A symbol that is no coordinate."""
-    from sympy import Symbol
-
     further = (f"{names[0]}_{k}" for k in count(1))
     return Symbol(next(name for name in chain(names, further) if name not in system.component_names))
 
 
-Terms: TypeAlias = list[tuple[tuple[int, ...], Fraction]]
-
-
-def _terms_of(polynomial: Any, variables: Sequence[Any]) -> Terms:
-    from sympy import Poly
-
-    if polynomial == 0:
-        return []
-    return [(m, Fraction(int(c.p), int(c.q))) for m, c in Poly(polynomial, *variables).terms()]
-
-
-def _trace_of_square(jacobian: list[list[Terms]], point: Sequence[Fraction]) -> Fraction:
-    matrix = [[value_at(entry, point) for entry in row] for row in jacobian]
-    places = range(len(matrix))
-    return sum((matrix[i][j] * matrix[j][i] for i in places for j in places), Fraction(0))
+def _trace_of_square(rates: Sequence[Mapping[Exponents, Any]], point: Sequence[Fraction]) -> Fraction:
+    """The trace of the square of the Jacobian matrix."""
+    rows = [gradient_at(rate, point) for rate in rates]
+    return sum((slope * rows[j].get(i, 0) for i, row in enumerate(rows) for j, slope in row.items()), Fraction(0))
 
 
 def _is_square(value: Fraction) -> bool:

@@ -20,19 +20,21 @@ and solutions are concerned, so that no new singular points appear at finite s.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from functools import cached_property, reduce
+from itertools import accumulate, product
+from typing import Any
+
+from flint import fmpq, fmpq_mat, fmpq_poly
+from sympy.polys.matrices import DomainMatrix
+from sympy.utilities.iterables import connected_components, strongly_connected_components
 
 from liepoisson.algebra.echelon import dense, null_vectors, sparse
-from liepoisson.algebra.function_fields import over_common_denominator
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import not_a
-from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction, from_polynomial
-from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution
-
-if TYPE_CHECKING:
-    from liepoisson.model.system import System
+from liepoisson.integrability.galois.linear_systems import LinearSystem, from_polynomial
+from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution, degrees
+from liepoisson.model.system import System
 
 _MOST_UNKNOWNS = 600
 """Of the search for rational solutions."""
@@ -55,9 +57,6 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
     Raises:
         ParameterError: the solution is that of another system.
     """
-    from sympy import QQ
-    from sympy.polys.matrices import DomainMatrix
-
     if not isinstance(solution, ParticularSolution):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a ParticularSolution", solution, "solution", "write particular_solution(system, ...)")
     same = solution.system is system or (
@@ -65,11 +64,10 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
     )
     if not same:
         raise ParameterError(f"solution: wanted one of {system.name}; got one of {solution.system.name}")
-    arithmetic = Arithmetic(solution.variable, solution.root, QQ)
+    arithmetic = Arithmetic(solution.variable, solution.root)
     values = [arithmetic.read(f, name) for name, f in solution.state.items()]
     speed = arithmetic.read(solution.rate, "rate")
-    most = max(1, *(int(d) for d in _degrees_of(system)))
-    powers = [arithmetic.powers(v, most) for v in values]
+    powers = [arithmetic.powers(v, d) for v, d in zip(values, degrees(system), strict=True)]
     jacobian: Any = system.jacobian
     n = len(system.variables)
     entries = [[arithmetic.at(jacobian[i, j].expand(), system.variables, powers) for j in range(n)] for i in range(n)]
@@ -101,19 +99,11 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
 
 @dataclass(frozen=True, eq=False)
 class Flag:
-    r"""A chain of invariant subspaces of a linear system.
+    r"""A chain of invariant subspaces of a linear system."""
 
-    Attributes:
-        system: The system.
-        basis: P; the first columns span the first subspace, and so on.
-        sizes: The dimensions of the quotients of a subspace by the one before it.
-        reasons: What each quotient comes from.
-    """
-
-    system: LinearSystem
-    basis: Any
-    sizes: tuple[int, ...]
-    reasons: tuple[str, ...]
+    system: LinearSystem  # the system
+    basis: Any  # P; the first columns span the first subspace, and so on
+    sizes: tuple[int, ...]  # the dimensions of the quotients of a subspace by the one before it
 
     @cached_property
     def triangular(self) -> LinearSystem:
@@ -123,10 +113,7 @@ class Flag:
     @cached_property
     def dimensions(self) -> tuple[int, ...]:
         """The dimensions of F_0, F_1, ..., F_r."""
-        found = [0]
-        for size in self.sizes:
-            found.append(found[-1] + size)
-        return tuple(found)
+        return tuple(accumulate(self.sizes, initial=0))
 
     def quotient(self, low: int, high: int) -> LinearSystem:
         """The equations on F_high / F_low."""
@@ -147,8 +134,8 @@ class Flag:
 
 def flag(system: LinearSystem) -> Flag:
     """A flag that is as fine as these means give, and verified: the matrix in its basis is block triangular."""
-    basis, sizes, reasons = _refined(system)
-    found = Flag(system, basis, tuple(sizes), tuple(reasons))
+    basis, sizes = _refined(system)
+    found = Flag(system, basis, tuple(sizes))
     rows = found.triangular.entries.to_dense().rep.to_list()
     d = found.dimensions
     for k in range(len(sizes)):
@@ -161,9 +148,6 @@ def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
 
     It is empty where a singular point is not recognised as regular, which then proves nothing.
     """
-    from flint import fmpq, fmpq_mat, fmpq_poly
-    from sympy.polys.matrices import DomainMatrix
-
     if (bounds := _bounds(system)) is None:
         return ()
     numerators, denominator = system.polynomials
@@ -198,10 +182,8 @@ def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
 
     They have integer exponents at each singular point.
     """
-    from flint import fmpq_poly
-
     bottom, degree = fmpq_poly([1]), 0
-    for point in (*system.singular_points, *([None] if system.infinity_is_singular else [])):
+    for point in system.points:
         local = system.local(point)
         if not local.is_regular:
             return None
@@ -216,32 +198,27 @@ def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
     return None if bottom.degree() + degree < 0 else (bottom, bottom.degree() + degree)
 
 
-def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
-    from sympy.polys.matrices import DomainMatrix
-
+def _refined(system: LinearSystem) -> tuple[Any, list[int]]:
+    """P and the dimensions of the quotients of a flag."""
     n, field = system.n, system.entries.domain
     groups = _components(system)
     if len(groups) > 1:
         order = [k for group in groups for k in group]
-        permutation = DomainMatrix(
-            [[field.one if order[j] == i else field.zero for j in range(n)] for i in range(n)], (n, n), field
-        )
+        permutation = DomainMatrix.eye(n, field).to_dense().extract(list(range(n)), order)
         parts = [_refined(system.part(group)) for group in groups]
         blocks = _block_diagonal([part[0] for part in parts], field)
-        return permutation * blocks, [s for part in parts for s in part[1]], [r for part in parts for r in part[2]]
-    what = ", ".join(system.names)
+        return permutation * blocks, [size for _, sizes in parts for size in sizes]
     if n == 1:
-        return DomainMatrix.eye(1, field).to_dense(), [1], [what]
+        return DomainMatrix.eye(1, field).to_dense(), [1]
     if solutions := rational_solutions(system):
         chosen = solutions[0].hstack(*solutions[1:])
         k = len(solutions)
         basis = _completed(chosen)
-        sizes, reasons = [1] * k, ["a rational solution"] * k
         if k == n:
-            return basis, sizes, reasons
+            return basis, [1] * k
         rest = _refined(system.changed(basis).part(range(k, n)))
         blocks = _block_diagonal([DomainMatrix.eye(k, field).to_dense(), rest[0]], field)
-        return basis * blocks, sizes + rest[1], reasons + rest[2]
+        return basis * blocks, [1] * k + rest[1]
     if integrals := rational_solutions(system.dual):
         k = len(integrals)
         chosen = integrals[0].hstack(*integrals[1:])
@@ -251,8 +228,8 @@ def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
         basis = dual.extract(list(range(n)), places)
         kernel = _refined(system.changed(basis).part(range(n - k)))
         blocks = _block_diagonal([kernel[0], DomainMatrix.eye(k, field).to_dense()], field)
-        return basis * blocks, kernel[1] + [1] * k, kernel[2] + ["a linear integral"] * k
-    return DomainMatrix.eye(n, field).to_dense(), [n], [what]
+        return basis * blocks, kernel[1] + [1] * k
+    return DomainMatrix.eye(n, field).to_dense(), [n]
 
 
 def _completed(columns: Any) -> Any:
@@ -261,70 +238,41 @@ def _completed(columns: Any) -> Any:
     Rows are reduced by Euclid's algorithm until the columns are those of the identity; the inverse steps give the
     matrix.
     """
-    from sympy.polys.matrices import DomainMatrix
-
-    field = columns.domain
     n, k = columns.shape
-    work = [list(row) for row in _cleared(columns).to_dense().rep.to_list()]
-    undo = [[field.one if i == j else field.zero for j in range(n)] for i in range(n)]
+    ring = columns.domain.get_ring()
+    work = _cleared(columns).to_dense().rep.to_list()
+    undo = [[ring.one if i == j else ring.zero for j in range(n)] for i in range(n)]
     for c in range(k):
         while True:
-            rows = [i for i in range(c, n) if work[i][c]]
-            best = min(rows, key=lambda i: _degree(work[i][c]))
-            _swap(work, undo, c, best)
+            best = min((i for i in range(c, n) if work[i][c]), key=lambda i: work[i][c].degree())
+            work[c], work[best] = work[best], work[c]
+            for row in undo:
+                row[c], row[best] = row[best], row[c]
             others = [i for i in range(c + 1, n) if work[i][c]]
             if not others:
                 break
             for i in others:
-                factor = _quotient(work[i][c], work[c][c], field)
+                factor = work[i][c].div(work[c][c])[0]
                 work[i] = [a - factor * b for a, b in zip(work[i], work[c], strict=True)]
                 for row in undo:  # undo * (row i += factor row c): column c gains factor times column i
                     row[c] = row[c] + factor * row[i]
-    return DomainMatrix(undo, (n, n), field)
+    return DomainMatrix(undo, (n, n), ring).convert_to(columns.domain)
 
 
 def _cleared(columns: Any) -> Any:
     """Each column times a rational function so that its entries are polynomials without a common divisor."""
-    from flint import fmpq_poly
-    from sympy.polys.matrices import DomainMatrix
-
-    field = columns.domain
     found: list[Any] = []
     for column in columns.transpose().to_dense().rep.to_list():
-        tops, _ = over_common_denominator(list(map(fraction, column)), fmpq_poly([1]))
-        divisor = fmpq_poly([0])
-        for top in tops:
-            divisor = divisor.gcd(top)
-        found.append([from_polynomial(top / divisor, field) for top in tops])
-    return DomainMatrix(found, (len(found), columns.shape[0]), field).transpose()
-
-
-def _swap(work: list[list[Any]], undo: list[list[Any]], a: int, b: int) -> None:
-    if a != b:
-        work[a], work[b] = work[b], work[a]
-        for row in undo:
-            row[a], row[b] = row[b], row[a]
-
-
-def _degree(entry: Any) -> int:
-    return int(_whole(entry).degree())
-
-
-def _quotient(a: Any, b: Any, field: Any) -> Any:
-    """The polynomial part of a / b."""
-    return from_polynomial(divmod(_whole(a), _whole(b))[0], field)
-
-
-def _whole(entry: Any) -> Any:
-    """A rational function that is a polynomial, as one of FLINT."""
-    top, bottom = fraction(entry)
-    assert bottom.degree() == 0
-    return top / bottom[0]
+        common = columns.domain.get_ring().one
+        for entry in column:
+            common = common.lcm(entry.denom)
+        tops = [entry.numer * common.quo(entry.denom) for entry in column]
+        divisor = reduce(lambda a, b: a.gcd(b), tops)
+        found.append([top.quo(divisor) for top in tops])
+    return DomainMatrix(found, columns.shape[::-1], columns.domain.get_ring()).transpose()
 
 
 def _block_diagonal(blocks: list[Any], field: Any) -> Any:
-    from sympy.polys.matrices import DomainMatrix
-
     n = sum(block.shape[0] for block in blocks)
     rows = [[field.zero] * n for _ in range(n)]
     start = 0
@@ -337,18 +285,9 @@ def _block_diagonal(blocks: list[Any], field: Any) -> Any:
 
 def _components(system: LinearSystem) -> list[list[int]]:
     """The strongly connected components, those that influence no others first."""
-    rows = system.entries.to_dense().rep.to_list()
-    n = system.n
-    reach = [{i} | {j for j in range(n) if rows[j][i]} for i in range(n)]  # i influences j
-    changed = True
-    while changed:
-        changed = False
-        for i in range(n):
-            larger = set().union(*(reach[j] for j in reach[i]))
-            if larger != reach[i]:
-                reach[i], changed = larger, True
-    groups = {frozenset(j for j in reach[i] if i in reach[j]): len(reach[i]) for i in range(n)}
-    return [sorted(group) for group in sorted(groups, key=lambda g: (groups[g], min(g)))]
+    rows, places = system.entries.to_dense().rep.to_list(), range(system.n)
+    influences = [(i, j) for i in places for j in places if rows[j][i]]
+    return [sorted(group) for group in strongly_connected_components((list(places), influences))]
 
 
 def _doubled(entries: list[list[tuple[Any, Any]]], square: Any, c: Any, arithmetic: Arithmetic) -> list[list[Any]]:
@@ -367,38 +306,17 @@ def _doubled(entries: list[list[tuple[Any, Any]]], square: Any, c: Any, arithmet
 
 def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool] | None:
     """Which components are y times a function, so that the coefficients become rational; None if none are."""
-    n = len(entries)
-    odd: dict[int, bool] = {}
-    for start in range(n):
-        if start in odd:
-            continue
-        odd[start] = False
-        waiting = [start]
-        while waiting:
-            i = waiting.pop()
-            for j in range(n):
-                for even_part, odd_part in (entries[i][j], entries[j][i]):
-                    for part, differ in ((even_part, True), (odd_part, False)):
-                        if not part:
-                            continue
-                        wanted = odd[i] != differ
-                        if j not in odd:
-                            odd[j] = wanted
-                            waiting.append(j)
-                        elif odd[j] != wanted:
-                            return None
+    n, odd = len(entries), dict[int, bool]()
+    # an even part of an entry joins components of different parity, an odd one those of the same
+    joined = [
+        ((i, p), (j, p ^ (1 - k)))
+        for i, j, p in product(range(n), range(n), (0, 1))
+        for k, part in enumerate(entries[i][j])
+        if part
+    ]
+    for group in connected_components((list(product(range(n), (0, 1))), joined)):
+        if len({i for i, _ in group}) < len(group):
+            return None
+        if not min(group)[1]:
+            odd |= {i: bool(p) for i, p in group}
     return [odd[k] for k in range(n)]
-
-
-def _degrees_of(system: System) -> list[int]:
-    return _degrees(list(system.equations.values()), system.variables)
-
-
-def _degrees(expressions: list[Any], variables: Any) -> list[int]:
-    from sympy import Poly
-
-    found = [0]
-    for e in expressions:
-        if e != 0:
-            found += [max(m) for m in Poly(e, *variables).monoms()]
-    return found

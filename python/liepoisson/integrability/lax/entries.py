@@ -9,25 +9,26 @@ $i^2 = -1$.  Entries with other numbers, such as $\sqrt 2$, are SymPy expression
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
-from liepoisson.algebra.exact_numbers import is_sympy, substituted, symbols_of, to_sympy
+from flint import Ordering, fmpq_mpoly_ctx
+from sympy import Add, E, Expr, I, Mul, Rational, S, Symbol, collect, exp
+
+from liepoisson.algebra.exact_numbers import is_sympy, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.algebra.flint_pickles import register
 from liepoisson.algebra.matrices import Rows, characteristic_polynomial, product
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.formula.expression import read_expression
+from liepoisson.formula.grammar import parse
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import shown
 from liepoisson.model.hamiltonian import read_expression_in, with_exact_numbers
+from liepoisson.model.system import System
 from liepoisson.structure.bracket_scope import scope_of
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 Element: TypeAlias = Any
 """A polynomial of FLINT, or a SymPy expression."""
@@ -41,8 +42,6 @@ _RESERVED = {IMAGINARY, "w"}
 
 def spectral_symbol(system: System, spectral: str | None) -> Symbol | None:
     """The symbol of the spectral parameter, a name that means nothing else in the system."""
-    from sympy import Symbol
-
     if spectral is None:
         return None
     name = str(spectral)
@@ -57,12 +56,7 @@ def spectral_symbol(system: System, spectral: str | None) -> Symbol | None:
 
 
 def read_entries(system: System, given: Any, spectral: Symbol | None, what: str) -> list[Expr] | list[list[Expr]]:
-    """The rows of a matrix, or the components of an element of the Lie algebra.
-
-    Raises:
-        ShapeError: neither a square matrix nor as many components as the algebra has.
-        ExpressionError: a text cannot be read.
-    """
+    """The rows of a matrix, or the components of an element of the Lie algebra."""
     reader = _Reader(system, spectral, what)
     if isinstance(given, str):
         return reader.vector(given)
@@ -116,8 +110,6 @@ class _Reader:
 
     def vector(self, text: str) -> list[Expr]:
         """The components of a text such as "z*l + alpha"."""
-        from sympy import Symbol
-
         if self.system.bracket.has_scalar_fields:
             raise ShapeError(f"{self.what}: the fields of this system are scalars; got {shown(text)}; give a matrix")
         directions = [Symbol(f"{_DIRECTION}{k + 1}") for k in range(self.size)]
@@ -125,11 +117,6 @@ class _Reader:
         return [cast("Expr", form.coeff(d)) for d in directions]
 
     def _text(self, text: str, further: tuple[str, ...]) -> Expr:
-        from sympy import I, Symbol
-
-        from liepoisson.formula.expression import read_expression
-        from liepoisson.formula.grammar import parse
-
         parse(text)  # what is no formula is refused as it was written
         scope = scope_of(self.system.symbolic_bracket, self.system.values, (*self.declared, *further))
         try:
@@ -144,27 +131,10 @@ class _Reader:
         return (read.xreplace({Symbol(IMAGINARY): I}) if self.has_unit else read).expand()
 
 
-@dataclass(frozen=True)
-class _Variable:
-    """What a variable of FLINT stands for: a power of a symbol, an exponential, or i."""
-
-    key: Any
-    power: int
-
-
 class EntryArithmetic:
-    """Sums, products and canonical forms of entries.
-
-    Args:
-        expressions: All entries that are to be read.
-    """
+    """Sums, products and canonical forms of entries."""
 
     def __init__(self, expressions: Iterable[Expr]) -> None:
-        from flint import Ordering, fmpq_mpoly_ctx
-        from sympy import I
-
-        from liepoisson.algebra.flint_pickles import register
-
         register()  # pairs keep their entries
         expanded = [e.expand() for e in expressions]
         self.steps = _steps(expanded)
@@ -174,14 +144,13 @@ class EntryArithmetic:
         if not self.is_rational:
             return
         signs = {(key, power > 0) for t in terms for powers in cast("Any", t) for key, power in powers}
-        self.variables = [_Variable(key, 1 if up else -1) for key, up in sorted(signs, key=str)]
-        self.index = {(v.key, v.power > 0): k for k, v in enumerate(self.variables)}
+        # each variable of FLINT is a symbol, an exponential or i, or its inverse
+        self.variables = sorted(signs, key=str)
+        self.index = {variable: k for k, variable in enumerate(self.variables)}
         self.pairs = [
-            (k, self.index[v.key, False])
-            for k, v in enumerate(self.variables)
-            if v.power > 0 and (v.key, False) in self.index
+            (k, self.index[key, False]) for (key, up), k in self.index.items() if up and (key, False) in signs
         ]
-        self.unit = next((k for k, v in enumerate(self.variables) if v.key == I), None)
+        self.unit = self.index.get((I, True))
         names = [f"g{k}" for k in range(len(self.variables))]
         self.context = fmpq_mpoly_ctx.get(names or ["g"], Ordering.lex)
 
@@ -193,8 +162,6 @@ class EntryArithmetic:
 
     def number(self, value: Fraction | int) -> Element:
         """A rational number."""
-        from sympy import Rational
-
         if not self.is_rational:
             return Rational(value.numerator, value.denominator)
         return self.context.constant(as_fmpq(value))
@@ -208,27 +175,23 @@ class EntryArithmetic:
     def vanishes(self, element: Element) -> bool:
         """Whether an element is zero."""
         if not self.is_rational:
-            from liepoisson.algebra.exact_numbers import is_zero
-
             return is_zero(element)
         return not self.canonical(element)
 
     def write(self, element: Element) -> Expr:
         """An element as an expression."""
-        from sympy import Add, Mul, Rational, exp
-
         if not self.is_rational:
             return element.expand()
         terms: list[Any] = []
         for exponents, c in self._exponents(element).items():
             exponent: Any = 0
             factors: list[Any] = [Rational(int(c.p), int(c.q))]
-            for variable, n in zip(self.variables, exponents, strict=False):
-                if n and isinstance(variable.key, tuple):
-                    symbol = variable.key[1]
-                    exponent += symbol * Rational(int(n) * variable.power, self.steps[symbol])
+            for (key, up), n in zip(self.variables, exponents, strict=False):
+                power = int(n) if up else -int(n)
+                if n and isinstance(key, tuple):
+                    exponent += key[1] * Rational(power, self.steps[key[1]])
                 elif n:
-                    factors.append(variable.key ** (int(n) * variable.power))
+                    factors.append(key**power)
             terms.append(Mul(*factors, exp(exponent)) if exponent else Mul(*factors))
         return Add(*terms)
 
@@ -245,8 +208,6 @@ class EntryArithmetic:
     def by_power(self, element: Element, symbol: Any) -> dict[int, Element]:
         """The coefficients of the powers of a symbol, negative ones too."""
         if not self.is_rational:
-            from sympy import collect
-
             found: Any = collect(element.expand(), symbol, evaluate=False)
             return {int(power.as_base_exp()[1]) if power != 1 else 0: c for power, c in found.items()}
         up, down = self.index.get((symbol, True)), self.index.get((symbol, False))
@@ -259,8 +220,6 @@ class EntryArithmetic:
 
     def parts(self, element: Element) -> tuple[Element, Element]:
         """Real and imaginary part, symbols being real."""
-        from sympy import I
-
         if not self.is_rational:
             expanded = element.expand()
             imaginary = expanded.coeff(I)
@@ -285,22 +244,18 @@ class EntryArithmetic:
         return {key: c for key, c in found.items() if c}
 
     def _made(self, terms: Mapping[tuple[tuple[Any, int], ...], Any]) -> Element:
-        from flint import fmpq
-
         n = len(self.variables) or 1
         data: dict[tuple[int, ...], Any] = {}
         for powers, coefficient in terms.items():
             exponents = [0] * n
             for key, power in powers:
                 exponents[self.index[key, power > 0]] = abs(power)
-            data[tuple(exponents)] = fmpq(int(coefficient.p), int(coefficient.q))
+            data[tuple(exponents)] = as_fmpq(coefficient)
         return self.context.from_dict(data)
 
 
 def _steps(expressions: Sequence[Any]) -> dict[Any, int]:
     """For each coordinate in an exponent the common denominator of its coefficients."""
-    from sympy import exp
-
     steps: dict[Any, int] = {}
     for argument in {e.args[0] for expression in expressions for e in expression.atoms(exp)}:
         for symbol, c in argument.as_coefficients_dict().items():
@@ -310,8 +265,6 @@ def _steps(expressions: Sequence[Any]) -> dict[Any, int]:
 
 def _terms(expanded: Any, steps: Mapping[Any, int]) -> dict[tuple[tuple[Any, int], ...], Any] | None:
     """The terms of an expanded expression by their powers; None if it is not of the kind that FLINT is given."""
-    from sympy import Add, E, I, S, exp
-
     found: dict[tuple[tuple[Any, int], ...], Any] = {}
     for term in Add.make_args(expanded):
         coefficient: Any = S.One

@@ -9,26 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any
+
+from sympy import Expr, Symbol, factor_list
 
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
-from liepoisson.algebra.sparse_polynomials import rational_to_sympy, whole_expression
+from liepoisson.algebra.sparse_polynomials import whole_expression
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT, Deadline
 from liepoisson.integrability.families import names_among
-from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair
-from liepoisson.integrability.lax.search import MOST_DEGREE, member, pairs_with, split, trivial_vectors
+from liepoisson.integrability.lax.search import MOST_DEGREE, Ansatz, member, pairs_with, split, trivial_vectors
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
+from liepoisson.integrability.search_problem import at_values
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr
-
-    from liepoisson.model.system import System
 
 
 @dataclass(frozen=True)
@@ -193,8 +191,6 @@ class _Splitting:
     def __init__(
         self, ansatz: Ansatz, names: Sequence[str], nonzero: Sequence[str], positive: Sequence[str], degree: int
     ) -> None:
-        from sympy import Symbol, factor_list
-
         self.ansatz, self.names, self.degree = ansatz, list(names), degree
         prefix = "B"
         while any(name.startswith(prefix) for name in names):
@@ -233,16 +229,7 @@ class _Splitting:
 
     def _pair(self, values: dict[str, Fraction], b: tuple[Fraction, ...]) -> LaxPair | None:
         """The pair of lowest degree at values of the parameters that has integrals."""
-        from liepoisson.model.hamiltonian import symbols_in
-        from liepoisson.model.system import System
-
-        given, at = (
-            self.ansatz.system,
-            {s: rational_to_sympy(values[str(s)]) for s in self.ansatz.parameters},
-        )
-        bracket = given.bracket.substitute({s: v for s, v in values.items() if s in given.bracket.symbols})
-        energy = cast("Any", given.hamiltonian).xreplace(at)
-        one = System(bracket, energy, name=given.name, symbols=symbols_in(energy, given.component_names))
+        one = at_values(self.ansatz.system, {s: values[str(s)] for s in self.ansatz.parameters})
         ansatz = Ansatz(one, self.ansatz.form)
         known = [(0, v) for v in self.trivial]
         found = (pair for d in range(1, self.degree + 1) for pair in pairs_with(ansatz, d, b, known))

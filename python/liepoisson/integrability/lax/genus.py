@@ -30,6 +30,9 @@ from math import gcd, lcm
 from random import Random
 from typing import Any, TypeAlias
 
+from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly, fq_default_ctx, fq_default_poly_ctx, nmod_mpoly_ctx, nmod_poly
+from sympy import nextprime
+
 Curve: TypeAlias = Mapping[tuple[int, int], Fraction]
 """A polynomial in z, 1/z and w, monic in w, by the exponents of z and w."""
 
@@ -42,21 +45,12 @@ _LARGEST_DISCRIMINANT = 320
 
 @dataclass(frozen=True)
 class Genus:
-    """The genus of a curve, with what it was computed from.
+    """The genus of a curve, with what it was computed from."""
 
-    Attributes:
-        value: The genus; None if it was not decided.
-        ramification: Sum of e - 1 over all places.
-        n_branch_points: Number of points of the sphere over which a place is ramified.
-        prime: The prime of good reduction.
-        reason: Why it was not decided; empty if it was.
-    """
-
-    value: int | None
-    ramification: int = 0
-    n_branch_points: int = 0
-    prime: int = 0
-    reason: str = ""
+    value: int | None  # the genus; None if it was not decided
+    n_branch_points: int = 0  # number of points of the sphere over which a place is ramified
+    prime: int = 0  # the prime of good reduction
+    reason: str = ""  # why it was not decided; empty if it was
 
 
 def interior_points(curve: Curve) -> int:
@@ -100,9 +94,6 @@ def at_infinity(curve: Curve) -> Curve:
 
 def genus(curve: Curve) -> Genus:
     """The genus of an irreducible curve."""
-    from flint import fmpz_poly
-    from sympy import nextprime
-
     d = max(j for _, j in curve)
     if d == 1:
         return Genus(0)
@@ -113,24 +104,21 @@ def genus(curve: Curve) -> Genus:
     discriminant: Any = _discriminant(finite, denominator)
     if not discriminant:
         return Genus(None, reason="the polynomial has a multiple factor")
-    derivative: Any = discriminant.derivative()
-    n_zeros = discriminant.degree() - fmpz_poly.gcd(discriminant, derivative).degree()
-    p = _FIRST_PRIME
+    n_zeros, p = _n_zeros(discriminant), _FIRST_PRIME
     for _ in range(_MOST_PRIMES):
         p = int(nextprime(p))
-        if denominator % p == 0 or not _is_good(discriminant, n_zeros, p):
+        image = nmod_poly([int(c) % p for c in discriminant.coeffs()], p)
+        if denominator % p == 0 or image.degree() < discriminant.degree() or _n_zeros(image) != n_zeros:
             continue
         if _is_absolutely_irreducible(finite, p):
             ramification, n_points = _ramification(finite, infinite, discriminant, p)
             assert ramification % 2 == 0, "the ramification of a covering of the sphere is even"
-            return Genus(1 - d + ramification // 2, ramification, n_points, p)
+            return Genus(1 - d + ramification // 2, n_points, p)
     return Genus(None, reason="not found irreducible over the complex numbers")
 
 
 def _discriminant(curve: Curve, denominator: int) -> Any:
     """A multiple of the discriminant, as a polynomial in z with whole coefficients."""
-    from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
-
     context = fmpz_mpoly_ctx.get(["z", "w"], Ordering.lex)
     f = context.from_dict({key: int(c * denominator) for key, c in curve.items()})
     found = f.discriminant("w")
@@ -138,16 +126,9 @@ def _discriminant(curve: Curve, denominator: int) -> Any:
     return fmpz_poly([coefficients.get(k, 0) for k in range(max(coefficients, default=-1) + 1)])
 
 
-def _is_good(discriminant: Any, n_zeros: int, p: int) -> bool:
-    """Whether the discriminant keeps its degree and the number of its zeros modulo p."""
-    from flint import nmod_poly
-
-    image = nmod_poly([int(c) % p for c in discriminant.coeffs()], p)
-    if image.degree() < discriminant.degree():
-        return False
-    if image.degree() == 0:
-        return n_zeros == 0
-    return image.degree() - image.gcd(image.derivative()).degree() == n_zeros
+def _n_zeros(f: Any) -> int:
+    """How many different zeros a polynomial has."""
+    return f.degree() - f.gcd(f.derivative()).degree() if f.degree() > 0 else 0
 
 
 def _residue(c: Fraction, p: int) -> int:
@@ -156,8 +137,6 @@ def _residue(c: Fraction, p: int) -> int:
 
 def _is_absolutely_irreducible(curve: Curve, p: int) -> bool:
     """Whether the curve modulo p is irreducible and has a simple point with coordinates modulo p."""
-    from flint import Ordering, nmod_mpoly_ctx, nmod_poly
-
     context = nmod_mpoly_ctx.get(["z", "w"], modulus=p, ordering=Ordering.lex)
     f = context.from_dict({key: v for key, c in curve.items() if (v := _residue(c, p))})
     factors = [(q, e) for q, e in f.factor()[1] if q.degrees()[1]]
@@ -177,19 +156,12 @@ def _is_absolutely_irreducible(curve: Curve, p: int) -> bool:
 
 def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> tuple[int, int]:
     """The sum of e - 1 over all places, and over how many points of the sphere it is not zero."""
-    from flint import fq_default_ctx, fq_default_poly_ctx
-
     field = fq_default_ctx(p, 1)
-    ring: Any = fq_default_poly_ctx(field)
     total, n_points = 0, 0
-    for factor, multiplicity in ring([field(int(c) % p) for c in discriminant.coeffs()]).factor()[1]:
-        degree = factor.degree()
-        if multiplicity == 1:  # a simple zero is one place with e = 2
-            local = 1
-        elif degree == 1:
-            local = _defect(finite, field, -factor.constant_coefficient() / factor.leading_coefficient(), p)
-        else:
-            local = _defect(finite, *_with_root(factor, field), p)
+    residues = {k: field(int(c) % p) for k, c in enumerate(discriminant.coeffs())}
+    for root_field, root, multiplicity, degree in _roots(residues, field):
+        # a simple zero is one place with e = 2
+        local = 1 if multiplicity == 1 else _defect(finite, root_field, root, p)
         assert local <= multiplicity, "the ramification is part of the discriminant"
         assert (multiplicity - local) % 2 == 0, "the rest of the discriminant is twice the singularities"
         total += degree * local
@@ -200,19 +172,8 @@ def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> 
 
 def _defect(curve: Curve, field: Any, z: Any, p: int) -> int:
     """The sum of e - 1 over a point z of the affine line."""
-    from flint import fq_default_poly_ctx
-
-    ring: Any = fq_default_poly_ctx(field)
-    linear = ring([z, field.one()])
-    rows: dict[int, dict[int, int]] = {}
-    for (i, j), c in curve.items():
-        rows.setdefault(j, {})[i] = _residue(c, p)
-    local: dict[tuple[int, int], Any] = {}
-    for j, row in rows.items():
-        polynomial = ring([field(row.get(i, 0)) for i in range(max(row) + 1)])
-        for i, value in enumerate(polynomial.compose(linear).coeffs()):
-            if not value.is_zero():
-                local[i, j] = value
+    swapped = {(j, i): field(_residue(c, p)) for (i, j), c in curve.items()}
+    local = {(i, j): c for (j, i), c in _shifted(swapped, z, field).items()}
     return sum((e - 1) * count for e, count in branches(local, field).items())
 
 
@@ -221,12 +182,7 @@ Bivariate: TypeAlias = dict[tuple[int, int], Any]
 
 
 def branches(f: Bivariate, field: Any) -> Counter[int]:
-    """How many branches of each ramification index a squarefree polynomial has over x = 0, with finite y.
-
-    Args:
-        f: Monic in y, say; squarefree.
-        field: FLINT's context of the finite field.
-    """
+    """How many branches of each ramification index a squarefree polynomial has over x = 0, with finite y."""
     found: Counter[int] = Counter()
     over_zero = {j: c for (i, j), c in f.items() if i == 0}
     for root_field, root, multiplicity, n_conjugates in _roots(over_zero, field):
@@ -286,8 +242,6 @@ def _substituted(f: Bivariate, xi: Any, q: int, m: int, field: Any) -> Bivariate
 
 def _shifted(f: Bivariate, c: Any, field: Any) -> Bivariate:
     """The polynomial f(x, c + y)."""
-    from flint import fq_default_poly_ctx
-
     ring: Any = fq_default_poly_ctx(field)
     rows: dict[int, dict[int, Any]] = {}
     for (i, j), value in f.items():
@@ -304,8 +258,6 @@ def _shifted(f: Bivariate, c: Any, field: Any) -> Bivariate:
 
 def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, int, int]]:
     """The roots up to conjugation: a field that contains one, it, its multiplicity, the number of its conjugates."""
-    from flint import fq_default_poly_ctx
-
     ring: Any = fq_default_poly_ctx(field)
     found: list[tuple[Any, Any, int, int]] = []
     coefficients = [polynomial.get(j, field.zero()) for j in range(max(polynomial) + 1)]
@@ -321,8 +273,6 @@ def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, in
 
 def _with_root(factor: Any, field: Any) -> tuple[Any, Any]:
     """The field that a root of an irreducible polynomial generates, and one."""
-    from flint import fq_default_ctx, fq_default_poly_ctx
-
     larger = fq_default_ctx(field.prime(), field.degree() * factor.degree())
     over: Any = fq_default_poly_ctx(larger)
     return larger, over([embedded(c, field, larger) for c in factor.coeffs()]).roots()[0][0]
@@ -341,8 +291,6 @@ def embedded(element: Any, field: Any, larger: Any) -> Any:
         return larger(int(element)) if field is not larger else element
     key = (str(field.modulus()), str(larger.modulus()) + str(larger.prime()))
     if key not in _IMAGES:
-        from flint import fq_default_poly_ctx
-
         over: Any = fq_default_poly_ctx(larger)
         modulus = over([larger(int(c)) for c in field.modulus().coeffs()])
         _IMAGES[key] = modulus.roots()[0][0]

@@ -19,27 +19,197 @@ Multiples of pairs by powers of z, and pairs whose eigenvalues are Casimirs only
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice, product
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
+
+from sympy import Expr, Integer, Poly, Symbol, lcm
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, transposed
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.linear_algebra import nullspace
-from liepoisson.algebra.number_fields import as_fmpq
-from liepoisson.algebra.sparse_polynomials import value_at
+from liepoisson.algebra.number_fields import as_fmpq, as_fraction
+from liepoisson.algebra.sparse_polynomials import add_multiple, expression, multiply, value_at
+from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT, Deadline
-from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
+from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
+from liepoisson.model.system import System
+from liepoisson.structure.lie.defining_matrices import defining_matrices
 
-if TYPE_CHECKING:
-    from liepoisson.model.system import System
+Linear: TypeAlias = dict[tuple[int, ...], Fraction]
+"""A polynomial in the coordinates by its exponents."""
+EntryMatrix: TypeAlias = dict[tuple[int, int], Linear]
+"""A matrix of polynomials by its nonzero entries."""
+Vector: TypeAlias = dict[int, Fraction]
+
+
+Part: TypeAlias = tuple[list[Linear], EntryMatrix]
+"""The rates of the coordinates, and the angular velocity."""
+
+_FORMS = ("algebra", "diagonal")
+
+
+class Ansatz:
+    """The matrices of the form, and the linear equation for L.
+
+    The equations of motion are rational functions of the parameters. In `parts` are the rates and the angular velocity,
+    times their common denominator: the coefficients of the monomials in the parameters, by the exponents of these.
+    """
+
+    def __init__(self, system: System, form: str, parameters: Sequence[Symbol] = ()) -> None:
+        if form not in _FORMS:
+            raise ParameterError(f'form: wanted "algebra" or "diagonal"; got {shown(form)}')
+        algebra = system.bracket.algebra
+        matrices = None if system.bracket.has_scalar_fields else defining_matrices(algebra)
+        if matrices is None or matrices.order != 1:
+            raise ParameterError(
+                f"system: wanted one on so(p, q), gl(n), sl(n) or su(n), whose fields are matrices; got one on "
+                f"{system.bracket!r}; verify a pair of your own with lax_pair"
+            )
+        if system.bracket.constant:
+            raise ParameterError("system: wanted a bracket without a constant part; search after a translation")
+        self.system, self.size = system, matrices.size
+        self.n = len(system.variables)
+        self.spectral = "z" if "z" not in {*system.component_names, *system.values} else "spectral"
+        dual = [_numeric(m) for m in matrices.matrices]
+        self.form = form
+        self.movers = movers = [_numeric(matrices.movers[j]) for j in range(algebra.dimension)]
+        size = algebra.dimension
+        # each field as pairs of a coordinate and its matrix
+        self.fields = [[(first + k, dual[k]) for k in range(size)] for first in range(0, self.n, size)]
+        self.parameters = tuple(parameters)
+        self.parts, self.denominator = self._read(movers)
+        places = product(range(self.size), range(self.size))
+        self.constants = dual if form == "algebra" else [{place: Fraction(1)} for place in places]
+        self.partners = movers if form == "algebra" else [{(i, i): Fraction(1)} for i in range(1, self.size)]
+
+    def _read(self, movers: Sequence[Mapping[tuple[int, int], Fraction]]) -> tuple[dict[tuple[int, ...], Part], Any]:
+        """The parts of the equations by powers of the parameters, and what they were multiplied by."""
+        system, x = self.system, self.system.variables
+        rates: list[Any] = [e.together() for e in system.equations.values()]
+        slopes: list[Any] = [system.hamiltonian.diff(v).together() for v in x[: len(movers)]]
+        common: Any = Integer(1)
+        for e in (*rates, *slopes):
+            common = lcm(common, e.as_numer_denom()[1].as_coeff_Mul()[1])  # coefficients may be fractions
+        parts: dict[tuple[int, ...], Part] = {}
+        for k, e in enumerate((*rates, *slopes)):
+            whole = (common * e).cancel().expand()
+            if not whole.is_polynomial(*x, *self.parameters):
+                raise ParameterError(f"system: wanted polynomial equations; got {shown(str(e))}")
+            for monomial, c in Poly(whole, *x, *self.parameters).terms():
+                if not c.is_Rational:
+                    raise ParameterError(
+                        f"system: wanted equations with rational coefficients; got {shown(str(c))}; give numbers for "
+                        "parameters that are symbols, or look for their values with lax_families"
+                    )
+                powers, factors = tuple(map(int, monomial[self.n :])), tuple(map(int, monomial[: self.n]))
+                if not c:
+                    continue
+                part = parts.setdefault(powers, ([{} for _ in x], {}))
+                if k < self.n:
+                    part[0][k][factors] = as_fraction(c)
+                    continue
+                if sum(factors) > 1:
+                    raise ParameterError(
+                        f"system: wanted a Hamiltonian whose derivative by {x[k - self.n]} is linear; got "
+                        f"{shown(str(e))}; verify a pair of your own with lax_pair"
+                    )
+                for place, factor in movers[k - self.n].items():
+                    add_multiple(part[1].setdefault(place, {}), {factors: as_fraction(c)}, factor)
+        return parts, common
+
+    @property
+    def n_per_power(self) -> int:
+        """Unknowns of one power of z: a number for each field, then the constant matrix."""
+        return len(self.fields) + len(self.constants)
+
+    def basis_matrix(self, k: int) -> EntryMatrix:
+        """The matrix that belongs to an unknown of one power of z."""
+        found: EntryMatrix = {}
+        if k >= len(self.fields):
+            return self._constant(self.constants[k - len(self.fields)])
+        for x, matrix in self.fields[k]:
+            unit = tuple(int(j == x) for j in range(self.n))
+            for place, c in matrix.items():
+                add_multiple(found.setdefault(place, {}), {unit: c}, Fraction(1))
+        return found
+
+    def residual(self, k: int, part: Part) -> EntryMatrix:
+        """The rate of the matrix of an unknown minus its commutator with Omega."""
+        rates, omega = part
+        e = self.basis_matrix(k)
+        found: EntryMatrix = {}
+        for place, entry in e.items():
+            for monomial, c in entry.items():
+                if any(monomial):
+                    add_multiple(found.setdefault(place, {}), rates[monomial.index(1)], c)
+        for place, value in _commutator(e, omega).items():
+            add_multiple(found.setdefault(place, {}), value, Fraction(-1))
+        return found
+
+    def partner_terms(self, k: int) -> list[EntryMatrix]:
+        """Minus the commutators of the matrix of an unknown with the directions of B."""
+        e = self.basis_matrix(k)
+        return [_commutator(self._constant(b), e) for b in self.partners]
+
+    def _constant(self, matrix: Mapping[tuple[int, int], Fraction]) -> EntryMatrix:
+        return {place: {(0,) * self.n: c} for place, c in matrix.items()}
+
+    def pair(self, vector: Vector, b: Sequence[Fraction]) -> tuple[list[Any], list[Any]]:
+        """L and M of a solution: matrices, or elements where the matrices are as many as their rows, as on so(3)."""
+        z = Symbol(self.spectral)
+        first: dict[tuple[int, int], Any] = {}
+        for column, c in vector.items():
+            power, k = divmod(column, self.n_per_power)
+            self._put(first, self.basis_matrix(k), c, z**power)
+        second: dict[tuple[int, int], Any] = {}
+        for _, omega in self.parts.values():  # one part: there are no parameters
+            self._put(second, omega, Fraction(1), Integer(1))
+        for component, matrix in zip(b, self.partners, strict=True):
+            self._put(second, self._constant(matrix), component, z)
+        if self.form == "algebra" and len(self.movers) == self.size:
+            return self._components(first), self._components(second)
+        rows = range(self.size)
+        L, M = ([[found.get((i, j), Integer(0)) for j in rows] for i in rows] for found in (first, second))
+        return L, M
+
+    def _put(self, total: dict[tuple[int, int], Any], matrix: EntryMatrix, factor: Fraction, power: Any) -> None:
+        for place, entry in matrix.items():
+            written = expression(((m, factor * c) for m, c in entry.items()), self.system.variables)
+            total[place] = total.get(place, Integer(0)) + written * power
+
+    def _components(self, matrix: Mapping[tuple[int, int], Any]) -> list[Expr]:
+        """A matrix of the algebra in its basis."""
+        found: list[Expr] = []
+        for k, mover in enumerate(self.movers):
+            others = {place for other in (*self.movers[:k], *self.movers[k + 1 :]) for place in other}
+            place = next(place for place in mover if place not in others)
+            found.append(matrix.get(place, Integer(0)) / to_sympy(mover[place]))
+        return found
+
+
+def _numeric(matrix: Mapping[tuple[int, int], Any]) -> dict[tuple[int, int], Fraction]:
+    return {place: sum((q for q, _ in roots), Fraction(0)) for place, roots in matrix.items()}
+
+
+def _commutator(a: EntryMatrix, b: EntryMatrix) -> EntryMatrix:
+    found: EntryMatrix = {}
+    for first, second, sign in ((a, b, Fraction(1)), (b, a, Fraction(-1))):
+        for (i, k), u in first.items():
+            for (m, j), v in second.items():
+                if m != k:
+                    continue
+                add_multiple(found.setdefault((i, j), {}), multiply(u, v), sign)
+    return found
+
 
 MOST_DEGREE = 8
 _SAMPLES = tuple(map(Fraction, ("2", "3", "5", "1", "-1", "0", "-2", "1/2", "-1/2", "3/4", "4/3")))
@@ -142,21 +312,17 @@ def search_lax_pairs(
             n_undecided, is_cut_short = n_undecided + 1, True
             break
         found, is_cut_short = _partners(ansatz, d, len(trivial), deadline)
-        n_undecided = sum(one is None for one in found)
-        n_families = sum(one is not None and one.is_free for one in found)
-        for b in dict.fromkeys(one.components for one in found if one is not None):
+        decided = [one for one in found if one is not None]
+        n_undecided, n_families = len(found) - len(decided), sum(is_free for _, is_free in decided)
+        for b in dict.fromkeys(b for b, _ in decided):
             pairs += pairs_with(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial]))
         if progress:
             progress(d / most)
     return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided, is_cut_short)
 
 
-@dataclass(frozen=True)
-class _Partner:
-    """A matrix B for which there are solutions, by its components, and whether it is a member of a family."""
-
-    components: tuple[Fraction, ...]
-    is_free: bool
+_Partner: TypeAlias = tuple[tuple[Fraction, ...], bool]
+"""A matrix B by its components, and whether it is a member of a family."""
 
 
 def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -> tuple[list[_Partner | None], bool]:
@@ -172,7 +338,7 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -
         for case in cases.found:
             b = member(case, free)
             is_free = len(case.solved) < free
-            found.append(None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free))
+            found.append(None if b is None else ((*(Fraction(0),) * first, Fraction(1), *b), is_free))
         found += [None] * len(cases.left)
         is_cut_short |= cases.is_cut_short
     return found, is_cut_short
@@ -231,7 +397,7 @@ def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], contex
         row = rows.setdefault(key, {})
         row[column] = row[column] + value if column in row else value
 
-    factors = {powers: _monomial(powers, context) for powers in ansatz.parts}
+    factors = {p: context.from_dict({(*p, *(0,) * (context.nvars() - len(p))): 1}) for p in ansatz.parts}
     for k in range(ansatz.n_per_power):
         residuals = [(factors[powers], ansatz.residual(k, part)) for powers, part in ansatz.parts.items()]
         partners = ansatz.partner_terms(k)
@@ -248,13 +414,6 @@ def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], contex
 
 def _terms(matrix: EntryMatrix) -> Iterator[tuple[tuple[int, int], tuple[int, ...], Fraction]]:
     return ((place, monomial, c) for place, entry in matrix.items() for monomial, c in entry.items())
-
-
-def _monomial(powers: tuple[int, ...], context: Any) -> Any:
-    product_ = context.constant(1)
-    for k, e in enumerate(powers):
-        product_ = product_ * context.gen(k) ** e
-    return product_
 
 
 def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[Fraction, ...] | None:
@@ -279,7 +438,7 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
     components = [context.constant(as_fmpq(c)) for c in b]
     n = ansatz.n_per_power
     rows = [
-        {column: _constant(value) for column, value in row.items()}
+        {column: as_fraction(value.leading_coefficient()) for column, value in row.items()}
         for row in linear_system(ansatz, degree, components, context)
     ]
     solutions = nullspace(rows, (degree + 1) * n, Coefficients()).vectors
@@ -296,8 +455,3 @@ def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: lis
             found.append({-k: c / lead for k, c in rest.items()})
             known.append((degree, found[-1]))
     return found
-
-
-def _constant(p: Any) -> Fraction:
-    [(_, c)] = list(p.terms())
-    return Fraction(int(c.p), int(c.q))

@@ -17,8 +17,11 @@ from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from flint import Ordering, fmpq_mpoly_ctx
+from sympy import Add, Expr, Rational, Symbol, exp, log
+
 from liepoisson.algebra.exact_numbers import to_sympy
-from liepoisson.algebra.number_fields import as_fmpq
+from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.given import listed, named
@@ -28,8 +31,6 @@ from liepoisson.integrability.lax.genus import Curve, genus, interior_points
 from liepoisson.numeric.sampling import as_seed
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.integrability.lax.pair import LaxPair
 
 _LARGEST = 9
@@ -145,8 +146,6 @@ class SpectralCurve:
 
 def _written(polynomial: Any, z: Any) -> str:
     """A polynomial in w and z by falling powers."""
-    from sympy import Add, Symbol
-
     terms: list[tuple[tuple[int, int], Any]] = []
     for term in Add.make_args(polynomial):
         powers = term.as_powers_dict()
@@ -168,8 +167,6 @@ def _genus_in_words(value: int | None) -> str:
 
 def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | None, *, seed: int = 0) -> SpectralCurve:
     """The spectral curve at a state; see `LaxPair.spectral_curve`."""
-    from sympy import Add, Rational, Symbol
-
     if pair.spectral is None:
         raise ParameterError(
             "spectral: wanted a Lax pair with a spectral parameter, whose eigenvalues are a curve; got none"
@@ -188,7 +185,7 @@ def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | Non
                     "choose other values of the coordinates and parameters"
                 )
             if value:
-                curve[power, n - k] = Fraction(int(value.p), int(value.q))
+                curve[power, n - k] = as_fraction(value)
     z, w = pair.spectral, Symbol("w")
 
     def expression(f: Curve, x: Any = z, y: Any = w) -> Expr:
@@ -222,28 +219,18 @@ def _values(
     pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | None, seed: int
 ) -> tuple[dict[str, Fraction], dict[Any, Any]]:
     """The values by name, and what is inserted for the symbols; coordinates in exponents are twice logarithms."""
-    from sympy import exp, log
-
     matrix: Any = pair.L
     used = {s for s in matrix.free_symbols if s != pair.spectral}
-    exponents = {s for e in matrix.atoms(exp) for s in e.free_symbols}
+    in_exponents = {str(s) for e in matrix.atoms(exp) for s in e.free_symbols} if point is None else set[str]()
     names = [*pair.system.component_names, *sorted(str(s) for s in used - set(pair.system.variables))]
     if point is None:
         random = Random(seed)
         sizes = random.choices(range(1, _LARGEST + 1), k=len(names))
-        free = {str(s) for s in exponents} | set(names[len(pair.system.component_names) :])
+        free = in_exponents | set(names[len(pair.system.component_names) :])
         given: dict[str, Any] = {
             name: size if name in free else random.choice((-1, 1)) * size
             for name, size in zip(names, sizes, strict=True)
         }
-        if exponents:
-            inserted = {
-                s: 2 * log(given[str(s)]) if s in exponents else to_sympy(Fraction(given[str(s)])) for s in used
-            }
-            shown_values = {
-                f"exp({n}/2)" if n in {str(s) for s in exponents} else n: Fraction(v) for n, v in given.items()
-            }
-            return shown_values, inserted
     elif (by_name := named(point, "point")) is not None:
         given = by_name
     else:
@@ -259,19 +246,19 @@ def _values(
         if not isinstance(value, Fraction):
             raise ParameterError(f"point: wanted rational numbers; got {name} = {shown(given[name])}")
         values[name] = value
-    return values, {s: to_sympy(values[str(s)]) for s in used}
+    inserted = {s: to_sympy(values[str(s)]) for s in used}
+    turned = {s: 2 * log(value) if str(s) in in_exponents else value for s, value in inserted.items()}
+    return {f"exp({name}/2)" if name in in_exponents else name: v for name, v in values.items()}, turned
 
 
 def _factors(curve: Curve) -> Iterator[tuple[Curve, int]]:
     """The irreducible factors over the rationals that contain w, monic in w, with multiplicities; low degrees first."""
-    from flint import Ordering, fmpq_mpoly_ctx
-
     lowest = min(i for i, _ in curve)
     context = fmpq_mpoly_ctx.get(["z", "w"], Ordering.lex)
     f = context.from_dict({(i - lowest, j): as_fmpq(c) for (i, j), c in curve.items()})
     found: list[tuple[Curve, int]] = []
     for factor, multiplicity in f.factor()[1]:
-        terms = {(int(m[0]), int(m[1])): Fraction(int(c.p), int(c.q)) for m, c in factor.terms()}
+        terms = {(int(m[0]), int(m[1])): as_fraction(c) for m, c in factor.terms()}
         d = max(j for _, j in terms)
         if d:
             [(power, lead)] = [(i, c) for (i, j), c in terms.items() if j == d]

@@ -1,7 +1,7 @@
-r"""The Laurent (or Puiseux) series of a balance, order by order, with its free constants as symbols.
+r"""Kovalevskaya exponents of a balance, and its Laurent (or Puiseux) series with symbols for the free constants.
 
-With $x_i = \tau^{-g_i}\sum_k c_i^{(k)}\tau^k$, k in steps of $1/q$, the equations at the order k are linear in the new
-coefficients:
+**Series.** With $x_i = \tau^{-g_i}\sum_k c_i^{(k)}\tau^k$, k in steps of $1/q$, the equations at the order k are linear
+in the new coefficients:
 
 $$(k - K)\,c^{(k)} = R^{(k)}(c^{(0)},\dots,c^{(k-1/q)}) .$$
 
@@ -9,6 +9,11 @@ Where k is an exponent of multiplicity m, K - k has a kernel.  Its dimension mus
 variational equation has a logarithm, whether or not these equations are solvable.  And $R^{(k)}$, a polynomial in the
 free constants of lower orders, must satisfy the conditions of solvability identically: else the series itself needs a
 logarithm.
+
+**Exponents** are the eigenvalues of K.  The characteristic polynomial has coefficients in the field of the balance.
+Written in a basis over $\mathbb Q$, it is a sum of basis elements times polynomials with rational coefficients; a
+rational number is a root if and only if it is one of all these, with the multiplicity that it has in their greatest
+common divisor G.  So rational exponents are the linear factors of G, and all others are proved to be irrational.
 """
 
 from __future__ import annotations
@@ -16,20 +21,161 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from math import lcm
-from typing import Protocol
+from typing import Any, TypeAlias, cast
 
-from liepoisson.algebra.function_fields import FunctionField, polynomial_at
+from flint import acb, acb_poly, fmpq_poly
+
+from liepoisson.algebra.function_fields import (
+    AlgebraicFunctions,
+    AlgebraicNumbers,
+    FunctionField,
+    RationalFunctions,
+    common_roots,
+    polynomial_at,
+    polynomial_gcd,
+    polynomial_quotient,
+    readable,
+)
+from liepoisson.algebra.ideals.certified_roots import ball, evaluate, precision
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, Resolvent
 from liepoisson.algebra.matrices import Matrix, Solved, eliminated, independent_columns
 from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial, add_multiple
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.painleve.exponents import Exponents
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 
-Powers = tuple[int, ...]
-Polynomial = dict[Powers, Element]
-"""A polynomial in the free constants; exponents of constants that it does not reach are left out."""
+_BITS = (128, 256, 512, 1024, 2048)
+
+
+@dataclass(frozen=True)
+class Exponents:
+    """The exponents of a balance.
+
+    Attributes:
+        rational: The rational ones with their multiplicities, in increasing order.
+        over_rationals: Irreducible polynomials over the rational numbers, of degree two or more, with multiplicities,
+            whose roots are exponents, too.
+        rest: The coefficients, by powers, of the polynomial whose roots are the others; it has no rational roots. (1,)
+            if there are no others.
+        field: The field of the balance.
+    """
+
+    rational: tuple[tuple[Fraction, int], ...]
+    over_rationals: tuple[tuple[fmpq_poly, int], ...]
+    rest: tuple[Element, ...]
+    field: FunctionField
+
+    @property
+    def all_rational(self) -> bool:
+        """Whether all exponents are rational numbers."""
+        return not self.over_rationals and len(self.rest) == 1
+
+    @property
+    def are_integers(self) -> bool:
+        """Whether all exponents are integers."""
+        return self.all_rational and all(r.denominator == 1 for r, _ in self.rational)
+
+    def multiplicity(self, r: Fraction | int) -> int:
+        """How often a rational number occurs."""
+        return dict(self.rational).get(Fraction(r), 0)
+
+    @cached_property
+    def others(self) -> tuple[acb, ...]:
+        """The other exponents as balls, of all conjugates of the balance; empty where they depend on parameters."""
+        found: list[acb] = []
+        for p, k in self.over_rationals:
+            with precision(_BITS[0]):
+                found += [root for root in _roots(p) for _ in range(k)]
+        if len(self.rest) > 1:
+            found += self._roots_of_rest()
+        return tuple(found)
+
+    def _roots_of_rest(self) -> list[acb]:
+        if isinstance(self.field, RationalFunctions | AlgebraicFunctions):
+            return []
+        field = self.field
+        slope = [c * field.number(k) for k, c in enumerate(self.rest)][1:]
+        common = polynomial_gcd(self.rest, slope, field)
+        squarefree = polynomial_quotient(self.rest, common, field)[0]
+        for bits in _BITS:
+            with precision(bits):
+                try:
+                    found: list[acb] = []
+                    for theta in _roots(field.modulus) if isinstance(field, AlgebraicNumbers) else [acb(0)]:
+                        coefficients = [_at(c, theta) for c in squarefree]
+                        while coefficients[-1] == 0:
+                            coefficients.pop()
+                        found += acb_poly(coefficients).roots()
+                except ValueError:  # FLINT's, where roots are not isolated
+                    continue
+                return found
+        return []
+
+    def __str__(self) -> str:
+        parts = [str(r) for r, k in self.rational for _ in range(k)]
+        for p, k in self.over_rationals:
+            with precision(_BITS[0]):
+                roots = ", ".join(shown_number(z) for z in _roots(p))
+            parts += [f"the roots of {readable(str(p).replace('x', 'r'))} ({roots})"] * k
+        if len(self.rest) > 1:
+            degree = len(self.rest) - 1
+            if isinstance(self.field, AlgebraicNumbers):
+                shown = ", ".join(shown_number(z) for z in self.others[-degree * self.field.degree :][:degree])
+                parts.append(f"{degree} that are irrational, for one conjugate {shown}")
+            else:
+                parts.append(self._depending())
+        return ", ".join(parts)
+
+    def _depending(self) -> str:
+        """The exponents that depend on parameters."""
+        degree = len(self.rest) - 1
+        if degree == 1:
+            return self._explained(self.field.text(-self.rest[0] * self.field.inverse(self.rest[1])))
+        lead = self.field.inverse(self.rest[-1])
+        monic = [c * lead for c in self.rest]
+        terms: list[str] = []
+        for k in range(degree, -1, -1):
+            if monic[k]:
+                power = f"r^{k}" if k > 1 else "r" if k else ""
+                text = self.field.text(monic[k])
+                simple = text if text.isalnum() or not power else f"({text})"
+                terms.append(power if text == "1" and power else f"{simple}*{power}" if power else text)
+        return self._explained(f"the roots of {readable(' + '.join(terms))}")
+
+    def _explained(self, text: str) -> str:
+        """A text, with the equation of theta if it occurs."""
+        return f"{text}, where {self.field.generator}" if "theta" in text else text
+
+
+def exponents_of(characteristic: Sequence[Element], field: FunctionField) -> Exponents:
+    """The exponents of a characteristic polynomial, given by powers."""
+    rational, others, common = common_roots(field.rational_parts(characteristic))
+    divisor = [field.number(c) for c in common.coeffs()]
+    rest, _ = polynomial_quotient(characteristic, divisor, field)
+    while len(rest) > 1 and not rest[-1]:
+        rest.pop()
+    return Exponents(tuple(sorted(rational.items())), tuple(others), tuple(rest), field)
+
+
+def _roots(p: fmpq_poly) -> list[acb]:
+    return [root for root, _ in cast("list[tuple[acb, int]]", p.complex_roots())]
+
+
+def _at(element: Element, theta: acb) -> acb:
+    polynomial: Any = getattr(element, "polynomial", None)
+    return acb(ball(element)) if polynomial is None else evaluate(polynomial, theta)
+
+
+def shown_number(z: acb) -> str:
+    """A number with ten digits, which its ball proves."""
+    real, imaginary = float(z.real.mid()), float(z.imag.mid())
+    if abs(imaginary) <= float(z.imag.rad()):
+        return f"{real:.10g}"
+    if abs(real) <= float(z.real.rad()):
+        return f"{imaginary:.10g}i"
+    return f"{real:.10g}{imaginary:+.10g}i"
 
 
 @dataclass(frozen=True)
@@ -79,26 +225,18 @@ class Resonance:
 
 @dataclass
 class Expansion:
-    r"""The series of a balance with symbols for its free constants.
+    r"""The series of a balance with symbols for its free constants."""
 
-    Attributes:
-        local: The vector field over the field of the balance.
-        denominator: q, the series being one in $\tau^{1/q}$.
-        coefficients: $c^{(j/q)}$ for j = 0, 1, ..., each a list of polynomials.
-        constants: The free constants.
-        resonances: What was found at the rational exponents.
-    """
-
-    local: LocalField
-    denominator: int
-    coefficients: list[list[Polynomial]]
+    local: LocalField  # the vector field over the field of the balance
+    denominator: int  # q, the series being one in $\tau^{1/q}$
+    coefficients: list[list[Polynomial]]  # $c^{(j/q)}$ for j = 0, 1, ..., each a list of polynomials
     constants: list[FreeConstant] = field(default_factory=list[FreeConstant])
-    resonances: list[Resonance] = field(default_factory=list[Resonance])
+    resonances: list[Resonance] = field(default_factory=list[Resonance])  # what was found at the rational exponents
     _products: dict[tuple[tuple[int, ...], int], Polynomial] = field(
         default_factory=dict[tuple[tuple[int, ...], int], Polynomial]
     )
 
-    def right_hand_side(self, j: int, *, is_known: bool = False) -> list[Polynomial]:
+    def right_hand_side(self, j: int) -> list[Polynomial]:
         """The terms of order j/q of the vector field, without those that are linear in the new coefficients."""
         found: list[Polynomial] = []
         for of_one in self.local.terms:
@@ -108,8 +246,7 @@ class Expansion:
                 if order < 0:
                     continue
                 factors = tuple(i for i, k in enumerate(exponents) for _ in range(k))
-                value = self._product(factors, int(order), at=None if is_known else j)
-                add_to(total, value, c)
+                add_multiple(total, self._product(factors, int(order), j), c)
             found.append(total)
         return found
 
@@ -132,35 +269,15 @@ class Expansion:
                 left = self._product(factors[:-1], k, None)
             if not left or (at == order and order - k == order):
                 continue
-            multiply_into(total, left, self.coefficients[order - k][factors[-1]])
+            right = self.coefficients[order - k][factors[-1]]
+            for m, c in left.items():
+                add_multiple(total, {_joined(m, other): d for other, d in right.items()}, c)
         if at != order:
             self._products[key] = total
         return total
 
 
-def add_to(total: Polynomial, other: Polynomial, factor: Element) -> None:
-    """Add a multiple of a polynomial in place."""
-    for m, c in other.items():
-        value = total[m] + c * factor if m in total else c * factor
-        if value:
-            total[m] = value
-        else:
-            total.pop(m, None)
-
-
-def multiply_into(total: Polynomial, left: Polynomial, right: Polynomial) -> None:
-    """Add a product of two polynomials in place."""
-    for m, a in left.items():
-        for other, b in right.items():
-            key = _joined(m, other)
-            value = total[key] + a * b if key in total else a * b
-            if value:
-                total[key] = value
-            else:
-                total.pop(key, None)
-
-
-def _joined(left: Powers, right: Powers) -> Powers:
+def _joined(left: Monomial, right: Monomial) -> Monomial:
     if not left:
         return right
     if not right:
@@ -168,18 +285,6 @@ def _joined(left: Powers, right: Powers) -> Powers:
     if len(left) < len(right):
         left, right = right, left
     return (*(a + b for a, b in zip(left, right, strict=False)), *left[len(right) :])
-
-
-class Equations(Protocol):
-    """The equations (k - K) c = R of a balance, over a field or over the ring of a family."""
-
-    def kernel(self, r: Fraction) -> int:
-        """The dimension of the kernel of K - r."""
-        ...
-
-    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
-        """The kernel, a solution and the conditions for it."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -238,17 +343,12 @@ class OverRing:
         return Solved(kernel, particular, conditions)
 
 
-def expand(
-    local: LocalField,
-    point: Sequence[Element],
-    equations: Equations,
-    exponents: Exponents,
-) -> Expansion:
-    """Follow the series of a balance up to its largest rational exponent, or to the first logarithm.
+Equations: TypeAlias = OverField | OverRing
+"""The equations (k - K) c = R of a balance."""
 
-    Raises:
-        TimeLimitError: the deadline of the call has passed.
-    """
+
+def expand(local: LocalField, point: Sequence[Element], equations: Equations, exponents: Exponents) -> Expansion:
+    """Follow the series of a balance up to its largest rational exponent, or to the first logarithm."""
     defects = [defect for of_one in local.terms for _, _, defect in of_one]
     rational = [r for r, _ in exponents.rational]
     q = lcm(*(x.denominator for x in (*defects, *(r for r in rational if r > 0))), 1)
@@ -299,7 +399,7 @@ def _step(series: Expansion, equations: Equations, order: Fraction, multiplicity
     return True
 
 
-def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: FunctionField) -> str | None:
+def condition_text(monomials: Sequence[Monomial], row: Sequence[Element], field: FunctionField) -> str | None:
     """A condition on the free constants and the parameters as text, None if it holds identically, "1" if it cannot.
 
     A text is 0 where the condition holds.  Factors that do not change where that is are left out.

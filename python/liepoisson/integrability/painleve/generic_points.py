@@ -15,7 +15,7 @@ from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, islice
 from random import Random
-from typing import Any
+from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
@@ -49,35 +49,18 @@ _SMALL = 300_000
 
 @dataclass(frozen=True)
 class GenericPoint:
-    """The coordinates of the generic point of a part of an algebraic set.
-
-    Attributes:
-        field: The field.
-        values: The values of all variables of the context, by name.
-        is_generic: Whether it is generic; if not, it is a random point of its component.
-        sample: A random point, where the field is a coordinate ring.
-    """
+    """The coordinates of the generic point of a part of an algebraic set."""
 
     field: FunctionField
-    values: dict[str, Element]
-    is_generic: bool = True
-    sample: GenericPoint | None = None
+    values: dict[str, Element]  # the values of all variables of the context, by name
+    is_generic: bool = True  # whether it is generic; if not, it is a random point of its component
+    sample: GenericPoint | None = None  # a random point, where the field is a coordinate ring
 
 
 def generic_points(
     component: Component, parameters: Sequence[str], budget: Budget, *, most: int | None = None
 ) -> list[GenericPoint]:
-    """The generic points of the parts of a component; none if the parameters are not independent on it.
-
-    Args:
-        component: The component.
-        parameters: Variables that are parameters, of which the field shall contain the rational functions.
-        budget: Where the work is accounted.
-        most: The largest degree of fields that are wanted, for little work.
-
-    Raises:
-        NotDecidedError: the limits were reached, or the degree is larger.
-    """
+    """The generic points of the parts of a component; none if the parameters are not independent on it."""
     basis = component.basis
     if not basis.dimension:
         return [] if parameters else _isolated(basis, budget)
@@ -101,18 +84,11 @@ def generic_points(
 
 
 def of_family(component: Component, singular: Sequence[str], budget: Budget) -> GenericPoint:
-    """The coordinate ring of a family, with a random point of it.
-
-    Args:
-        component: The component.
-        singular: Coordinates that do not all vanish: their common zeros are left out, if they are a part.
-        budget: Where the work is accounted.
-
-    Raises:
-        NotDecidedError: the limits were reached.
-    """
+    """The coordinate ring of a family, without the common zeros of some coordinates, and a random point of it."""
     basis = component.basis if component.is_irreducible else _without_zeros(component.basis, singular, budget)
-    independent = next((c for c in _independent(basis, ()) if _is_independent(basis, c)), ())
+    # leading monomials prove that these are independent
+    supports = [{basis.names[k] for k, e in enumerate(lead) if e} for lead in basis.leads]
+    independent = next((c for c in _independent(basis, ()) if not any(s <= set(c) for s in supports)), ())
     samples = random_points(basis, budget)
     ring = CoordinateRing(
         basis,
@@ -123,12 +99,6 @@ def of_family(component: Component, singular: Sequence[str], budget: Budget) -> 
     )
     values = {name: ring.element(x) for name, x in zip(basis.names, basis.context.gens(), strict=True)}
     return GenericPoint(ring, values, sample=samples[0])
-
-
-def _is_independent(basis: GroebnerBasis, names: Sequence[str]) -> bool:
-    """Whether leading monomials prove that coordinates are independent."""
-    supports = [{basis.names[k] for k, e in enumerate(lead) if e} for lead in basis.leads]
-    return not any(s <= set(names) for s in supports)
 
 
 def _without_zeros(basis: GroebnerBasis, names: Sequence[str], budget: Budget) -> GroebnerBasis:
@@ -164,13 +134,8 @@ def _isolated(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
     return found
 
 
-@dataclass(frozen=True)
-class _Attempt:
-    """Coordinates that may be independent, and one, or a form, that may generate the field over them."""
-
-    independent: tuple[str, ...]
-    generator: str
-    form: tuple[int, ...] | None = None
+_Attempt: TypeAlias = "tuple[str, tuple[int, ...] | None]"
+"""A coordinate that may generate a field over others; or a name for a sum of coordinates, by its coefficients."""
 
 
 def _independent(basis: GroebnerBasis, parameters: Sequence[str]) -> list[tuple[str, ...]]:
@@ -191,7 +156,7 @@ def _over(
     for attempt in islice(_attempts(basis, independent, parameters), 3 if is_cheap else None):
         small = Budget(Limits(max(1, min(work, budget.limits.work - int(budget.spent)))))
         try:
-            found = _over_functions(basis, attempt, small)
+            found = _over_functions(basis, independent, attempt, small)
         except NotDecidedError:
             continue
         finally:
@@ -210,10 +175,10 @@ def _attempts(basis: GroebnerBasis, independent: tuple[str, ...], parameters: Se
     others = [name for name in basis.names if name not in independent and name not in parameters]
     several = [name for name in others if not _is_linear(basis, name)]
     for generator in islice(reversed(several or others[-1:]), 3):
-        yield _Attempt(independent, generator)
+        yield generator, None
     for pair in islice(combinations(several, 2), _MOST_CHOICES):
-        yield _Attempt(independent, "", tuple(1 + pair.index(n) if n in pair else 0 for n in others))
-    yield _Attempt(independent, "", tuple(k + 1 for k in range(len(others))))
+        yield new_name(basis.names, "u"), tuple(1 + pair.index(n) if n in pair else 0 for n in others)
+    yield new_name(basis.names, "u"), tuple(k + 1 for k in range(len(others)))
 
 
 def _is_linear(basis: GroebnerBasis, name: str) -> bool:
@@ -222,17 +187,17 @@ def _is_linear(basis: GroebnerBasis, name: str) -> bool:
 
 
 def _over_functions(
-    basis: GroebnerBasis, attempt: _Attempt, budget: Budget
+    basis: GroebnerBasis, independent: tuple[str, ...], attempt: _Attempt, budget: Budget
 ) -> tuple[list[GenericPoint], list[Poly]] | None:
     """The generic points over the functions of the independent coordinates, and what must not vanish."""
-    others = [name for name in basis.names if name not in (*attempt.independent, attempt.generator)]
-    generator = attempt.generator or new_name(basis.names, "u")
-    context = rational_context((*others, generator, *attempt.independent), lexicographic=True)
+    generator, form = attempt
+    others = [name for name in basis.names if name not in (*independent, generator)]
+    context = rational_context((*others, generator, *independent), lexicographic=True)
     given = [in_context(p, context) for p in basis.polynomials]
-    if attempt.form is not None:
+    if form is not None:
         gens = dict(zip(context.names(), context.gens(), strict=True))
         given.append(
-            gens[generator] - sum((c * gens[n] for c, n in zip(attempt.form, others, strict=True)), gens[generator] * 0)
+            gens[generator] - sum((c * gens[n] for c, n in zip(form, others, strict=True)), gens[generator] * 0)
         )
     found = groebner_basis(given, budget).polynomials
     n = len(others)
@@ -249,7 +214,7 @@ def _over_functions(
             linear.setdefault(others[next(k for k in range(n) if lead[k])], p)
     if equation is None or len(linear) < n:
         return None
-    base = RationalFunctions(attempt.independent)
+    base = RationalFunctions(independent)
     # where none of these vanishes, the ideal is what it is over the functions [gianni1988]
     units = [_leading_coefficient(p, n, context) for p in found]
     points: list[GenericPoint] = []
@@ -257,7 +222,7 @@ def _over_functions(
         if not factor.degrees()[n]:
             continue
         points.append(_point(factor, linear, others, generator, base))
-    if attempt.form is not None:
+    if form is not None:
         points = [GenericPoint(p.field, {k: v for k, v in p.values.items() if k != generator}) for p in points]
     return points, [in_context(u, basis.context) for u in units]
 

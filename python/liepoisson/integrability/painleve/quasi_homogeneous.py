@@ -24,6 +24,9 @@ from functools import cached_property
 from math import prod
 from typing import Any
 
+from sympy import Rational
+from sympy.solvers.simplex import UnboundedLPError, linprog
+
 from liepoisson.algebra.function_fields import FunctionField, over_common_denominator, polynomial_at
 from liepoisson.algebra.ideals.buchberger import Poly
 from liepoisson.algebra.ideals.groebner import rational_context
@@ -37,32 +40,21 @@ from liepoisson.integrability.derivation import Derivation, Exponents
 
 @dataclass(frozen=True)
 class Term:
-    """A term of a right-hand side.
+    """A term of a right-hand side."""
 
-    Attributes:
-        exponents: The exponents m of the coordinates.
-        coefficient: The numerator and the denominator of its coefficient, polynomials in the parameters.
-        defect: How much weight it lacks.
-    """
-
-    exponents: Exponents
+    exponents: Exponents  # the exponents m of the coordinates
+    # the numerator and the denominator of its coefficient, polynomials in the parameters
     coefficient: tuple[Poly, Poly]
-    defect: Fraction
+    defect: Fraction  # how much weight it lacks
 
 
 @dataclass(frozen=True)
 class QuasiHomogeneous:
-    """A polynomial vector field with weights for its coordinates.
-
-    Attributes:
-        derivation: The vector field.
-        weights: One for each coordinate.
-        context: FLINT's context of the coordinates and, after them, the parameters.
-    """
+    """A polynomial vector field with weights for its coordinates."""
 
     derivation: Derivation
-    weights: tuple[Fraction, ...]
-    context: Any
+    weights: tuple[Fraction, ...]  # one for each coordinate
+    context: Any  # FLINT's context of the coordinates and, after them, the parameters
 
     @classmethod
     def of(cls, derivation: Derivation, weights: tuple[Fraction, ...]) -> QuasiHomogeneous:
@@ -121,16 +113,11 @@ class QuasiHomogeneous:
 
 @dataclass(frozen=True)
 class LocalField:
-    """The vector field with coefficients in the field of a balance.
-
-    Attributes:
-        field: The field.
-        weights: One for each coordinate.
-        terms: For each right-hand side the exponents, the coefficient and the defect of each term.
-    """
+    """The vector field with coefficients in the field of a balance."""
 
     field: FunctionField
-    weights: tuple[Fraction, ...]
+    weights: tuple[Fraction, ...]  # one for each coordinate
+    # for each right-hand side the exponents, the coefficient and the defect of each term
     terms: tuple[tuple[tuple[Exponents, Element, Fraction], ...], ...]
 
     @classmethod
@@ -157,26 +144,11 @@ class LocalField:
             for exponents, c, defect in of_one:
                 if defect:
                     continue
-                for j, k in enumerate(exponents):
-                    if k:
-                        row[j] = row[j] + self._derivative(exponents, c, j, point)
+                for j, power in enumerate(exponents):
+                    if power:
+                        factors = (point[i] for i, k in enumerate(exponents) for _ in range(k - int(i == j)))
+                        row[j] = row[j] + prod(factors, start=c * self.field.number(power))
             found.append(row)
-        return found
-
-    def _derivative(self, exponents: Exponents, c: Element, j: int, point: Sequence[Element]) -> Element:
-        factors = (point[i] for i, k in enumerate(exponents) for _ in range(k - int(i == j)))
-        return prod(factors, start=c * self.field.number(exponents[j]))
-
-    def indicial_residuals(self, point: Sequence[Element]) -> list[Element]:
-        r"""$g_i c_i + \hat f_i(c)$, zero for the leading coefficients of a balance."""
-        found: list[Element] = []
-        for i, of_one in enumerate(self.terms):
-            values = (
-                prod((point[j] for j, k in enumerate(exponents) for _ in range(k)), start=c)
-                for exponents, c, defect in of_one
-                if not defect
-            )
-            found.append(sum(values, self.field.number(self.weights[i]) * point[i]))
         return found
 
 
@@ -206,11 +178,7 @@ def excess(rows: Iterable[Row], weights: Sequence[Fraction]) -> Fraction:
 
 
 def maximal_weights(derivation: Derivation) -> tuple[tuple[Fraction, ...], ...]:
-    """All maximal weights; where there is no largest choice, all whole ones that are maximal.
-
-    Raises:
-        ParameterError: there are too many to try.
-    """
+    """All maximal weights; where there is no largest choice, all whole ones that are maximal."""
     rows = inequalities(derivation)
     n = len(derivation.variables)
     tops = [_largest(rows, k, n) for k in range(n)]
@@ -227,9 +195,6 @@ def maximal_weights(derivation: Derivation) -> tuple[tuple[Fraction, ...], ...]:
 
 def _largest(rows: Sequence[Row], k: int, n: int) -> Fraction | None:
     """The largest value of one weight, by SymPy's exact simplex method; None if there is none."""
-    from sympy import Rational
-    from sympy.solvers.simplex import UnboundedLPError, linprog
-
     checkpoint("the weights")
     if not rows:
         return None

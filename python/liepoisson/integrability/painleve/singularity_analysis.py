@@ -13,10 +13,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from re import findall
+from typing import Any, Literal, TypeAlias
 
+from sympy import Expr, Symbol
+
+from liepoisson.algebra.function_fields import polynomial_at
 from liepoisson.algebra.ideals.components import Assumptions, Component, components
 from liepoisson.algebra.ideals.coordinate_ring import CoordinateRing, DivisionError, Resolvent
+from liepoisson.algebra.ideals.groebner import new_name
 from liepoisson.algebra.ideals.limits import Budget, Limits, NotDecidedError
 from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.matrices import characteristic_polynomial
@@ -29,8 +34,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.derivation import Derivation, derivation_of_rates
 from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
-from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
-from liepoisson.integrability.painleve.exponents import exponents_of
+from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand, exponents_of
 from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
 from liepoisson.integrability.painleve.quasi_homogeneous import (
     LocalField,
@@ -40,12 +44,8 @@ from liepoisson.integrability.painleve.quasi_homogeneous import (
     maximal_weights,
 )
 from liepoisson.io.display import as_text
+from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
-
-if TYPE_CHECKING:
-    from sympy import Expr, Symbol
-
-    from liepoisson.model.system import System
 
 Verdict: TypeAlias = Literal["passes", "passes weakly", "fails", "undecided", "no balances"]
 
@@ -165,7 +165,7 @@ class PainleveTest:
 def _words(variables: Sequence[Symbol], weights: Sequence[Fraction]) -> str:
     groups: dict[Fraction, list[str]] = {}
     for v, w in zip(variables, weights, strict=True):
-        groups.setdefault(w, []).append(str(v).lstrip("_"))
+        groups.setdefault(w, []).append(str(v))
     return "; ".join(f"{w} for {', '.join(names)}" for w, names in groups.items())
 
 
@@ -243,22 +243,20 @@ def _equations(system: System) -> tuple[Derivation, dict[str, Expr]]:
     if not found.functions:
         return derivation, {}
     # coordinates that only occur in functions follow the others by quadrature
-    used = {
-        v
-        for component in derivation.components
-        for m in component
-        for v, k in zip(derivation.variables, m, strict=True)
-        if k
-    }
-    kept = [k for k, v in enumerate(derivation.variables) if v in used or v in found.functions]
-    rates = [derivation.expression(derivation.components[k]) for k in kept]
-    smaller, _ = derivation_of_rates([derivation.variables[k] for k in kept], rates)
-    return smaller, {str(v).lstrip("_"): f for v, f in found.functions.items()}
+    used = {k for component in derivation.components for m in component for k, power in enumerate(m) if power}
+    kept = [k for k, v in enumerate(derivation.variables) if k in used or v in found.functions]
+    # variables that stand for functions have names, too
+    taken = list(map(str, system.variables))
+    written: dict[Any, Any] = {v: Symbol(new_name(taken, v.name)) for v in found.functions}
+    rates: list[Any] = [derivation.expression(derivation.components[k]).xreplace(written) for k in kept]
+    variables = [written.get(v, v) for k, v in enumerate(derivation.variables) if k in kept]
+    smaller, _ = derivation_of_rates(variables, rates)
+    return smaller, {str(written[v]): f for v, f in found.functions.items()}
 
 
 def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
     """Weights that a caller gives, checked."""
-    names = [str(v).lstrip("_") for v in derivation.variables]
+    names = list(map(str, derivation.variables))
     wanted = f"weights: wanted one for each of {', '.join(names)}"
     if (by_name := named(weights, "weights")) is not None:
         if set(by_name) != set(names):
@@ -293,7 +291,6 @@ class _Analysis:
         self.balances: list[Balance] = []
         self.special: list[str] = []
         self.left: list[str] = []
-        self._is_all = True
 
     def run(self, system: QuasiHomogeneous, listen: Callable[[float], Any]) -> None:
         """Test all balances for the weights of a system."""
@@ -301,42 +298,13 @@ class _Analysis:
         half = Budget(Limits(max(1, self.budget.limits.work // 2), self.budget.limits.degree))
         try:
             parts = components(system.indicial_equations(), Assumptions(system.denominators), half)
-            self._is_all = True
         except (NotDecidedError, TimeLimitError) as error:
-            self.left.append(f"balances with the orders {words}, besides those above: {error}")
-            parts = self._in_subspaces(system)
-            self._is_all = False
+            self.left.append(f"balances with the orders {words}: {error}")
+            return
         singular = [part for part in parts if not self._is_regular(part, system)]
         for k, part in enumerate(sorted(singular, key=lambda part: (part.degree, str(part.equations)))):
             listen(k / len(singular))
             self._test_part(part, system)
-
-    def _in_subspaces(self, system: QuasiHomogeneous) -> list[Component]:
-        """Balances for which all components of one field vanish, where the dominant part allows this.
-
-        They may belong to larger families, of which they are members all the same.
-        """
-        equations = system.indicial_equations()
-        gens = dict(zip(system.context.names(), system.context.gens(), strict=True))
-        fields: dict[str, list[int]] = {}
-        for k, v in enumerate(system.derivation.variables):
-            fields.setdefault(str(v).rstrip("0123456789"), []).append(k)
-        found: list[Component] = []
-        for numbers in fields.values():
-            names = [system.context.names()[k] for k in numbers]
-            zero = dict.fromkeys(names, 0)
-            if len(names) == system.n or any(equations[k].subs(zero) for k in numbers):
-                continue
-            work = max(1, self.budget.limits.work // (2 * len(fields)))
-            try:
-                found += components(
-                    [*equations, *(gens[name] for name in names)],
-                    Assumptions(system.denominators),
-                    Budget(Limits(work, self.budget.limits.degree)),
-                )
-            except NotDecidedError:
-                continue
-        return found
 
     def _is_regular(self, part: Component, system: QuasiHomogeneous) -> bool:
         """Whether no coordinate has a pole."""
@@ -352,7 +320,8 @@ class _Analysis:
             self.left.append(f"the balances {described}: {error}")
             return
         if not tested and system.parameter_names:
-            conditions = [e for e in equations if not _names_in(e) & {str(v) for v in system.derivation.variables}]
+            names = set(map(str, system.derivation.variables))
+            conditions = [e for e in equations if not names & set(findall(r"[^\W\d]\w*", e))]
             self.special.append(", ".join(f"{e} = 0" for e in conditions) or described)
         self.balances += tested
 
@@ -391,8 +360,7 @@ class _Analysis:
         names = system.context.names()
         values = [point.values[name] for name in names[: system.n]]
         local = LocalField.of(system, field, point.values)
-        if any(local.indicial_residuals(values)):
-            raise AssertionError(equations)
+        assert not any(polynomial_at(e, point.values, field) for e in system.indicial_equations()), equations
         matrix = local.kovalevskaya_matrix(values)
         characteristic = characteristic_polynomial(matrix, field.number)
         ring = field if isinstance(field, CoordinateRing) else None
@@ -402,7 +370,6 @@ class _Analysis:
         # a part of a component may be of smaller dimension
         dimension = ring.basis.dimension if ring else len(field.parameters) if point.is_generic else part.dimension
         dimension -= len(system.parameter_names)
-        constants = dimension if self._is_all else exponents.multiplicity(0)
         left = "" if point.is_generic else "a random member of the family was tested, and the others are not decided"
         series: Expansion | None = None
         if ring is None or exponents.all_rational:
@@ -424,13 +391,13 @@ class _Analysis:
         return Balance(
             variables=system.derivation.variables,
             weights=system.weights,
-            equations=tuple(_readable(e, system.derivation.variables) for e in equations),
+            equations=equations,
             family=family,
             n_conjugates=field.degree,
             kovalevskaya=exponents,
             resonances=resonances,
             is_generic=point.is_generic,
-            obstructions=obstructions_of(exponents, resonances, constants),
+            obstructions=obstructions_of(exponents, resonances, dimension),
             left=left,
             _point=tuple(values),
             _field=field,
@@ -443,30 +410,12 @@ class _NotConstantError(Exception):
     """Exponents depend on the member of a family."""
 
 
-def _readable(equation: str, variables: Sequence[Symbol]) -> str:
-    """An equation in which variables that stand for functions have no underscore before them."""
-    from re import sub
-
-    for v in variables:
-        if str(v).startswith("_"):
-            equation = sub(rf"\b{v}\b", str(v).lstrip("_"), equation)
-    return equation
-
-
-def _names_in(equation: str) -> set[str]:
-    from re import findall
-
-    return set(findall(r"[^\W\d]\w*", equation))
-
-
 def record(found: PainleveTest) -> dict[str, Any]:
     """The result as data that JSON can write."""
     return {
         "system": found.system.name,
         "functions": {name: Formula(f).plain for name, f in found.functions.items()},
-        "weights": [
-            {str(v).lstrip("_"): str(w) for v, w in zip(found.variables, one, strict=True)} for one in found.weights
-        ],
+        "weights": [{str(v): str(w) for v, w in zip(found.variables, one, strict=True)} for one in found.weights],
         "balances": [as_record(balance) for balance in found.balances],
         "special": list(found.special),
         "left": list(found.left),

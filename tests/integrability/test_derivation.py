@@ -5,8 +5,7 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.level import level_of, real_points, squarefree
+from liepoisson.integrability.derivation import derivation_of, level_of, real_points, squarefree
 
 SYSTEM = lp.catalog.system("kovalevskaya")
 
