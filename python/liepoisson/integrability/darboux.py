@@ -19,7 +19,7 @@ from sympy import Expr, I, S, expand
 from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_deadline
+from liepoisson.formula.scalars import SEARCH_LIMIT, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.refusals import shown
@@ -182,7 +182,7 @@ def darboux_polynomials(
     on: Equations = (),
     known: Mapping[str, str | Expr] | None = None,
     field: Field = "complex",
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> DarbouxPolynomials:
     r"""All Darboux polynomials up to a total degree or a weight: $\dot p = k p$ with a polynomial k, the cofactor.

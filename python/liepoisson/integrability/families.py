@@ -19,7 +19,7 @@ from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_values
-from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.formula.scalars import FAMILY_LIMIT, as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.given import texts
@@ -199,7 +199,7 @@ def integrable_families(
     on: Equations = (),
     positive: Sequence[str] = (),
     nonzero: Sequence[str] = (),
-    time_limit: float = 600.0,
+    time_limit: float = FAMILY_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> IntegrableFamilies:
     """For which values of its parameters does a system have a polynomial integral that it does not have in general?

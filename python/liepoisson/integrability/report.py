@@ -13,7 +13,7 @@ from sympy import Expr
 
 from liepoisson import _core
 from liepoisson.errors import OutputError, ParameterError, TimeLimitError
-from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import shown
@@ -224,7 +224,7 @@ def integrability_report(
     system: System,
     *,
     degree: int = 6,
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> IntegrabilityReport:
     """Look for polynomial integrals, degree by degree, until they prove that a system is integrable; else for reasons.

@@ -11,7 +11,7 @@ from sympy import Expr
 
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
-from liepoisson.formula.scalars import as_count, as_time_limit
+from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_time_limit
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability import checker
@@ -42,7 +42,7 @@ def load_report(
     path: str | Path,
     *,
     prove_again: bool = False,
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> IntegrabilityReport:
     """Read a report and verify it: nothing in the file is trusted.

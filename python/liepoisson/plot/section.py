@@ -276,7 +276,8 @@ def _is_angular_component(points: SectionLike, axis: str) -> bool:
     if not _has_states_of_a_system(points):
         return False
     states = _states(points.state, len(_names(points)))
-    return _is_angle(points.system, _names(points).index(axis), states)  # pyright: ignore[reportAttributeAccessIssue]
+    system: Any = getattr(points, "system", None)
+    return _is_angle(system, _names(points).index(axis), states)
 
 
 @np.errstate(all="ignore")

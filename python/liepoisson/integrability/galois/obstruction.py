@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.algebra.function_fields import root_text
 from liepoisson.errors import EnclosureError, TimeLimitError
-from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import not_a
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
@@ -106,7 +106,7 @@ def galois_obstruction(
     *,
     solution: ParticularSolution | None = None,
     most: int = 4,
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> GaloisObstruction:
     """Look for a proof that a system is not integrable, in the variational equations along particular solutions.

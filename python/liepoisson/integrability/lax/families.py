@@ -17,7 +17,7 @@ from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
 from liepoisson.algebra.sparse_polynomials import whole_expression
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT, Deadline
 from liepoisson.integrability.families import names_among
@@ -132,7 +132,7 @@ def lax_families(
     form: str = "algebra",
     nonzero: Sequence[str] = (),
     positive: Sequence[str] = (),
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> LaxFamilies:
     r"""The parameters for which there is a Lax pair with $M = \Omega + zB$ and L a polynomial in z.

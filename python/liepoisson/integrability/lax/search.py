@@ -35,7 +35,7 @@ from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.algebra.sparse_polynomials import add_multiple, expression, multiply, value_at
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_deadline
+from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT, Deadline
 from liepoisson.inputs.refusals import shown
@@ -272,7 +272,7 @@ def search_lax_pairs(
     *,
     degree: int = 2,
     form: str = "algebra",
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> LaxSearch:
     r"""Lax pairs with $M = \Omega + zB$ and L a polynomial in z, linear in the coordinates.

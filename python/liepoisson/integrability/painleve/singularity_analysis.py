@@ -27,7 +27,7 @@ from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.matrices import characteristic_polynomial
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.parameters import read_parameter
-from liepoisson.formula.scalars import MOST, as_deadline
+from liepoisson.formula.scalars import MOST, SEARCH_LIMIT, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
@@ -174,7 +174,7 @@ def painleve_test(
     system: System,
     *,
     weights: Weights | None = None,
-    time_limit: float = 60.0,
+    time_limit: float = SEARCH_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> PainleveTest:
     r"""The Kovalevskaya-Painlevé test: balances, exponents, resonances, logarithms, and the verdict.
