@@ -35,11 +35,7 @@ def cite(
 
 
 def _used(name: str) -> Any:
-    """What an argument names.
-
-    Raises:
-        ParameterError: it is empty.
-    """
+    """What an argument names."""
     if not name.strip():
         raise ParameterError("USED: wanted a name of the catalog or a file; got an empty text. Leave it out.")
     if name.endswith(".toml"):

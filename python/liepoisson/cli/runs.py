@@ -126,10 +126,6 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
         name: Its name.
         unit: Natural unit of time of the orbits, of which a default step is a tenth.
         **options: Its options.
-
-    Raises:
-        UnknownNameError: no method has this name.
-        ParameterError: an option is not one of this method, or outside its range.
     """
     if name not in METHODS:
         hint = did_you_mean(name, METHODS).strip() or "Try taylor."
@@ -149,22 +145,14 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
 
 
 def check_limits(*, seed: int = 0, time_limit: float = TIME_LIMIT, threads: int | None = None) -> None:
-    """Refuse a seed, a number of threads or a time limit that no run can have.
-
-    Raises:
-        ParameterError: one of them is out of its range.
-    """
+    """Refuse a seed, a number of threads or a time limit that no run can have."""
     as_count(seed, "--seed", most=2**128 - 1)
     as_time_limit(time_limit, "--time-limit")
     as_threads(threads, "--threads")
 
 
 def check_end_time(t_end: float | None, *, forwards: bool = True) -> None:
-    """Refuse an end time that is not finite and positive, or not 0 if not `forwards`; None stands for the default.
-
-    Raises:
-        ParameterError: it is none.
-    """
+    """Refuse an end time that is not finite and positive, or not 0 if not `forwards`; None stands for the default."""
     if t_end is None or (math.isfinite(t_end) and (t_end > 0 or (t_end < 0 and not forwards))):
         return
     wanted = "a positive finite time" if forwards else "a finite time other than 0"
@@ -225,9 +213,6 @@ def check_that_some_finished(outcome: NDArray[Any]) -> None:
 
     Args:
         outcome: How each run ended, shape (trajectory,).
-
-    Raises:
-        Exit: no run finished.
     """
     names = sorted({str(name) for name in outcome})
     if "finished" in names:

@@ -26,30 +26,20 @@ _LONGEST_FORMULA = 30
 
 @dataclass(frozen=True)
 class SavedResult:
-    """What the page is told of a result.
+    """What the page is told of a result."""
 
-    Attributes:
-        record: As JSON can write it: `kind`, "orbit" or "section"; `words`, what it is, for people; `shown_only`, why
-            the page does not compute it again, or None; `tol` of its method; `starts`; `times` and `states` of the
-            orbit or of the crossings; the `trajectory` of each crossing; `functions`, the surface and what is kept, as
-            data, None for an orbit; `direction`, `n_crossings` and `t_end`, as the section was asked for;
-            `has_states`, whether states are states of the system, and not functions of them; `coordinates`, the names
-            of their components.
-        start: Where the page begins.
-        surface: The surface as it was written, if it is short.
-    """
-
+    # as JSON can write it: `kind`, "orbit" or "section"; `words`, what it is, for people; `shown_only`, why the page
+    # does not compute it again, or None; `tol` of its method; `starts`; `times` and `states` of the orbit or of the
+    # crossings; the `trajectory` of each crossing; `functions`, the surface and what is kept, as data, None for an
+    # orbit; `direction`, `n_crossings` and `t_end`, as the section was asked for; `has_states`, whether states are
+    # states of the system, and not functions of them; `coordinates`, the names of their components
     record: dict[str, Any]
-    start: Array
-    surface: str = ""
+    start: Array  # where the page begins
+    surface: str = ""  # the surface as it was written, if it is short
 
 
 def saved_of(system: Any, result: Any, trajectory: int = 0) -> SavedResult:
-    """A result as a page carries it, which begins with one of its trajectories.
-
-    Raises:
-        ParameterError: it is neither an orbit nor a section, one of another system, or has no such trajectory.
-    """
+    """A result as a page carries it, which begins with one of its trajectories."""
     if not isinstance(result, (Orbit, Section)):
         kind = getattr(result, "kind", type(result).__name__)
         raise ParameterError(
@@ -66,11 +56,7 @@ def saved_of(system: Any, result: Any, trajectory: int = 0) -> SavedResult:
 
 
 def checked_trajectory(trajectory: Any, n: int) -> int:
-    """Which of n orbits.
-
-    Raises:
-        ParameterError: it is no whole number from 0 to n - 1.
-    """
+    """Which of n orbits."""
     if isinstance(trajectory, bool) or not isinstance(trajectory, int | np.integer) or not 0 <= trajectory < n:
         raise ParameterError(
             f"trajectory must be a whole number from 0 to {n - 1}, as there {'are' if n > 1 else 'is'} {n}; "

@@ -43,29 +43,16 @@ time."""
 
 @dataclass(frozen=True)
 class Parts:
-    """What the states of one page can have.
+    """What the states of one page can have."""
 
-    Attributes:
-        components: Names of the components of the system.
-        surfaces: Names of what can be a surface of section.
-        views: Names of its views.
-        horizon: The last time of the page.
-        is_top: Whether it is the page of tops.
-    """
-
-    components: tuple[str, ...]
-    surfaces: tuple[str, ...]
-    views: tuple[str, ...]
-    horizon: float
-    is_top: bool
+    components: tuple[str, ...]  # names of the components of the system
+    surfaces: tuple[str, ...]  # names of what can be a surface of section
+    views: tuple[str, ...]  # names of its views
+    horizon: float  # the last time of the page
+    is_top: bool  # whether it is the page of tops
 
     def checked(self, state: Any) -> State:
-        """Parts of a state, each as the page can be told it.
-
-        Raises:
-            UnknownNameError: a part, component, surface, view or theme is not one of this page.
-            ParameterError, ShapeError: a value cannot be.
-        """
+        """Parts of a state, each as the page can be told it."""
         state = by_name(state, "state", "parts", "{'time': 5}")
         checks = _checks(self)
         for name in state:
@@ -209,22 +196,13 @@ _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?|[+-]?\d+/\d+"
 
 @dataclass(frozen=True)
 class Addresses:
-    """Reads and writes the addresses of one page.
+    """Reads and writes the addresses of one page."""
 
-    Attributes:
-        parts: What its states can have.
-        system: The short hash of the system that it carries; "" for the page of tops.
-    """
-
-    parts: Parts
-    system: str = ""
+    parts: Parts  # what its states can have
+    system: str = ""  # the short hash of the system that it carries; "" for the page of tops
 
     def read(self, address: str) -> State:
-        """The state of an address: what it says, and no more.
-
-        Raises:
-            ParameterError: it is no address of this page.
-        """
+        """The state of an address: what it says, and no more."""
         parts = _parts(address)
         if parts.pop("v", "") != "1" or parts.pop("system", "") != self.system:
             raise ParameterError(f"address must be one of the page that is shown; got {address!r:.80}. Copy it again.")
@@ -250,12 +228,7 @@ class Addresses:
         return urlencode(query | {name: text for name, text in written.items() if text is not None}, safe=",/")
 
     def changed(self, state: State, changes: Mapping[str, Any]) -> State:
-        """The state with some of its parts changed; another orbit begins at time 0.
-
-        Raises:
-            UnknownNameError: a part, component, surface, view or theme is not one of this page.
-            ParameterError, ShapeError: a value cannot be.
-        """
+        """The state with some of its parts changed; another orbit begins at time 0."""
         found = self.parts.checked(changes)
         if "parameters" in found:
             found |= _completed(state.get("parameters", {}), found.pop("parameters"))

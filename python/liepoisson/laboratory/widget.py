@@ -154,11 +154,7 @@ def _shortened(message: str) -> str:
 
 
 def checked_height(height: Any) -> int:
-    """Pixels that a cell can have.
-
-    Raises:
-        ParameterError: the number is no whole one, or not from 100 to 4000.
-    """
+    """Pixels that a cell can have."""
     if isinstance(height, bool) or not isinstance(height, int) or not 100 <= height <= 4000:
         raise ParameterError(f"height must be a whole number of pixels from 100 to 4000; got {height!r:.40}.")
     return height

@@ -107,17 +107,11 @@ def unequal(left: Written) -> Sign:
 
 @dataclass(frozen=True)
 class Statement:
-    """A condition or a map in words and names, for example "epsilon = 0" or "alpha -> s*alpha".
+    """A condition or a map in words and names, for example "epsilon = 0" or "alpha -> s*alpha"."""
 
-    Attributes:
-        statement: In ASCII.
-        vectors: Names in it that are vectors.
-        scalars: Names in it that are scalars.
-    """
-
-    statement: str
-    vectors: frozenset[str]
-    scalars: frozenset[str]
+    statement: str  # in ASCII
+    vectors: frozenset[str]  # names in it that are vectors
+    scalars: frozenset[str]  # names in it that are scalars
 
     @classmethod
     def about(cls, statement: str, bracket: Bracket) -> Statement:
@@ -145,15 +139,10 @@ class Statement:
 
 @dataclass(frozen=True)
 class Conditions:
-    """Where a locus is: beta = 0, alpha x l != 0; it has conditions that can be named.
+    """Where a locus is: beta = 0, alpha x l != 0; it has conditions that can be named."""
 
-    Attributes:
-        locus: The conditions.
-        are_vectors: Whether the fields are vectors; otherwise they have one component.
-    """
-
-    locus: Locus
-    are_vectors: bool
+    locus: Locus  # the conditions
+    are_vectors: bool  # whether the fields are vectors; otherwise they have one component
 
     def write(self, style: Style) -> str:
         """The conditions with the names and signs of one style."""

@@ -49,17 +49,11 @@ MOST_TERMS = 400
 
 @dataclass(frozen=True)
 class Topic:
-    """One part of a report.
+    """One part of a report."""
 
-    Attributes:
-        key: Its name in JSON.
-        told: The facts in words and formulas.
-        data: Makes the facts as data that JSON can write.
-    """
-
-    key: str
-    told: Sequence[Line]
-    data: Callable[[], Any]
+    key: str  # its name in JSON
+    told: Sequence[Line]  # the facts in words and formulas
+    data: Callable[[], Any]  # makes the facts as data that JSON can write
 
     @property
     def title(self) -> str:

@@ -123,16 +123,11 @@ Definition = Formula | tuple[Formula, ...]
 
 @dataclass(frozen=True)
 class VectorEquations:
-    """The equations of motion, one per field.
+    """The equations of motion, one per field."""
 
-    Attributes:
-        rows: Field and right-hand side.
-        definitions: Vectors that occur in the right-hand sides and what they are.
-        product: Components of u x v where it is not the usual cross product, in symbols u1, ..., v3.
-    """
-
-    rows: tuple[tuple[str, Formula], ...]
-    definitions: tuple[tuple[Vector, Definition], ...]
+    rows: tuple[tuple[str, Formula], ...]  # field and right-hand side
+    definitions: tuple[tuple[Vector, Definition], ...]  # vectors that occur in the right-hand sides and what they are
+    # components of u x v where it is not the usual cross product, in symbols u1, ..., v3
     product: tuple[Formula, ...] | None
 
 

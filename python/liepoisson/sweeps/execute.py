@@ -26,21 +26,13 @@ GRACE = 2.0
 
 @dataclass(frozen=True)
 class Event:
-    """What became of a piece.
+    """What became of a piece."""
 
-    Attributes:
-        index: Which piece.
-        result: What it gave, or None.
-        error: Why it failed, or None.
-        is_lost: Whether it must be handed out again through no fault of its own.
-        remark: What to report, or None.
-    """
-
-    index: int
-    result: PieceResult | None = None
-    error: str | None = None
-    is_lost: bool = False
-    remark: str | None = None
+    index: int  # which piece
+    result: PieceResult | None = None  # what it gave, or None
+    error: str | None = None  # why it failed, or None
+    is_lost: bool = False  # whether it must be handed out again through no fault of its own
+    remark: str | None = None  # what to report, or None
 
 
 class Executor(Protocol):
@@ -135,9 +127,6 @@ class Cluster:
         address: Of the scheduler, such as "tcp://127.0.0.1:8786"; None makes processes on this machine.
         processes: How many.
         patience: Seconds to wait for a scheduler, and for a worker while there is none.
-
-    Raises:
-        SweepError: there is no scheduler, or no worker.
     """
 
     def __init__(self, address: str | None, processes: int | None, patience: float = PATIENCE) -> None:
@@ -327,27 +316,17 @@ def _quiet_children() -> Generator[None]:
 
 @dataclass
 class Report:
-    """How the pieces of a level went.
+    """How the pieces of a level went."""
 
-    Attributes:
-        failed: Pieces that failed for good, with the reason.
-        points: Points that failed, likewise, by their number in the level.
-        retried: How many tries failed and were repeated.
-        remarks: Workers that refused, and the like.
-        wall_seconds: From the first piece handed out to the last one back.
-        task_seconds: Sum of the times of the pieces.
-        workers: How many pieces were computed at once.
-        n_pieces: How many were computed.
-    """
-
-    failed: dict[int, str] = field(default_factory=dict[int, str])
+    failed: dict[int, str] = field(default_factory=dict[int, str])  # pieces that failed for good, with the reason
+    # points that failed, likewise, by their number in the level
     points: dict[int, str] = field(default_factory=dict[int, str])
-    retried: int = 0
-    remarks: list[str] = field(default_factory=list[str])
-    wall_seconds: float = 0.0
-    task_seconds: float = 0.0
-    workers: int = 1
-    n_pieces: int = 0
+    retried: int = 0  # how many tries failed and were repeated
+    remarks: list[str] = field(default_factory=list[str])  # workers that refused, and the like
+    wall_seconds: float = 0.0  # from the first piece handed out to the last one back
+    task_seconds: float = 0.0  # sum of the times of the pieces
+    workers: int = 1  # how many pieces were computed at once
+    n_pieces: int = 0  # how many were computed
 
     @property
     def overhead_per_piece(self) -> float:

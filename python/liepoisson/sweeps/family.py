@@ -33,15 +33,10 @@ _SYMPY = RLock()
 
 @dataclass(frozen=True)
 class NumericTop:
-    """A top as plain numbers: what integration needs, without the exact algebra.
+    """A top as plain numbers: what integration needs, without the exact algebra."""
 
-    Attributes:
-        name: How it is called.
-        top: Its parameters.
-    """
-
-    name: str
-    top: TopField
+    name: str  # how it is called
+    top: TopField  # its parameters
     vector_length: int = 3
 
     def field(self) -> Field:
@@ -50,17 +45,11 @@ class NumericTop:
 
 
 class Family(ABC):
-    """The systems that a sweep runs through.
+    """The systems that a sweep runs through."""
 
-    Attributes:
-        name: How they are called.
-        shapes: Shapes of the parameters that can be set, by name.
-        defaults: Values of those that need not be.
-    """
-
-    name: str
-    shapes: Mapping[str, Shape]
-    defaults: Mapping[str, Any]
+    name: str  # how they are called
+    shapes: Mapping[str, Shape]  # shapes of the parameters that can be set, by name
+    defaults: Mapping[str, Any]  # values of those that need not be
 
     @property
     def bracket_parameters(self) -> set[str]:
@@ -68,11 +57,7 @@ class Family(ABC):
         return set()
 
     def check(self, parameters: Mapping[str, Array]) -> None:
-        """Refuse unknown names, missing values and wrong shapes.
-
-        Raises:
-            ParameterError: one of these.
-        """
+        """Refuse unknown names, missing values and wrong shapes."""
         for name, values in parameters.items():
             if name not in self.shapes:
                 known = ", ".join(self.shapes) or "none"
@@ -215,13 +200,7 @@ class OneSystem(Family):
 
 
 def as_family(system: Any) -> Family:
-    """The family that a sweep's `system` stands for.
-
-    Raises:
-        UnknownNameError: no such name in the catalog.
-        SystemFileError: the file or its tables describe no system.
-        ParameterError: it is something else.
-    """
+    """The family that a sweep's `system` stands for."""
     if isinstance(system, Family):
         return system
     if isinstance(system, Mapping):

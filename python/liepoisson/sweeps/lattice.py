@@ -24,15 +24,10 @@ Place: TypeAlias = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell by its lowest corner and its side.
+    """A cell by its lowest corner and its side."""
 
-    Attributes:
-        corner: The lowest corner.
-        side: Length of its sides, a power of two.
-    """
-
-    corner: Place
-    side: int
+    corner: Place  # the lowest corner
+    side: int  # length of its sides, a power of two
 
     def corners(self) -> list[Place]:
         """All corners, two or four."""

@@ -14,11 +14,7 @@ if TYPE_CHECKING:
 
 
 def orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
-    """The system of a point, and the start of one of its orbits, shape (component,): the same numbers as in the sweep.
-
-    Raises:
-        ParameterError: the point has no system, or this orbit no start with the wanted energy and Casimirs.
-    """
+    """The system of a point, and where one of its orbits starts, shape (component,): the numbers of the sweep."""
     spec = sweep.spec
     if int(sweep.outcome_code[point, member]) in (NO_START, NO_SYSTEM, FAILED):
         raise ParameterError(

@@ -121,13 +121,7 @@ def sweep(
 
 
 def read_sweep(path: str | Path) -> Sweep:
-    """A sweep from its store, as far as it is computed; nothing is computed and nothing is written.
-
-    Raises:
-        DamagedFileError: the folder holds no sweep, or one that cannot be read.
-        OtherSweepError: it is in the format of another version.
-        ParameterError: the system or the quantity was a function of the caller, which no store keeps.
-    """
+    """A sweep from its store, as far as it is computed; nothing is computed and nothing is written."""
     store, _ = SweepStore.as_found(Path(path))
     spec = store.spec
     family = as_family(spec.system)
@@ -135,12 +129,7 @@ def read_sweep(path: str | Path) -> Sweep:
 
 
 def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
-    """The spec that the arguments of `sweep` stand for.
-
-    Raises:
-        ParameterError: neither or both of a spec and its arguments are given, or an unknown one.
-        SystemFileError: a file or its tables are no sweep, or name a function and code is not allowed.
-    """
+    """The spec that the arguments of `sweep` stand for."""
     if spec is None:
         known = [entry.name for entry in fields(SweepSpec)]
         if unknown := [name for name in settings if name not in known]:

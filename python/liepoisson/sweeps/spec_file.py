@@ -64,10 +64,6 @@ def read_sweep_file(source: str | Path | Mapping[str, Any], *, allow_code: bool 
     Args:
         source: The path of a file, or its tables.
         allow_code: Whether its quantity may be a function, "package.module:function", that is imported and called.
-
-    Raises:
-        SystemFileError: there is no such file, it is not TOML, a key is unknown, missing, or has a wrong value, or its
-            quantity is a function and that is not allowed.
     """
     if isinstance(source, Mapping):
         text, folder = TomlText("the sweep", "", dict(source)), None

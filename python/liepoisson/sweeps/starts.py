@@ -36,18 +36,12 @@ class TopRows:
     r"""Tops with a row of parameters for each state: energy and Casimirs, without the exact algebra.
 
     $C_1 = |\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$, $C_3 = |\beta|^2$, whatever epsilon.
-
-    Attributes:
-        inertia: Shape (row, 3), as a and b.
-        a: Centre of mass.
-        b: Centre of charge.
-        epsilon: Shape (row, 1).
     """
 
-    inertia: Array
-    a: Array
-    b: Array
-    epsilon: Array
+    inertia: Array  # shape (row, 3), as a and b
+    a: Array  # centre of mass
+    b: Array  # centre of charge
+    epsilon: Array  # shape (row, 1)
 
     @classmethod
     def of(cls, tops: Sequence[TopField], repeats: int) -> TopRows:
@@ -100,9 +94,6 @@ def check_casimirs(family: Family, targets: Targets) -> Meaning | None:
     Returns:
         What the names C1, C2, ... mean at all points; None where no Casimirs are prescribed or the bracket is the same
         at the points looked at.
-
-    Raises:
-        ParameterError: one of these.
     """
     if not targets.casimirs:
         return None
@@ -140,11 +131,7 @@ def meaning(system: Any) -> Meaning:
 
 
 def require_meaning(system: Any, wanted: Meaning) -> None:
-    """Refuse a system whose Casimirs are other functions than those of the other points.
-
-    Raises:
-        ParameterError: its generators have other leading monomials: a parameter of the bracket is exceptional.
-    """
+    """Refuse a system whose Casimirs are other functions than those of the other points."""
     if (found := meaning(system)) != wanted:
         raise ParameterError(
             f"C1, C2, ... must be the same functions at all points where they are prescribed; {system.bracket} has "
@@ -158,11 +145,7 @@ def _casimirs_of(system: Any) -> Sequence[str]:
 
 
 def system_functions(system: Any, names: Sequence[str]) -> Functions:
-    """The energy and Casimirs of any system, as `TopRows.functions`.
-
-    Raises:
-        ParameterError: the system has no such Casimir.
-    """
+    """The energy and Casimirs of any system, as `TopRows.functions`."""
     known = {"energy": system.functions.energy, **system.functions.casimirs}
     if unknown := [name for name in names if name not in known]:
         raise ParameterError(
@@ -277,11 +260,7 @@ def _residual(functions: Functions, wanted: Array, x: Array, rows: NDArray[np.in
 
 
 def liouville(system: Any, n: int, seed: int, casimirs: dict[str, float], energy: float | None) -> Array:
-    """States on a leaf with the Liouville measure; NaN where there is no such leaf or energy, shape (n, N).
-
-    Raises:
-        ParameterError: a Casimir has no value.
-    """
+    """States on a leaf with the Liouville measure; NaN where there is no such leaf or energy, shape (n, N)."""
     from liepoisson.leaf.leaf import Leaf
 
     try:

@@ -52,25 +52,15 @@ _PARTIAL = re.compile(r"[0-9.]+\.[0-9]+\.partial")
 
 @dataclass
 class Level:
-    """The arrays of one level, in memory, and how they are cut.
+    """The arrays of one level, in memory, and how they are cut."""
 
-    Attributes:
-        points: Coordinates, shape (point, axis).
-        size: Points of a piece.
-        value: Shape (point, member); NaN where nothing is known.
-        outcome: Codes of `OUTCOMES`, shape (point, member).
-        seconds: Time of each piece; NaN where it is not known.
-        done: Which pieces are there.
-        method: How orbits were integrated, in words.
-    """
-
-    points: Array
-    size: int
-    value: Array
-    outcome: NDArray[np.int8]
-    seconds: Array
-    done: NDArray[np.bool_]
-    method: str = ""
+    points: Array  # coordinates, shape (point, axis)
+    size: int  # points of a piece
+    value: Array  # shape (point, member); NaN where nothing is known
+    outcome: NDArray[np.int8]  # codes of `OUTCOMES`, shape (point, member)
+    seconds: Array  # time of each piece; NaN where it is not known
+    done: NDArray[np.bool_]  # which pieces are there
+    method: str = ""  # how orbits were integrated, in words
 
     @classmethod
     def empty(cls, points: Array, size: int, n: int) -> Level:
@@ -99,11 +89,6 @@ class SweepStore:
         path: The folder; made if there is none.
         spec: What is computed.
         fresh: Remove the sweep that is there; other files stay.
-
-    Raises:
-        OtherSweepError: the folder holds another sweep, or numbers of another version or in another format.
-        OutputError: there is something else, or it cannot be written.
-        DamagedFileError: its description cannot be read.
     """
 
     def __init__(self, path: Path, spec: SweepSpec, *, fresh: bool = False) -> None:
@@ -123,12 +108,7 @@ class SweepStore:
 
     @classmethod
     def as_found(cls, path: Path) -> tuple[SweepStore, dict[str, Any]]:
-        """The store in a folder as it is, to be read only, and what it says of itself.
-
-        Raises:
-            OtherSweepError: numbers in another format.
-            DamagedFileError: its description cannot be read.
-        """
+        """The store in a folder as it is, to be read only, and what it says of itself."""
         from liepoisson.sweeps.spec import SweepSpec
 
         attributes = read_attributes(path)
@@ -193,9 +173,6 @@ class SweepStore:
         """A level with all of its pieces that are stored, whole and in their place.
 
         Arrays that are not there are made, except where the store is only read.
-
-        Raises:
-            DamagedFileError: its arrays are not those of the sweep, or cannot be read.
         """
         import zarr
 
@@ -268,11 +245,7 @@ class SweepStore:
         level.value[rows], level.outcome[rows], level.done[piece] = value, outcome, not (outcome == FAILED).any()
 
     def save(self, number: int, level: Level, result: PieceResult) -> None:
-        """Store a piece.
-
-        Raises:
-            OutputError: it could not be written; what is stored stays.
-        """
+        """Store a piece."""
         rows = level.rows(result.index)
         n_filled = level.size - (rows.stop - rows.start)
         with writing(self.path):
@@ -309,11 +282,7 @@ def _another_format(attributes: Mapping[str, Any]) -> str:
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
-    """What a store says of itself.
-
-    Raises:
-        DamagedFileError: it is no store of a sweep, or cannot be read.
-    """
+    """What a store says of itself."""
     try:
         attributes = json.loads((path / "zarr.json").read_text(encoding="utf-8"))["attributes"]
         if attributes["kind"] != _MARK or not isinstance(attributes["fingerprint"], str):

@@ -23,17 +23,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Targets:
-    """What is prescribed at each of some points.
+    """What is prescribed at each of some points."""
 
-    Attributes:
-        parameters: Values of parameters by name, shape (point,) or (point, component).
-        energy: Shape (point,), or None where it is free.
-        casimirs: Shape (point,) each.
-    """
-
-    parameters: Mapping[str, Array]
-    energy: Array | None
-    casimirs: Mapping[str, Array]
+    parameters: Mapping[str, Array]  # values of parameters by name, shape (point,) or (point, component)
+    energy: Array | None  # shape (point,), or None where it is free
+    casimirs: Mapping[str, Array]  # shape (point,) each
 
     def values(self, point: int) -> dict[str, Any]:
         """The parameters of one point: numbers, and tuples of them."""
@@ -54,10 +48,6 @@ def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
 
     An axis that is named like a parameter, a component of one, the energy or a Casimir sets it, whether or not formulas
     use it, too.
-
-    Raises:
-        ParameterError: a name that nothing uses, two values for one thing, or a value that is not finite.
-        ExpressionError: a formula is not in the grammar.
     """
     columns = {axis.name: points[:, k] for k, axis in enumerate(spec.axes)}
     used: set[str] = set()

@@ -45,38 +45,22 @@ _NO_SYSTEM = (LiePoissonError, ValueError, ArithmeticError)
 
 @dataclass(frozen=True)
 class Piece:
-    """A task: some points of a sweep, with everything that their numbers depend on.
+    """A task: some points of a sweep, with everything that their numbers depend on."""
 
-    Attributes:
-        index: Which piece of its level.
-        family: The systems.
-        targets: Parameters, energy and Casimirs of the points.
-        n_points: How many points.
-        starts: How starts are drawn.
-        n: Orbits of a point.
-        t_end: Their time.
-        quantity: "exponent", "chaotic_fraction", a dotted name, or a function.
-        method: How they are integrated, or None for the default.
-        seed: Draws starts and tangent vectors.
-        version: Version of liepoisson that may compute it.
-        rule: Thresholds of verdicts.
-        threads: Threads of the core.
-        meaning: What the prescribed Casimirs mean at all points; None if they can mean one thing only.
-    """
-
-    index: int
-    family: Family
-    targets: Targets
-    n_points: int
-    starts: Starts
-    n: int
-    t_end: float
-    quantity: str | Callable[..., Any]
-    method: Method | None
-    seed: int
-    version: str
-    rule: Rule = field(default_factory=Rule)
-    threads: int | None = 1
+    index: int  # which piece of its level
+    family: Family  # the systems
+    targets: Targets  # parameters, energy and Casimirs of the points
+    n_points: int  # how many points
+    starts: Starts  # how starts are drawn
+    n: int  # orbits of a point
+    t_end: float  # their time
+    quantity: str | Callable[..., Any]  # "exponent", "chaotic_fraction", a dotted name, or a function
+    method: Method | None  # how they are integrated, or None for the default
+    seed: int  # draws starts and tangent vectors
+    version: str  # version of liepoisson that may compute it
+    rule: Rule = field(default_factory=Rule)  # thresholds of verdicts
+    threads: int | None = 1  # threads of the core
+    # what the prescribed Casimirs mean at all points; None if they can mean one thing only
     meaning: Meaning | None = None
 
     @classmethod
@@ -110,25 +94,16 @@ class Piece:
 
 @dataclass(frozen=True)
 class PieceResult:
-    """What a piece gives.
+    """What a piece gives."""
 
-    Attributes:
-        index: Which piece.
-        value: Shape (point, member); NaN where an orbit failed.
-        outcome: Codes of `OUTCOMES`, shape (point, member).
-        seconds: Time that it took.
-        method: How it was integrated, in words.
-        failed: Why points failed, have no system or other Casimirs, by their number in the piece.
-        retried: How many tries of points failed and were repeated.
-    """
-
-    index: int
-    value: Array
-    outcome: NDArray[np.int8]
-    seconds: float
-    method: str
+    index: int  # which piece
+    value: Array  # shape (point, member); NaN where an orbit failed
+    outcome: NDArray[np.int8]  # codes of `OUTCOMES`, shape (point, member)
+    seconds: float  # time that it took
+    method: str  # how it was integrated, in words
+    # why points failed, have no system or other Casimirs, by their number in the piece
     failed: Mapping[int, str] = field(default_factory=dict[int, str])
-    retried: int = 0
+    retried: int = 0  # how many tries of points failed and were repeated
 
 
 Listener: TypeAlias = Callable[[float], Any]
@@ -146,9 +121,6 @@ def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
         piece: Which one.
         listen: What it raises ends the piece.  The core looks for Ctrl-C in the main thread only, so that threads need
             it.
-
-    Raises:
-        WorkerVersionError: this process has another version of liepoisson.
     """
     began = time.perf_counter()
     if __version__ != piece.version:
@@ -259,11 +231,7 @@ class _Points:
 
 
 def system_and_starts(piece: Piece) -> tuple[Any, Array]:
-    """The system of the only point of a piece, and its starts, shape (trajectory, component), as `run_piece` has them.
-
-    Raises:
-        Exception: what the making of the system raises.
-    """
+    """The system of the only point of a piece, and its starts as in `run_piece`, shape (trajectory, component)."""
     system = piece.family.system(piece.targets.values(0))
     numeric = system if piece.quantity not in QUANTITIES else piece.family.numeric(piece.targets.values(0))
     states, _ = _starts(piece, [numeric], _silent)
@@ -446,11 +414,7 @@ def _call(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tup
 
 
 def resolve(quantity: str | Callable[..., Any]) -> Callable[..., Any]:
-    """The function that a dotted name "package.module:function" stands for.
-
-    Raises:
-        ParameterError: there is none.
-    """
+    """The function that a dotted name "package.module:function" stands for."""
     if callable(quantity):
         return quantity
     module, _, name = quantity.partition(":")

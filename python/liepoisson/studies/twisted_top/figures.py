@@ -263,11 +263,7 @@ FIGURES: Mapping[str, Callable[[Results], Figure]] = {
 
 
 def draw_all(results: Results, out: Path, tell: Callable[[str], None]) -> dict[str, Path]:
-    """Draw every figure as PNG, SVG and PDF into `out`; returns the SVG of each.
-
-    Raises:
-        OSError: a file could not be written.
-    """
+    """Draw every figure as PNG, SVG and PDF into `out`; returns the SVG of each."""
     paths: dict[str, Path] = {}
     for name, draw in FIGURES.items():
         tell(f"drawing {name}")

@@ -162,15 +162,10 @@ def errata_lines(entries: Iterable[Entry], width: int = 100) -> list[str]:
 
 
 class Line(NamedTuple):
-    """A line of the first page.
+    """A line of the first page."""
 
-    Attributes:
-        text: The sentence, with the mathematics in plain Unicode.
-        claims: Ids of the claims that it speaks for.
-    """
-
-    text: str
-    claims: tuple[str, ...]
+    text: str  # the sentence, with the mathematics in plain Unicode
+    claims: tuple[str, ...]  # ids of the claims that it speaks for
 
 
 def front_page(claims: Iterable[Entry], errata: Iterable[Entry]) -> dict[str, list[Line]]:

@@ -59,47 +59,26 @@ _TIMES_AT_A_TIME = 50
 
 @dataclass(frozen=True)
 class RunResult:
-    """A run, reduced to what figures, fits and claims need.
+    """A run, reduced to what figures, fits and claims need."""
 
-    Attributes:
-        run: What was run.
-        curve: Mean exponent with confidence band.
-        spread: Exponents that 5% and 95% of the trajectories do not exceed, shape (2, time).
-        fit: Finite-time fit over the main window.
-        scan: The same over other windows.
-        log_fit: Logarithmic fit over the main window.
-        log_scan: The same from later starts.
-        final_exponent: Exponent of each finished trajectory at the end, shape (trajectory,).
-        energy: Energy of the same trajectories, shape (trajectory,).
-        outcomes: Number of trajectories by outcome.
-        steps: Taylor steps of all trajectories.
-        seconds: Wall time of the integration.
-        order: Order of the Taylor series.
-        kernel: Instruction set that computed it.
-    """
-
-    run: Run
-    curve: lp.results.MeanCurve
-    spread: FloatArray
-    fit: lp.results.FiniteTimeFit
-    scan: tuple[lp.results.FiniteTimeFit, ...]
-    log_fit: lp.results.LogFit
-    log_scan: tuple[lp.results.LogFit, ...]
-    final_exponent: FloatArray
-    energy: FloatArray
-    outcomes: dict[str, int]
-    steps: int
-    seconds: float
-    order: int
-    kernel: str
+    run: Run  # what was run
+    curve: lp.results.MeanCurve  # mean exponent with confidence band
+    spread: FloatArray  # exponents that 5% and 95% of the trajectories do not exceed, shape (2, time)
+    fit: lp.results.FiniteTimeFit  # finite-time fit over the main window
+    scan: tuple[lp.results.FiniteTimeFit, ...]  # the same over other windows
+    log_fit: lp.results.LogFit  # logarithmic fit over the main window
+    log_scan: tuple[lp.results.LogFit, ...]  # the same from later starts
+    final_exponent: FloatArray  # exponent of each finished trajectory at the end, shape (trajectory,)
+    energy: FloatArray  # energy of the same trajectories, shape (trajectory,)
+    outcomes: dict[str, int]  # number of trajectories by outcome
+    steps: int  # Taylor steps of all trajectories
+    seconds: float  # wall time of the integration
+    order: int  # order of the Taylor series
+    kernel: str  # instruction set that computed it
 
 
 def reduce_run(run: Run, growth: lp.results.FiniteTimeExponents, seconds: float) -> RunResult:
-    """Averages, fits and final exponents of a run, after which its curves can be let go.
-
-    Raises:
-        ParameterError: fewer than two trajectories finished.
-    """
+    """Averages, fits and final exponents of a run, after which its curves can be let go."""
     reduction = lp.fits.EnsembleReduction(
         run.time, windows=[run.window, *scan_windows(run)], log_windows=[run.log_window, *log_scan_windows(run)]
     )

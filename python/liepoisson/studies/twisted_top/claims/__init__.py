@@ -47,25 +47,15 @@ MODULES = (canonical, charged, discussion, leaves, nonintegrable, numerics, twis
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper and how it is checked.
+    """A statement of the paper and how it is checked."""
 
-    Attributes:
-        id: Stable name, in lower case with hyphens.
-        place: Where the paper says it: section, and equation where there is one.
-        statement: What it says, in the notation of the study; what it only implies begins with "Implied: ".
-        words: The words of the paper; empty where the claim is an equation.
-        follows_from: The claim whose mistake this one repeats or is deduced from; empty if it stands for itself.
-        verdict: What follows if all steps of its check are borne out; measurements decide by themselves.
-        correct: What is true instead, or the condition.
-    """
-
-    id: str
-    place: str
-    statement: str
-    words: str = ""
-    follows_from: str = ""
-    verdict: Ruling = "holds"
-    correct: str = ""
+    id: str  # stable name, in lower case with hyphens
+    place: str  # where the paper says it: section, and equation where there is one
+    statement: str  # what it says, in the notation of the study; what it only implies begins with "Implied: "
+    words: str = ""  # the words of the paper; empty where the claim is an equation
+    follows_from: str = ""  # the claim whose mistake this one repeats or is deduced from; empty if it stands for itself
+    verdict: Ruling = "holds"  # what follows if all steps of its check are borne out; measurements decide by themselves
+    correct: str = ""  # what is true instead, or the condition
 
     @property
     def checked_by(self) -> Check:

@@ -84,14 +84,10 @@ class CanonicalChart:
 
     $\beta = w A \hat e_\parallel$, $\alpha = A(v \hat e_\parallel + r \hat e_\perp)$ with
     $r = \sqrt{\eta - 2\epsilon\,\ell\cdot\beta}$.  r is kept as a symbol, and its square is inserted when reducing.
-
-    Attributes:
-        parallel: The unit vector along beta, in space.
-        perpendicular: A unit vector orthogonal to it.
     """
 
-    parallel: Sequence[int]
-    perpendicular: Sequence[int]
+    parallel: Sequence[int]  # the unit vector along beta, in space
+    perpendicular: Sequence[int]  # a unit vector orthogonal to it
 
     @cached_property
     def angles(self) -> EulerAngles:

@@ -39,27 +39,16 @@ _MOST_TERMS = 8
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a proof.
+    """One step of a proof."""
 
-    Attributes:
-        kind: What sort of fact it is; a note states none.
-        text: The fact, with its reason.
-        succeeded: Whether the computation bears it out; None for a note.
-        remark: What came out instead, where it does not.
-        computed: What the computation gave, line by line: formulas, points, ranks, sizes.
-        table: Rows of a table, the first one the heading; empty if there is none.
-        components: How many expressions were compared.
-        decisive: Whether the verdict turns on it.
-    """
-
-    kind: StepKind
-    text: str
-    succeeded: bool | None = None
-    remark: str = ""
-    computed: tuple[str, ...] = ()
-    table: tuple[tuple[str, ...], ...] = ()
-    components: int = 1
-    decisive: bool = False
+    kind: StepKind  # what sort of fact it is; a note states none
+    text: str  # the fact, with its reason
+    succeeded: bool | None = None  # whether the computation bears it out; None for a note
+    remark: str = ""  # what came out instead, where it does not
+    computed: tuple[str, ...] = ()  # what the computation gave, line by line: formulas, points, ranks, sizes
+    table: tuple[tuple[str, ...], ...] = ()  # rows of a table, the first one the heading; empty if there is none
+    components: int = 1  # how many expressions were compared
+    decisive: bool = False  # whether the verdict turns on it
 
     @property
     def lines(self) -> list[str]:
@@ -88,23 +77,18 @@ def summary_of(steps: tuple[Step, ...]) -> str:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a check found.
+    """What a check found."""
 
-    Attributes:
-        verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here;
-            "underspecified" when the paper only implies it, or leaves open what decides it; "not run" when the
-            measurements that it needs are absent.
-        method: "exact" for identities and counterexamples in exact arithmetic, "enclosed" for strict inequalities
-            between rigorous enclosures, "numerical" for measured numbers.
-        steps: The computation, step by step.
-        correct_statement: What is true instead, or the condition; empty when the claim holds as it stands.
-        data: Numbers and expressions (as text) behind the verdict, ready for JSON.
-    """
-
+    # whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here; "underspecified"
+    # when the paper only implies it, or leaves open what decides it; "not run" when the measurements that it needs are
+    # absent
     verdict: Ruling
+    # "exact" for identities and counterexamples in exact arithmetic, "enclosed" for strict inequalities between
+    # rigorous enclosures, "numerical" for measured numbers
     method: Method
-    steps: tuple[Step, ...]
-    correct_statement: str = ""
+    steps: tuple[Step, ...]  # the computation, step by step
+    correct_statement: str = ""  # what is true instead, or the condition; empty when the claim holds as it stands
+    # numbers and expressions (as text) behind the verdict, ready for JSON
     data: dict[str, Any] = field(default_factory=dict[str, Any])
 
     @property
@@ -125,20 +109,16 @@ def twisted_bracket(epsilon: Any) -> lp.Bracket:
 
 @dataclass(frozen=True)
 class Context:
-    """What the checks work with.
+    """What the checks work with."""
 
-    Attributes:
-        bracket: Makes the paper's bracket of three fields for a given epsilon.  A test can inject a wrong one.
-        extended: Makes the bracket of so(3) with any extension, for claims about other extensions.
-        measurements: Results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or
-            None; which keys the claims use is said in `liepoisson.studies.twisted_top.claims.numerics`.
-        arithmetics: Those that check the certificate of chaos.
-    """
-
+    # makes the paper's bracket of three fields for a given epsilon.  A test can inject a wrong one
     bracket: Callable[[Any], lp.Bracket] = twisted_bracket
+    # makes the bracket of so(3) with any extension, for claims about other extensions
     extended: Callable[[lp.Extension], lp.Bracket] = extended_rotations
+    # results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or None; which keys
+    # the claims use is said in `liepoisson.studies.twisted_top.claims.numerics`
     measurements: Mapping[str, Any] | None = None
-    arithmetics: tuple[str, ...] = ("intervals", "balls")
+    arithmetics: tuple[str, ...] = ("intervals", "balls")  # those that check the certificate of chaos
 
 
 Check: TypeAlias = "Callable[[Evidence, Context], Verdict | None]"

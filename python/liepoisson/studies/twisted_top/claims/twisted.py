@@ -22,21 +22,13 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
 
 @dataclass(frozen=True)
 class _TwoFields:
-    """A two-dimensional commutative algebra and what should be found for it.
+    """A two-dimensional commutative algebra and what should be found for it."""
 
-    Attributes:
-        name: Its products in words.
-        products: The nonzero products e_mu e_nu.
-        normal_form: What the classification calls it.
-        killing: Positive and negative eigenvalues of the Killing form of so(3) (x) A.
-        derived: Dimension of the derived algebra of so(3) (x) A.
-    """
-
-    name: str
-    products: dict[tuple[int, int], dict[int, int]]
-    normal_form: str
-    killing: tuple[int, int]
-    derived: int
+    name: str  # its products in words
+    products: dict[tuple[int, int], dict[int, int]]  # the nonzero products e_mu e_nu
+    normal_form: str  # what the classification calls it
+    killing: tuple[int, int]  # positive and negative eigenvalues of the Killing form of so(3) (x) A
+    derived: int  # dimension of the derived algebra of so(3) (x) A
 
 
 _UNIT = {(0, 0): {0: 1}, (0, 1): {1: 1}}
