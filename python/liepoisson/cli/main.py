@@ -46,26 +46,26 @@ def _run() -> None:
     get_command(application(asked_command(sys.argv[1:]))).main(prog_name="liepoisson")
 
 
-COMMANDS = (
-    "reproduce",
-    "inspect",
-    "integrals",
-    "integrable",
-    "families",
-    "darboux",
-    "painleve",
-    "prove",
-    "catalog",
-    "orbit",
-    "section",
-    "lyapunov",
-    "decide",
-    "equilibria",
-    "sweep",
-    "lab",
-    "cite",
-)
-"""In the order of the help; each is a function in the module of its name."""
+COMMANDS = {
+    "reproduce": "reproduce",
+    "inspect": "exact",
+    "integrals": "exact",
+    "integrable": "proofs",
+    "families": "exact",
+    "darboux": "exact",
+    "painleve": "proofs",
+    "prove": "proofs",
+    "catalog": "literature",
+    "orbit": "orbit",
+    "section": "section",
+    "lyapunov": "chaos",
+    "decide": "chaos",
+    "equilibria": "equilibria",
+    "sweep": "sweep",
+    "lab": "lab",
+    "cite": "literature",
+}
+"""The module of each, in the order of the help."""
 
 
 def asked_command(arguments: Sequence[str]) -> str | None:
@@ -145,7 +145,7 @@ def application(only: str | None = None) -> typer.Typer:
 
     app.callback()(options)
     for name in COMMANDS if only is None else (only,):
-        app.command(cls=Command)(flat(getattr(import_module(f"liepoisson.cli.{name}"), name)))
+        app.command(cls=Command)(flat(getattr(import_module(f"liepoisson.cli.{COMMANDS[name]}"), name)))
     return app
 
 

@@ -60,11 +60,7 @@ def write_result(result: Any, path: Path) -> Path:
 def result_files(files: Files, system: System, values: Sequence[str], what: str) -> tuple[Path | None, Path | None]:
     """What the result and the figure of a command are called, as `data_file` and `figure_stem` say.
 
-    Args:
-        files: The options.
-        system: The system of the command.
-        values: Values of its parameters, as they were typed, which are no part of the names of files.
-        what: The end of the name where none is given: "orbit".
+    Where no name is given it is that of the system, without the values that were set, and `what`: "orbit".
     """
     stem = f"{name_of_files(system, values)}-{what}"
     return data_file(files.out, f"{stem}.nc"), figure_stem(files.plot, files.figure, stem)

@@ -120,13 +120,7 @@ class Limits:
 
 
 def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
-    """The method of this name with the options that were given; None stands for an option that was not.
-
-    Args:
-        name: Its name.
-        unit: Natural unit of time of the orbits, of which a default step is a tenth.
-        **options: Its options.
-    """
+    """The method of this name with the options that were given; a default step is a tenth of the `unit` of time."""
     if name not in METHODS:
         hint = did_you_mean(name, METHODS).strip() or "Try taylor."
         raise UnknownNameError(f"--method must be one of {', '.join(METHODS)}; got {name!r:.60}. {hint}")
@@ -169,13 +163,7 @@ def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:
 
 @contextmanager
 def running(activity: str, total: float, *, quiet: bool) -> Generator[Callable[[float], None] | None]:
-    """The block of a run, with a listener for its progress; Ctrl-C ends the command and says that nothing was written.
-
-    Args:
-        activity: What is done, in words.
-        total: Trajectories times their time, for the rate.
-        quiet: Whether nobody listens.
-    """
+    """The block of a run, with a listener for its progress; Ctrl-C ends the command: nothing is written."""
     try:
         with listening(activity, total, quiet=quiet) as listen:
             yield listen
@@ -209,11 +197,7 @@ def write_and_print(
 
 
 def check_that_some_finished(outcome: NDArray[Any]) -> None:
-    """End the command where no run finished, with the reason on standard error.
-
-    Args:
-        outcome: How each run ended, shape (trajectory,).
-    """
+    """End the command where no run finished, with the reason on standard error."""
     names = sorted({str(name) for name in outcome})
     if "finished" in names:
         return

@@ -18,12 +18,7 @@ _MOST_SHOWN = 60
 
 
 def read_system(argument: str, settings: Sequence[str] = ()) -> System:
-    """The system that a command is about.
-
-    Args:
-        argument: What the user wrote for SYSTEM.
-        settings: "name=value" for parameters and symbols of the file; vectors with commas.
-    """
+    """The system that a command is about: the argument SYSTEM with "name=value" for parameters, vectors with commas."""
     return with_settings(read_file(argument), settings).system()
 
 

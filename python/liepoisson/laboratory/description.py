@@ -26,17 +26,13 @@ VERSION = 1
 
 
 def description_of(system: Any) -> dict[str, Any]:
-    """A system as plain data: `json.dumps(..., allow_nan=False)` writes every number so that it is read back exactly.
+    """A system, or what else has a `name` and a `field()`, as plain data that JSON can write exactly.
 
-    Args:
-        system: What is integrated: a `System`, or anything with a `name` and a `field()`.
-
-    Returns:
-        - `version`: of this format;
-        - `name`, `components` (their names), `vector_length` (components of each vector of the state);
-        - `field`: as `field.record_of` makes it;
-        - `pieces`: the Hamiltonian in pieces, for splitting, or None;
-        - `invariants`: `names` and `functions`, a tape with one output for each, or None.  The Hamiltonian is first.
+    - `version`: of this format;
+    - `name`, `components` (their names), `vector_length` (components of each vector of the state);
+    - `field`: as `field.record_of` makes it;
+    - `pieces`: the Hamiltonian in pieces, for splitting, or None;
+    - `invariants`: `names` and `functions`, a tape with one output for each, or None.  The Hamiltonian is first.
     """
     field = as_field(system)
     n = field.n_components

@@ -67,8 +67,7 @@ def sleeping_diagram(
         for u, colour in zip(values, SEQUENCE * len(values), strict=False):
             _boundary(ax, u, colour, max(spin, field))
         ax.set(xlim=(-spin, spin), ylim=(-field, field))
-        ax.set_xlabel(r"spin $\ell_3$")
-        ax.set_ylabel(r"field $I_1(a_3\alpha_3 + b_3\beta_3)$")
+        ax.set(xlabel=r"spin $\ell_3$", ylabel=r"field $I_1(a_3\alpha_3 + b_3\beta_3)$")
         ax.legend(loc="upper center")
         for stable, word in ((True, "stable spectrum"), (False, "unstable")):
             if (place := _clear_place(values, spin, field, stable=stable)) is not None:

@@ -191,8 +191,7 @@ def exponent_distribution(
         (line,) = ax.plot(np.repeat(edges, 2), outline, color=colour, linewidth=1.2, label=label, zorder=3)
         if filled:
             ax.fill_between(np.repeat(edges, 2), outline, color=line.get_color(), alpha=0.13, linewidth=0, zorder=2)
-        ax.set_xlabel(r"$\lambda$")
-        ax.set_ylabel("probability density")
+        ax.set(xlabel=r"$\lambda$", ylabel="probability density")
         ax.set_ylim(bottom=0)
         if label is not None:
             ax.legend()
@@ -258,7 +257,6 @@ def window_scan(
         time_axis(ax, 0.85 * starts[0], 1.18 * starts[-1])
         ax.set_xticks(starts, minor=False)
         ax.minorticks_off()
-        ax.set_xlabel("start of the window")
-        ax.set_ylabel(r"fitted $\lambda$")
+        ax.set(xlabel="start of the window", ylabel=r"fitted $\lambda$")
         ax.legend()
     return ax

@@ -35,12 +35,7 @@ _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
 def plain(text: object, most: int = LONGEST) -> str:
-    r"""Any text as it is, for Matplotlib: no dollar sign begins a formula, no character breaks a line or a file.
-
-    Args:
-        text: What is drawn, a name or a formula.
-        most: Characters after which it is cut.
-    """
+    r"""Any text for Matplotlib, cut to its length: no dollar sign begins a formula, no character breaks a line."""
     shown = "".join(_drawable(character) for character in str(text)[: most + 1])
     shown = shown if len(shown) <= most else f"{shown[: most - 2]} …"
     return shown.replace("$", r"\$")
@@ -51,10 +46,6 @@ def symbol(name: str, letters: dict[str, str] | None = None) -> str:
 
     A letter and a name behind an underscore are a letter with a subscript: p_theta2 is p_{\theta_{2}}.
     The modes of truncated fluids are real and imaginary parts: ws1m2 is \mathrm{Im}\,w_{1,{-}2}.
-
-    Args:
-        name: An identifier, such as that of a coordinate; anything else is written letter by letter, too.
-        letters: Further letters and how they are written.
     """
     if mode := _MODE.fullmatch(name):
         indices = ",".join(k.replace("m", "{-}") for k in mode.groups()[2:] if k)

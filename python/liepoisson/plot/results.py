@@ -91,8 +91,7 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
             result.energy, mean[:, 0], np.nan_to_num(error), color=INK, marker="o", markersize=4, capsize=2.5,
             linewidth=1.0, label="mean, with its 95% interval",
         )  # fmt: skip
-        ax.set_xlabel(r"$H$")
-        ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
+        ax.set(xlabel=r"$H$", ylabel=rf"$\lambda$ at $t = {result.t_end:g}$")
         leaf = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in result.casimirs.items())
         ax.set_title(f"{plain(result.system.name)}: {leaf}")
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=4, borderaxespad=0.0)
@@ -111,9 +110,7 @@ def _over_time(result: Any, values: Any, ylabel: str, level: float, ax: Axes | N
         else:
             _linear_then_log(ax, "y", np.nanmax(values, initial=level))
         ax.set_xlim(result.time[0], result.time[-1])
-        ax.set_xlabel(r"$t$")
-        ax.set_ylabel(ylabel)
-        ax.set_title(plain(result.system.name))
+        ax.set(xlabel=r"$t$", ylabel=ylabel, title=plain(result.system.name))
     return ax
 
 
@@ -156,8 +153,7 @@ def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
             ax.axhline(value, color=MUTED, linewidth=0.7, linestyle="--", zorder=0)
         _linear_then_log(ax, "x", np.nanmax(result.growth_power, initial=result.rule.growth_power[1]))
         _linear_then_log(ax, "y", np.nanmax(result.mean_megno, initial=result.rule.megno[1]))
-        ax.set_xlabel(r"growth power $p$, $|v| \sim t^p$")
-        ax.set_ylabel(r"mean MEGNO $\bar Y$")
+        ax.set(xlabel=r"growth power $p$, $|v| \sim t^p$", ylabel=r"mean MEGNO $\bar Y$")
         ax.set_title(plain(f"{result.system.name}, t = {result.t_end:g}"))
         ax.legend()
     return ax
@@ -179,8 +175,7 @@ def _exponents(result: Any, *, ax: Axes | None = None) -> Axes:
         if len(value):
             ax.legend()
         ax.set_ylim(bottom=min(0.0, np.nanmin(value, initial=0.0)))
-        ax.set_xlabel("trajectory, by its exponent")
-        ax.set_ylabel(r"$\lambda$")
+        ax.set(xlabel="trajectory, by its exponent", ylabel=r"$\lambda$")
         ax.locator_params(axis="x", integer=True)
         ax.set_title(plain(result.system.name))
     return ax
@@ -193,9 +188,7 @@ def _frequencies(result: Any, *, ax: Axes | None = None) -> Axes:
         ax.plot(
             np.abs(result.frequency[:, 0]), np.maximum(result.drift, 1e-16), "o", color=ANGULAR_MOMENTUM, markersize=4
         )
-        ax.set_yscale("log")
-        ax.set_xlabel(rf"frequency $|f_1|$ in $[0, {result.window:g}]$")
-        ax.set_ylabel(r"drift $|f_2 - f_1|$")
+        ax.set(yscale="log", xlabel=rf"frequency $|f_1|$ in $[0, {result.window:g}]$", ylabel=r"drift $|f_2 - f_1|$")
         ax.set_title(plain(result.system.name))
     return ax
 
@@ -209,8 +202,7 @@ def _returns(result: Any, *, ax: Axes | None = None) -> Axes:
         ax = axes_or_new(ax, width=5.2, height=4.8)
         ax.plot(start[:, x], start[:, y], "o", color=MUTED, fillstyle="none", markersize=4, label="start")
         ax.plot(image[:, x], image[:, y], ".", color=ANGULAR_MOMENTUM, markersize=6, label="image")
-        ax.set_xlabel(label(result.components[x]))
-        ax.set_ylabel(label(result.components[y]))
+        ax.set(xlabel=label(result.components[x]), ylabel=label(result.components[y]))
         ax.set_title(f"{plain(result.system.name)}: return to {formula(result.surface)} = 0")
         ax.legend()
     return ax
@@ -234,8 +226,7 @@ def _scan(result: Any, *, ax: Axes | None = None) -> Axes:
         if unknown.any():
             place = np.zeros(unknown.sum()) if y is None else height[unknown]
             ax.plot(values[unknown, x], place, "x", color=INK, markersize=5, label="not known")
-        ax.set_xlabel(label(names[0]))
-        ax.set_ylabel("further integrals" if y is None else label(names[1]))
+        ax.set(xlabel=label(names[0]), ylabel="further integrals" if y is None else label(names[1]))
         if y is None:
             ax.locator_params(axis="y", integer=True)
         ax.set_title(f"{plain(result.system.name)}: further integrals up to degree {result.degree}")

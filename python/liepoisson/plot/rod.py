@@ -133,13 +133,8 @@ def _is_number(value: Any) -> bool:
 def tube(r: NDArray[np.float64], directors: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     r"""Corners of the facets of a tube, $r + \rho(\cos\varphi\, d_1 + \sin\varphi\, d_2)$.
 
-    Args:
-        r: Centre line, shape (point, 3).
-        directors: d1, d2, d3, shape (point, 3, 3).
-        radius: Of the tube.
-
-    Returns:
-        Shape (point - 1, facet, corner, 3); d1 points to the middle of the first four facets, the stripe.
+    Of the centre line, shape (point, 3), and the directors, shape (point, 3, 3): shape (point - 1, facet, corner, 3).
+    d1 points to the middle of the first four facets, the stripe.
     """
     angles = 2 * np.pi * (np.arange(_FACETS + 1) - _STRIPE / 2) / _FACETS
     spokes = np.cos(angles)[:, None] * directors[:, None, 0] + np.sin(angles)[:, None] * directors[:, None, 1]

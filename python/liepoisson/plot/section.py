@@ -157,15 +157,10 @@ def titled_section(
     *,
     sheets: str = "",
 ) -> Figure:
-    """A figure of crossings, with system, surface, energy and values of the Casimirs above it.
+    """Crossings of orbits on one leaf, with system, surface, energy and values of the Casimirs above them.
 
-    Args:
-        run: Result of `liepoisson.section`, of orbits on one leaf.
-        leaf: The leaf.
-        surface: The function that is zero on the surface.
-        axes: What is across and what is up: coordinates that were kept, or formulas of the state.
-        energy: That of the orbits, if it is one.
-        sheets: What tells two sheets apart, which are drawn side by side (`SectionAxes`).
+    `axes` are across and up, coordinates that were kept or formulas of the state; `sheets` tells two sheets apart,
+    which are drawn side by side (`SectionAxes`).
     """
     from liepoisson.structure.casimirs import shortage
 

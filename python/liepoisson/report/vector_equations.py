@@ -44,13 +44,7 @@ if TYPE_CHECKING:
 
 
 def vector_gradient(notation: VectorNotation, hamiltonian: Expr, field: str) -> Formula | None:
-    r"""The vector $\partial H/\partial x$ of one field, or None where H is not recognised as a function of scalars.
-
-    Args:
-        notation: Of the phase space.
-        hamiltonian: In components.
-        field: The name of x.
-    """
+    r"""The vector $\partial H/\partial x$ of a field x, or None where H is not recognised as a function of scalars."""
     from sympy import Dummy, S
 
     scalar = notation.formula(hamiltonian)

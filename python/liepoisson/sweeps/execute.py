@@ -117,16 +117,11 @@ def _words(error: BaseException) -> str:
 
 
 class Cluster:
-    """The workers of a scheduler of `dask.distributed`.
+    """The workers of a scheduler of `dask.distributed`; without an address, of processes on this machine.
 
     A worker with another version of liepoisson refuses; it is reported and not asked again.  When the connection to the
     scheduler is lost, this waits for one at the same address and hands out again what is not done.  When all workers
-    are gone, it waits for a new one.
-
-    Args:
-        address: Of the scheduler, such as "tcp://127.0.0.1:8786"; None makes processes on this machine.
-        processes: How many.
-        patience: Seconds to wait for a scheduler, and for a worker while there is none.
+    are gone, it waits for a new one; for neither longer than `patience` seconds.
     """
 
     def __init__(self, address: str | None, processes: int | None, patience: float = PATIENCE) -> None:

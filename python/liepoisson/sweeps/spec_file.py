@@ -59,11 +59,8 @@ _STARTS_KEYS = ("ensemble", "energy", "sampling")
 def read_sweep_file(source: str | Path | Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
     """Read a sweep file, or its tables.
 
-    A file is data: nothing that it says runs code, unless that is allowed.
-
-    Args:
-        source: The path of a file, or its tables.
-        allow_code: Whether its quantity may be a function, "package.module:function", that is imported and called.
+    A file is data: nothing that it says runs code, unless `allow_code` lets its quantity be a function,
+    "package.module:function", that is imported and called.
     """
     if isinstance(source, Mapping):
         text, folder = TomlText("the sweep", "", dict(source)), None

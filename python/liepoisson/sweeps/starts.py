@@ -89,11 +89,8 @@ def check_casimirs(family: Family, targets: Targets) -> Meaning | None:
     """Refuse Casimirs that the systems do not have, or that are other functions at one point than at another.
 
     Looked at are the formulas of a file, and the first, middle and last point; the others are looked at when they are
-    computed, see `require_meaning`.
-
-    Returns:
-        What the names C1, C2, ... mean at all points; None where no Casimirs are prescribed or the bracket is the same
-        at the points looked at.
+    computed, see `require_meaning`.  Returns what C1, C2, ... mean at all points; None where none are prescribed, or
+    the bracket is the same at the points looked at.
     """
     if not targets.casimirs:
         return None
@@ -161,19 +158,12 @@ def system_functions(system: Any, names: Sequence[str]) -> Functions:
 
 @np.errstate(all="ignore")
 def project(functions: Functions, wanted: Array, x: Array, length: int = 0) -> tuple[Array, Bools]:
-    r"""States near x at which functions have the wanted values, by Newton steps of minimum norm, $\delta = -G^+ F$.
+    r"""States near x, shape (row, component), at which functions have the wanted values, shape (row, function).
 
-    Where that fails, along values that lead from those at x to the wanted ones.  Each row is worked on by itself,
-    whatever rows are beside it: its bits do not depend on them.
-
-    Args:
-        functions: What is prescribed.
-        wanted: Its values, shape (row, function).
-        x: Shape (row, component).
-        length: Number of components of each field, which may have a unit of its own; 0: all are in one unit.
-
-    Returns:
-        The states, and for which of them the largest relative residual is below 1e-12.
+    By Newton steps of minimum norm, $\delta = -G^+ F$; where that fails, along values that lead from those at x to the
+    wanted ones.  Each row is worked on by itself, whatever rows are beside it: its bits do not depend on them.  Fields
+    of `length` components may have units of their own; 0: all are in one unit.  Returns the states, and for which of
+    them the largest relative residual is below 1e-12.
     """
     found, is_there = _leap(functions, wanted, x, length)
     left = np.flatnonzero(~is_there)

@@ -83,13 +83,7 @@ class Level:
 
 
 class SweepStore:
-    """The folder of a sweep.
-
-    Args:
-        path: The folder; made if there is none.
-        spec: What is computed.
-        fresh: Remove the sweep that is there; other files stay.
-    """
+    """The folder of a sweep, made if there is none; `fresh` discards what it holds."""
 
     def __init__(self, path: Path, spec: SweepSpec, *, fresh: bool = False) -> None:
         self.path = path

@@ -115,12 +115,9 @@ class Stopped(BaseException):
 
 
 def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
-    """Compute a piece.
+    """Compute a piece; what `listen` raises ends it.
 
-    Args:
-        piece: Which one.
-        listen: What it raises ends the piece.  The core looks for Ctrl-C in the main thread only, so that threads need
-            it.
+    The core looks for Ctrl-C in the main thread only, so that threads need a listener.
     """
     began = time.perf_counter()
     if __version__ != piece.version:

@@ -220,9 +220,7 @@ def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     ax.annotate("ordinary top", (0.03, 0.06), xycoords="axes fraction", color=ORDINARY, fontsize=9.5, bbox=_WHITE_BOX)
     ax.set_xlim(*energy_range)
     ax.set_ylim(bottom=0)
-    ax.set_xlabel("energy $H$")
-    ax.set_ylabel(r"$\lambda(t)$")
-    ax.set_title("(b)")
+    ax.set(xlabel="energy $H$", ylabel=r"$\lambda(t)$", title="(b)")
 
 
 def scalings(results: Results) -> Figure:

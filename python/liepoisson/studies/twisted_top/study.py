@@ -39,14 +39,8 @@ class StudyResult:
 def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None) -> StudyResult:
     """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
 
-    Finished pieces are stored as they come: after an interruption the same call goes on from there.  No other process
-    may work in the folder; the command line sees to that.
-
-    Args:
-        settings: Trajectories, end time, seed, threads.
-        out: Output folder, made if it does not exist.
-        fresh: Discard what is stored there first.
-        progress: Hears how far the study is.
+    Finished pieces are stored as they come: after an interruption the same call goes on from there, unless `fresh`
+    discards them first.  No other process may work in the folder; the command line sees to that.
     """
     if fresh:
         discard(out)

@@ -85,16 +85,7 @@ def evaluate_claims(
     claims: Iterable[Claim] = CLAIMS,
     progress: Callable[[float], None] | None = None,
 ) -> list[ClaimResult]:
-    """Check the claims of the paper.
-
-    Args:
-        context: Bracket and measurements; by default the paper's bracket and no measurements.
-        claims: Which claims, by default all.
-        progress: Called with the fraction done after each claim.
-
-    Returns:
-        One result per claim, in the same order.
-    """
+    """Check these claims, in their order; `progress` is called with the fraction done after each."""
     context = context or Context()
     chosen = list(claims)
     results: list[ClaimResult] = []

@@ -15,16 +15,7 @@ from liepoisson.studies.twisted_top.claims.phase_space import column
 
 
 class EulerAngles:
-    """Cosines and sines as symbols (c, s with c^2 + s^2 = 1), so that identities reduce to zero exactly.
-
-    Attributes:
-        phi: Cosine and sine.
-        psi: Likewise.
-        theta: Likewise.
-        momenta: The column (p_phi, p_psi, p_theta).
-        A: The rotation matrix as printed.
-        L_inverse: The inverse of L as printed.
-    """
+    """Cosines and sines as symbols (c, s with c^2 + s^2 = 1), so that identities reduce to zero exactly."""
 
     def __init__(self) -> None:
         from sympy import Matrix, symbols

@@ -160,12 +160,7 @@ def state(bracket: lp.Bracket, point: Sequence[Any]) -> str:
 
 
 class Evidence:
-    """The steps of a check.  Each step states a fact and records whether the computation bears it out.
-
-    Args:
-        verdict: What follows if all steps are borne out.
-        correct_statement: What is true instead, or the condition.
-    """
+    """The steps of a check, each a fact and whether it is borne out, and what follows if all of them are."""
 
     def __init__(self, verdict: Ruling = "holds", correct_statement: str = "") -> None:
         self.verdict: Ruling = verdict
@@ -180,11 +175,8 @@ class Evidence:
     def zero(self, what: str, residual: Any, computed: Sequence[str] = (), *, decisive: bool = False) -> bool:
         """State that `what` (a text with its reason) holds because `residual` vanishes identically.
 
-        Args:
-            what: The fact.
-            residual: An expression, a matrix or an iterable of expressions.
-            computed: What to show of the computation.
-            decisive: Whether the verdict turns on it.
+        The residual is an expression, a matrix or an iterable of expressions; `computed` is shown of the computation;
+        `decisive` says that the verdict turns on it, here and below.
         """
         entries = list(_entries(residual))
         left = [value for value in entries if not _vanishes(value)]
@@ -219,14 +211,7 @@ class Evidence:
     def counterexample(
         self, what: str, values: Mapping[str, tuple[object, object]], at: str, *, decisive: bool = True
     ) -> bool:
-        """State what happens at one point, in exact numbers.
-
-        Args:
-            what: The fact.
-            values: For each quantity, what was computed and what is stated.
-            at: The point.
-            decisive: Whether the verdict turns on it.
-        """
+        """State what happens at one point, in exact numbers: of each quantity what was computed, and what is stated."""
         wrong = [f"{name} is {show(got)}" for name, (got, wanted) in values.items() if got != wanted]
         computed = (f"at {at}", *(f"{name} = {show(got)}" for name, (got, _) in values.items()))
         return self._record(Step("counterexample", what, not wrong, "; ".join(wrong), computed, decisive=decisive))
@@ -272,15 +257,7 @@ class Evidence:
     def search(
         self, what: str, table: Sequence[Sequence[object]], excess: int, wanted: int, *, decisive: bool = False
     ) -> bool:
-        """State how many solutions an exhaustive search found beyond the known ones, with the sizes of the search.
-
-        Args:
-            what: The fact.
-            table: The sizes, the heading first.
-            excess: How many were found beyond the known ones.
-            wanted: How many are stated.
-            decisive: Whether the verdict turns on it.
-        """
+        """State how many solutions an exhaustive search found beyond the known ones, with a table of its sizes."""
         rows = tuple(tuple(show(cell) for cell in row) for row in table)
         remark = "" if excess == wanted else f"computed {excess}"
         return self._record(Step("search", f"{what}: {wanted}", excess == wanted, remark, (), rows, decisive=decisive))

@@ -209,13 +209,7 @@ def _at_generic_parameters(functions: list[Any], variables: Iterable[Any]) -> li
 
 
 def strata_steps(evidence: Evidence, bracket: lp.Bracket, wanted: dict[lp.brackets.Locus, int]) -> None:
-    """State on which sets the Poisson tensor has which rank, by the Pfaffians of J.
-
-    Args:
-        evidence: Where to record it.
-        bracket: The bracket.
-        wanted: Rank for each locus, from the open stratum down.
-    """
+    """State by the Pfaffians of J on which loci it has which rank, the open stratum first."""
     strata = bracket.strata()
     for stratum in strata:
         casimirs = "; ".join(written(c, bracket) for c in stratum.casimirs)
