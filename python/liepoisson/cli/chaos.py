@@ -130,7 +130,7 @@ def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
     from liepoisson.indicators.spectrum import Spectrum
 
     if isinstance(result, Spectrum):
-        from liepoisson.plot.spectrum import spectrum as draw
+        from liepoisson.plot.indicators import spectrum as draw
 
         return draw(result, trajectory=int(np.argmax(result.outcome == "finished")))
     from liepoisson.plot.exponents import convergence

@@ -7,7 +7,7 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from functools import cache
 from importlib.resources import files
@@ -22,8 +22,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import sequence
 from liepoisson.io.files import write_atomically
-from liepoisson.laboratory.description import description_of, picture_of, record_of_functions
-from liepoisson.laboratory.saved import saved_of
+from liepoisson.laboratory.description import description_of, picture_of, saved_of
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
 
 if TYPE_CHECKING:
@@ -248,7 +247,7 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
             f"surfaces: {system.name!r:.60} has a field alone and reads no formulas; got {next(iter(listed))!r:.60}. "
             "Leave them out: each component is a surface."
         )
-    record = record_of_functions(system.function_tape(*listed.values()))
+    record = asdict(system.function_tape(*listed.values()))
     return {"names": _shortened(list(listed)), "functions": record}, first
 
 

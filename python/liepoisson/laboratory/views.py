@@ -10,8 +10,8 @@ import numpy as np
 from liepoisson.errors import MissingPackageError, ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name
+from liepoisson.laboratory.description import checked_trajectory
 from liepoisson.laboratory.pages import Page, page_of
-from liepoisson.laboratory.saved import checked_trajectory
 from liepoisson.laboratory.states import HORIZON
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.poincare.section import Section
@@ -21,6 +21,7 @@ from liepoisson.sweeps.result import Sweep
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from liepoisson.inputs.arrays import Array
     from liepoisson.laboratory.widget import View
 
 PANELS = ("two", "all")
@@ -134,16 +135,36 @@ def _of_rod(rod: Rod, trajectory: int) -> Page:
 
 
 def _of_sweep(sweep: Sweep, trajectory: int, point: int | None) -> tuple[Page, Any]:
-    from liepoisson.sweeps.points import orbit_at, point_in_words
-
     n = len(sweep.points)
     chosen = 0 if point is None and n == 1 else point
     if isinstance(chosen, bool) or not isinstance(chosen, int | np.integer) or not 0 <= chosen < n:
-        first, last = (point_in_words(sweep, k) for k in (0, n - 1))
+        first, last = (_in_words(sweep, k) for k in (0, n - 1))
         raise ParameterError(
             "a sweep is viewed at one of its points, as each has a system and starts of its own; "
             f"got point={point!r:.40}. Say which: from point=0 ({first}) to point={n - 1} ({last})."
         )
     member = checked_trajectory(trajectory, sweep.spec.n_starts)
-    system, start = orbit_at(sweep, int(chosen), member)
+    system, start = _orbit_at(sweep, int(chosen), member)
     return page_of(system, start=start), system
+
+
+def _orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
+    """The system of a point, and where one of its orbits starts, shape (component,): the numbers of the sweep."""
+    from liepoisson.sweeps.points import evaluate_targets
+    from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, system_and_starts
+
+    spec = sweep.spec
+    if int(sweep.outcome_code[point, member]) in (NO_START, NO_SYSTEM, FAILED):
+        raise ParameterError(
+            f"orbit {member} of point {point} ({_in_words(sweep, point)}) cannot be computed again: "
+            f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
+        )
+    targets = evaluate_targets(spec, sweep.system, sweep.points[[point]])
+    system, states = system_and_starts(Piece.of(spec, sweep.system, targets, 1))
+    return system, states[member]
+
+
+def _in_words(sweep: Sweep, point: int) -> str:
+    """The values of the axes at a point."""
+    pairs = zip(sweep.spec.axes, sweep.points[point], strict=True)
+    return ", ".join(f"{axis.name} = {value:.6g}" for axis, value in pairs)

@@ -13,11 +13,11 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
+from liepoisson.plot.indicators import spectrum
 from liepoisson.plot.labels import formula, label, number, plain
 from liepoisson.plot.orbits import orbit
-from liepoisson.plot.rod import rod
+from liepoisson.plot.rigid_body import rod
 from liepoisson.plot.section import section
-from liepoisson.plot.spectrum import spectrum
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, SEQUENCE, axes_or_new, house_style
 from liepoisson.plot.sweep import sweep
 

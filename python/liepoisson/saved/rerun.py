@@ -246,7 +246,7 @@ def _check_sweep(found: Any) -> None:
     complete = spec.refine is not None or n == math.prod(spec.shape)
     if not complete or found.value.shape != (n, spec.n_starts) or len(found.places) != n or len(found.level) != n:
         raise ValueError(f"sweep: wanted all points and trajectories of its description; got {found.value.shape}")
-    from liepoisson.sweeps.lattice import Lattice
+    from liepoisson.sweeps.points import Lattice
 
     if not np.array_equal(found.points, Lattice(spec).coordinates(found.places)):
         raise ValueError("sweep: wanted the points of its description; got others")

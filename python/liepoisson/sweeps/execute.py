@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Protocol, cast
 
-from liepoisson.sweeps.errors import SweepError
+from liepoisson.errors import LiePoissonError
 from liepoisson.sweeps.tasks import Piece, PieceResult, Stopped, run_piece
 
 RETRIES = 2
@@ -22,6 +22,10 @@ PATIENCE = 60.0
 """Seconds to wait for a scheduler that is gone, or for a worker while there is none."""
 GRACE = 2.0
 """Seconds in which threads shall have ended; the integration of exponents looks ten times a second whether to stop."""
+
+
+class SweepError(LiePoissonError):
+    """A sweep that cannot go on: no scheduler, or no worker that may compute its pieces."""
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,8 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import Result, labelled, recorded
 from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.family import Family, as_family
-from liepoisson.sweeps.lattice import Place
+from liepoisson.sweeps.points import Place, evaluate_targets
 from liepoisson.sweeps.spec import SweepSpec
-from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, NO_SYSTEM, NOT_COMPUTED, OUTCOMES
 
 if TYPE_CHECKING:
@@ -65,7 +64,7 @@ class Sweep(Result):
 
     Attributes:
         spec: What was asked.
-        places: The points on the lattice, see `liepoisson.sweeps.lattice`.
+        places: The points on the lattice, see `liepoisson.sweeps.points`.
         points: Values of the axes, shape (point, axis).
         level: 0 for the grid, then the level of refinement that added the point, shape (point,).
         value: Exponents in inverse time; verdicts, -1 regular, 0 undecided, +1 chaotic; or values of the quantity;

@@ -22,13 +22,12 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import exclusive
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
-from liepoisson.sweeps.lattice import Lattice, Place, split
+from liepoisson.sweeps.points import Lattice, Place, evaluate_targets, split
 from liepoisson.sweeps.result import Sweep
 from liepoisson.sweeps.spec import QUANTITIES, Axis, Refinement, Starts, SweepSpec
 from liepoisson.sweeps.spec_file import read_sweep_file
 from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
-from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
 
 PIECE_TIME = 1e6

@@ -17,7 +17,7 @@ from liepoisson.portable import linear
 from liepoisson.sweeps.family import Family, NumericTop
 
 if TYPE_CHECKING:
-    from liepoisson.sweeps.targets import Targets
+    from liepoisson.sweeps.points import Targets
 
 Bools: TypeAlias = NDArray[np.bool_]
 Functions: TypeAlias = Callable[[Array, NDArray[np.int64]], tuple[Array, Array]]

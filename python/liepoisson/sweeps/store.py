@@ -34,7 +34,6 @@ from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, LiePoissonError, OutputError
 from liepoisson.inputs.arrays import Array
 from liepoisson.io.files import another_format, writing
-from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, PieceResult
 
 if TYPE_CHECKING:
@@ -48,6 +47,10 @@ _SKIPPABLE = 0x184D2A5C
 _ZSTD_LEVEL = 3
 _LEVEL = re.compile("level[0-9]+")
 _PARTIAL = re.compile(r"[0-9.]+\.[0-9]+\.partial")
+
+
+class OtherSweepError(LiePoissonError):
+    """A store holds the numbers of another sweep, or of another version of liepoisson."""
 
 
 @dataclass

@@ -22,14 +22,13 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
-from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
 if TYPE_CHECKING:
+    from liepoisson.sweeps.points import Targets
     from liepoisson.sweeps.spec import Starts, SweepSpec
-    from liepoisson.sweeps.targets import Targets
 
 OUTCOMES: tuple[str, ...] = (*_core.outcomes(), "no start", "not computed", "no system", "failed")
 """How orbits end; "no start": no state with the wanted energy and Casimirs was found; "no system": the system cannot
@@ -41,6 +40,10 @@ _NOT_FINITE = OUTCOMES.index("not finite")
 _TIME_LIMIT = 1e9
 _NO_SYSTEM = (LiePoissonError, ValueError, ArithmeticError)
 """Errors that say that there is no such system; any other is a failure of what makes it."""
+
+
+class WorkerVersionError(LiePoissonError):
+    """A worker has another version of liepoisson than the sweep that asks it; its bits could be others."""
 
 
 @dataclass(frozen=True)
