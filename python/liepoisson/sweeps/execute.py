@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Protocol, cast
+from typing import Any, cast
 
 from liepoisson.errors import LiePoissonError
 from liepoisson.sweeps.tasks import Piece, PieceResult, Stopped, run_piece
@@ -37,27 +37,6 @@ class Event:
     error: str | None = None  # why it failed, or None
     is_lost: bool = False  # whether it must be handed out again through no fault of its own
     remark: str | None = None  # what to report, or None
-
-
-class Executor(Protocol):
-    """Where pieces are computed."""
-
-    @property
-    def workers(self) -> int:
-        """How many pieces are computed at once."""
-        ...
-
-    def submit(self, piece: Piece) -> None:
-        """Hand out a piece."""
-        ...
-
-    def next(self) -> Event:
-        """Wait for what becomes of a piece that was handed out."""
-        ...
-
-    def close(self) -> None:
-        """Give up what is not done."""
-        ...
 
 
 class Threads:
@@ -334,7 +313,7 @@ class Report:
 
 
 def run_pieces(
-    executor: Executor, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None], retries: int = RETRIES
+    executor: Threads | Cluster, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None], retries: int = RETRIES
 ) -> Report:
     """Compute pieces; each result goes to `keep` at once, in this thread."""
     began, report = time.perf_counter(), Report(workers=executor.workers)

@@ -20,7 +20,7 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import labelled
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import exclusive
-from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
+from liepoisson.sweeps.execute import PATIENCE, Cluster, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.points import Lattice, Place, evaluate_targets, split
 from liepoisson.sweeps.result import Sweep
@@ -197,9 +197,9 @@ class _Where:
             if value is not None:
                 as_count(value, name, least=1, most=MOST_THREADS, hint="try 2")
         self._given = scheduler, processes, threads, patience
-        self._executor: Executor | None = None
+        self._executor: Threads | Cluster | None = None
 
-    def executor(self, n_pieces: int) -> Executor:
+    def executor(self, n_pieces: int) -> Threads | Cluster:
         scheduler, processes, threads, patience = self._given
         if self._executor is None:
             if scheduler is None and processes is None:
