@@ -121,7 +121,8 @@ class Statement:
     def write(self, style: Style) -> str:
         """The same with the names and signs of one style."""
         parts = re.split(r"((?<=\w) x (?=\w)|[A-Za-z]\w*|!=|->|\*|\^\d+|\^\(-\d+\))", self.statement)
-        return "".join(self._part(part, style) for part in parts)
+        written = "".join(self._part(part, style) for part in parts)
+        return re.sub(r"\(([^()]+, [^()]+)\)", lambda fields: style.parentheses(fields[1]), written)
 
     def _part(self, part: str, style: Style) -> str:
         signs = {"!=": style.unequal.strip(), "->": style.arrow, "*": style.times, " x ": style.cross}

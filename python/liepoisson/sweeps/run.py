@@ -24,7 +24,7 @@ from liepoisson.sweeps.execute import PATIENCE, Cluster, Report, Threads, run_pi
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.points import Lattice, Place, evaluate_targets, split
 from liepoisson.sweeps.result import Sweep
-from liepoisson.sweeps.spec import QUANTITIES, Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec import QUANTITIES, Axis, SweepSpec, refinement_of, starts_of
 from liepoisson.sweeps.spec_file import read_sweep_file
 from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
@@ -172,20 +172,9 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     axes = made.get("axes")
     if (columns := axes if isinstance(axes, Mapping) else _columns(axes)) is not None:
         made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", columns).items())
-    if isinstance(starts := made.get("starts"), Mapping):
-        given = dict(cast("Mapping[str, Any]", starts))
-        known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}
-        nested = given.pop("casimirs", {})
-        if given and nested:
-            raise ParameterError(f"starts: wanted {', '.join(map(str, given))} beside energy, or all in casimirs.")
-        made["starts"] = Starts(**known, casimirs=nested or given)
-    if isinstance(refine := made.get("refine"), Mapping):
-        given = dict(cast("Mapping[str, Any]", refine))
-        if {*given} != {"levels", "difference"}:
-            raise ParameterError(
-                f"refine: wanted levels and difference; got {', '.join(map(str, given)) or 'neither'}."
-            )
-        made["refine"] = Refinement(**given)
+    for key, make in (("starts", starts_of), ("refine", refinement_of)):
+        if isinstance(given := made.get(key), Mapping):
+            made[key] = make(cast("Mapping[str, Any]", given))
     return made
 
 

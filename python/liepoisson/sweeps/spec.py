@@ -194,6 +194,22 @@ class Refinement:
             raise not_a("a positive number", self.difference, "refine difference", "try 0.1")
 
 
+def starts_of(given: Mapping[str, Any]) -> Starts:
+    """Starts of plain values by name, with Casimirs among them or all in `casimirs`."""
+    known = {key: given[key] for key in ("ensemble", "energy", "sampling") if key in given}
+    named = {key: value for key, value in given.items() if key not in known and key != "casimirs"}
+    if named and given.get("casimirs"):
+        raise ParameterError(f"starts: wanted {', '.join(map(str, named))} beside energy, or all in casimirs.")
+    return Starts(**known, casimirs=given.get("casimirs") or named)
+
+
+def refinement_of(given: Mapping[str, Any]) -> Refinement:
+    """A refinement of plain values by name."""
+    if {*given} != {"levels", "difference"}:
+        raise ParameterError(f"refine: wanted levels and difference; got {', '.join(map(str, given)) or 'neither'}.")
+    return Refinement(**given)
+
+
 @explains_its_methods
 @dataclass(frozen=True)
 class SweepSpec:

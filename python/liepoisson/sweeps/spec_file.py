@@ -44,7 +44,7 @@ from liepoisson.formula.toml_text import TomlReader, TomlText, read_toml
 from liepoisson.indicators.verdict import Rule
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import METHODS, Method
-from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec, refinement_of, starts_of
 
 _KEYS = (
     "name", "system", "axes", "parameters", "starts", "n_starts", "t_end", "quantity", "rule", "method", "seed",
@@ -53,7 +53,6 @@ _KEYS = (
 _PLAIN = ("name", "n_starts", "quantity", "seed")
 _TABLES = ("parameters", "starts", "method", "refine", "rule")
 _AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
-_STARTS_KEYS = ("ensemble", "energy", "sampling")
 
 
 def read_sweep_file(source: str | Path | Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
@@ -151,12 +150,7 @@ class _Reader(TomlReader):
         return self.guarded(keys, lambda: make(cast("str", name), start, stop, axis["count"], label))
 
     def starts(self, table: dict[str, Any]) -> Starts:
-        known = {key: value for key, value in table.items() if key in _STARTS_KEYS}
-        casimirs = {key: value for key, value in table.items() if key not in _STARTS_KEYS}
-        for key in casimirs:
-            if not (key[:1] == "C" and key[1:].isdigit()):
-                self.check_keys(("starts",), {key: None}, (*_STARTS_KEYS, "C1", "C2", "C3"))
-        return self.guarded(("starts",), lambda: Starts(**known, casimirs=casimirs))
+        return self.guarded(("starts",), lambda: starts_of(table))
 
     def method(self, table: dict[str, Any]) -> Method | None:
         if not table:
@@ -170,11 +164,8 @@ class _Reader(TomlReader):
     def refinement(self, table: dict[str, Any]) -> Refinement | None:
         if not table:
             return None
-        self.check_keys(("refine",), table, ("levels", "difference"))
-        if "levels" not in table or "difference" not in table:
-            raise self.toml.error(("refine",), "wanted levels and difference. Add what is missing.")
-        difference = self.real(("refine", "difference"), table["difference"])
-        return self.guarded(("refine",), lambda: Refinement(table["levels"], difference))
+        values = {key: self.real(("refine", key), v) if key == "difference" else v for key, v in table.items()}
+        return self.guarded(("refine",), lambda: refinement_of(values))
 
     def rule(self, table: dict[str, Any]) -> Rule | None:
         if not table:
