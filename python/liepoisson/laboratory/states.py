@@ -315,7 +315,11 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
     if page.system:
         own = {"view": _same("view"), "space": several("projection", 3), "series": several("series")}
         return shared | own | {"tol": _same("tol", _number, shortest)}
-    parameters = _same("parameters", lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)), _joined_texts)
+    parameters = _same(
+        "parameters",
+        lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)),
+        lambda texts: ",".join(texts.values()),
+    )
     return {
         "preset": (_preset, lambda state: state.get("preset")),
         "top": parameters,
@@ -328,10 +332,6 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
 
 def _joined(values: Sequence[float]) -> str:
     return ",".join(map(shortest, values))
-
-
-def _joined_texts(values: Mapping[str, str]) -> str:
-    return ",".join(values.values())
 
 
 def _preset(key: str) -> State:

@@ -120,7 +120,9 @@ class FileFamily(Family):
         if top is not None:
             return _top_of(top, self.name)
         with _SYMPY:
-            return _file_system(self._file, values)
+            exact = {name: _exact(value) for name, value in values.items()}
+            parameters = {**self._file.parameters, **exact}
+            return replace(self._file, parameters=parameters, symbols=(), integrals={}).system()
 
     def top(self, values: Mapping[str, Any]) -> TopField | None:
         """The parameters of the top, from formulas in those of the file."""
@@ -129,7 +131,8 @@ class FileFamily(Family):
             return None
         names = [name for name in self.shapes if name not in values]
         known = {**{name: self.defaults[name] for name in names}, **values}
-        numbers = np.array(formulas(*(x for name in self.shapes for x in np.ravel(_floats(known[name])))), np.float64)
+        given = [float(x) for name in self.shapes for x in np.ravel(np.array(known[name], object))]
+        numbers = np.array(formulas(*given), np.float64)
         if not np.isfinite(numbers).all() or not (numbers[:3] > 0).all():
             raise ParameterError(f"{self.name} must have finite parameters and positive moments; got {dict(values)}.")
         inertia, a, b = (cast("Any", tuple(numbers[k : k + 3].tolist())) for k in (0, 3, 6))
@@ -229,10 +232,6 @@ def _is_written_as_top(system: Any, top: Any) -> bool:
     return top.has_bracket(system.bracket) and expand(system.hamiltonian - top.hamiltonian(*fields)) == 0
 
 
-def _floats(value: Any) -> Array:
-    return np.array([[float(v) for v in np.ravel(np.asarray(value, object))]])
-
-
 @lru_cache(maxsize=256)
 def _top_of(top: TopField, name: str) -> Any:
     from liepoisson.model.tops import Top
@@ -240,11 +239,6 @@ def _top_of(top: TopField, name: str) -> Any:
     with _SYMPY, warnings.catch_warnings():
         warnings.simplefilter("ignore", InertiaWarning)
         return Top(inertia=top.inertia, a=top.a, b=top.b, epsilon=top.epsilon, name=name)
-
-
-def _file_system(file: SystemFile, values: Mapping[str, Any]) -> Any:
-    exact = {name: _exact(value) for name, value in values.items()}
-    return replace(file, parameters={**file.parameters, **exact}, symbols=(), integrals={}).system()
 
 
 def _exact(value: Any) -> Any:

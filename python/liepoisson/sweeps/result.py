@@ -44,14 +44,6 @@ _MEANING = {
 }
 
 
-def _spec_record(spec: SweepSpec) -> dict[str, Any]:
-    return {"record": spec.record(), "description": spec.description()}
-
-
-def _spec_of(record: dict[str, Any]) -> SweepSpec:
-    return SweepSpec.of_record(record["record"], record["description"])
-
-
 @dataclass(frozen=True, kw_only=True)
 class Sweep(Result):
     """The values of a sweep at its points.
@@ -81,7 +73,10 @@ class Sweep(Result):
     kind = "sweep"
     rows = ("point",)
 
-    spec: SweepSpec = recorded(_spec_record, _spec_of)
+    spec: SweepSpec = recorded(
+        lambda spec: {"record": spec.record(), "description": spec.description()},
+        lambda written: SweepSpec.of_record(written["record"], written["description"]),
+    )
     places: tuple[Place, ...]
     points: Array = labelled("point", "axis", long_name="values of the axes")
     level: NDArray[np.int64] = labelled("point", long_name="level of refinement", units="1")

@@ -160,7 +160,10 @@ class Starts:
             _check_value(self.energy, "energy", is_one=True)
         for name, value in casimirs.items():
             if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
-                raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
+                hint = did_you_mean(str(name), ("ensemble", "energy", "sampling")).strip() or "Correct the name."
+                raise ParameterError(
+                    f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}. {hint}"
+                )
             _check_value(value, name, is_one=True)
         object.__setattr__(self, "casimirs", _owned(casimirs))
 
