@@ -58,7 +58,6 @@ def convergence(
         label: Name of the ensemble in the legend.
         colour: Of the curve, by default the next of the cycle.
         confidence: Pointwise coverage of the dark band.
-        ax: Axes to draw into, by default those of a new figure.
 
     Returns:
         The axes, with a logarithmic time axis.
@@ -169,7 +168,6 @@ def exponent_distribution(
         colour: Of the histogram.
         bins: Number of bins, or their edges.
         filled: Whether to shade the area under the outline.
-        ax: Axes to draw into, by default those of a new figure.
 
     Raises:
         ShapeError: not one number per trajectory.
@@ -222,7 +220,6 @@ def window_scan(
         fits: Result of `liepoisson.fits.window_scan`.
         reference: A value to compare with, drawn as a horizontal line.
         reference_label: Its name in the legend.
-        ax: Axes to draw into, by default those of a new figure.
     """
     fits = sequence(fits, "fits", "fits", "window_scan(time, exponent)")
     for fit in fits:

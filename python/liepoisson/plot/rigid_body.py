@@ -251,7 +251,6 @@ def sleeping_diagram(
         twists: The values of u.
         spin: The plane is drawn for $|p|$ up to this.
         field: And for $|q|$ up to this.
-        ax: Axes to draw into, by default those of a new figure.
 
     Raises:
         ParameterError: no twist, or a number that is not finite.

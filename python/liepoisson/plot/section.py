@@ -103,7 +103,6 @@ def section(
         colour: Of all points, or of the trajectories in turn; by default the six colours of the style, so that the
             seventh trajectory has that of the first.
         size: Diameter of a point in printer's points; by default it follows from their number.
-        ax: Axes to draw into, by default those of a new figure.
 
     Returns:
         The axes; of two sheets those of the first.

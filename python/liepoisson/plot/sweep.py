@@ -63,7 +63,6 @@ def sweep(
         show_levels: Mark the points that refinement added: ticks below a curve, dots in a map.
         label: Name of the curve in a legend.
         colour: Of the curve.
-        ax: Axes to draw into, by default those of a new figure.
 
     Returns:
         The axes.

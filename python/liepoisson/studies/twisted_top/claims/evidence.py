@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial, wraps
 from typing import Any, Literal, TypeAlias
 
 import liepoisson as lp
@@ -64,11 +65,6 @@ class Step:
         return {**vars(self), "computed": list(self.computed), "table": [list(row) for row in self.table]}
 
 
-def certificate(steps: tuple[Step, ...]) -> str:
-    """The steps as text, one fact per line with ✓ or ✗, and indented below it what was computed."""
-    return "\n".join(line for step in steps for line in step.lines)
-
-
 def summary_of(steps: tuple[Step, ...]) -> str:
     """What a proof consists of, for example "1 counter-example, 3 identities"."""
     counts = [sum(step.kind == kind for step in steps) for kind in _NAMES]
@@ -94,7 +90,7 @@ class Verdict:
     @property
     def certificate(self) -> str:
         """The computation as text, one step per line, each marked ✓ or ✗, with what was computed below."""
-        return certificate(self.steps)
+        return "\n".join(line for step in self.steps for line in step.lines)
 
 
 def extended_rotations(extension: lp.Extension) -> lp.Bracket:
@@ -127,11 +123,11 @@ CHECKS: dict[str, Check] = {}
 """The check of each claim by the id of the claim; one that returns no verdict leaves it to its evidence."""
 
 
-def checks(claim: str) -> Callable[[Check], Check]:
-    """Register the check of a claim."""
+def checks(claim: str, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Register the check of a claim; one that several claims share is called with the options of each."""
 
-    def register(check: Check) -> Check:
-        CHECKS[claim] = check
+    def register(check: Callable[..., Any]) -> Callable[..., Any]:
+        CHECKS[claim] = wraps(check)(partial(check, **options)) if options else check
         return check
 
     return register
