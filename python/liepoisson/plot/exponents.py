@@ -109,16 +109,16 @@ def _mean_of(growth: GrowthLike, confidence: float) -> MeanCurve:
     return mean_curve(growth.time, growth.exponent, confidence=confidence)
 
 
-def draw_fit(ax: Axes, fit: FiniteTimeFit | LogFit, time: FloatArray, *, colour: str = INK) -> None:
+def draw_fit(ax: Axes, fit: FiniteTimeFit | LogFit, time: FloatArray) -> None:
     """A fitted law: solid inside its window, dotted where it is continued."""
     low, high = fit.window
     inside = np.geomspace(low, high, 200)
     law = fit_formula(fit)
-    ax.plot(inside, fit.curve(inside), color=colour, linewidth=0.9, zorder=4, label=law)
+    ax.plot(inside, fit.curve(inside), color=INK, linewidth=0.9, zorder=4, label=law)
     for start, end in ((max(time[0], low / 4), low), (high, time[-1])):
         if end > start:
             outside = np.geomspace(start, end, 100)
-            ax.plot(outside, fit.curve(outside), color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=4)
+            ax.plot(outside, fit.curve(outside), color=INK, linewidth=0.9, linestyle=(0, (1, 2)), zorder=4)
 
 
 def fit_formula(fit: FiniteTimeFit | LogFit) -> str:

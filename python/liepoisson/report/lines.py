@@ -187,11 +187,11 @@ def write_line(line: Line, style: Style) -> str:
     )
 
 
-def joined(pieces: Iterable[Written], separator: str = ", ") -> list[Piece]:
-    """Formulas with a separator between them."""
+def joined(pieces: Iterable[Written]) -> list[Piece]:
+    """Formulas with commas between them."""
     row: list[Piece] = []
     for piece in pieces:
-        row += [separator, piece] if row else [piece]
+        row += [", ", piece] if row else [piece]
     return row
 
 

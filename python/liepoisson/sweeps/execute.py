@@ -312,9 +312,7 @@ class Report:
         return max(0.0, self.wall_seconds * self.workers - self.task_seconds) / max(1, self.n_pieces)
 
 
-def run_pieces(
-    executor: Threads | Cluster, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None], retries: int = RETRIES
-) -> Report:
+def run_pieces(executor: Threads | Cluster, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None]) -> Report:
     """Compute pieces; each result goes to `keep` at once, in this thread."""
     began, report = time.perf_counter(), Report(workers=executor.workers)
     waiting = {piece.index: piece for piece in pieces}
@@ -333,7 +331,7 @@ def run_pieces(
             del waiting[event.index]
         elif event.is_lost:
             executor.submit(waiting[event.index])
-        elif tries[event.index] < retries:
+        elif tries[event.index] < RETRIES:
             tries[event.index] += 1
             report.retried += 1
             executor.submit(waiting[event.index])

@@ -133,7 +133,7 @@ def count_verdicts(claims: Iterable[Entry], entries: Iterable[Entry]) -> dict[st
     return dict(Counter(str(claim["verdict"]) for claim in claims if claim["id"] not in repeated))
 
 
-def errata_lines(entries: Iterable[Entry], width: int = 100) -> list[str]:
+def errata_lines(entries: Iterable[Entry]) -> list[str]:
     """The list as text: for each verdict its mistakes, what is printed, what is right, and where it occurs again."""
     entries = list(entries)
     lines = [TITLE] if entries else ["No misprints or errors were found."]
@@ -146,7 +146,7 @@ def errata_lines(entries: Iterable[Entry], width: int = 100) -> list[str]:
             for label, text in (("paper", entry["statement"]), ("right", entry["correct_statement"]), ("same", also)):
                 indent = f"      {label}: "
                 lines += textwrap.wrap(
-                    text, width, initial_indent=indent, subsequent_indent=" " * len(indent), break_on_hyphens=False
+                    text, 100, initial_indent=indent, subsequent_indent=" " * len(indent), break_on_hyphens=False
                 )
     return lines
 
