@@ -160,7 +160,7 @@ def _orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
             f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
         )
     targets = evaluate_targets(spec, sweep.system, sweep.points[[point]])
-    system, states = system_and_starts(Piece.of(spec, sweep.system, targets, 1))
+    system, states = system_and_starts(Piece(0, spec, sweep.system, targets))
     return system, states[member]
 
 

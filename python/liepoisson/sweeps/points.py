@@ -104,6 +104,11 @@ class Targets:
     energy: Array | None  # shape (point,), or None where it is free
     casimirs: Mapping[str, Array]  # shape (point,) each
 
+    def __len__(self) -> int:
+        """How many points: each axis sets something."""
+        arrays = (*self.parameters.values(), *self.casimirs.values(), self.energy)
+        return len(next(array for array in arrays if array is not None))
+
     def values(self, point: int) -> dict[str, Any]:
         """The parameters of one point: numbers, and tuples of them."""
         rows = {name: array[point] for name, array in self.parameters.items()}

@@ -277,12 +277,9 @@ class _Run:
 
     def _pieces(self, level: Level, missing: Sequence[int]) -> list[Piece]:
         targets = evaluate_targets(self.spec, self.family, level.points)
-        pieces: list[Piece] = []
-        for index in missing:
-            rows = level.rows(index)
-            n = len(level.points[rows])
-            pieces.append(Piece.of(self.spec, self.family, targets.rows(rows), n, index=index, meaning=self.meaning))
-        return pieces
+        return [
+            Piece(index, self.spec, self.family, targets.rows(level.rows(index)), self.meaning) for index in missing
+        ]
 
     def _sweep(self) -> Sweep:
         counts = [len(level.points) for level in self.levels]
