@@ -13,7 +13,7 @@ import traitlets
 
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.laboratory.pages import Page, as_data
-from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State, parts_of
+from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State
 from liepoisson.model.tops import Top
 
 _PLACE = 'const PAGE = "";'
@@ -66,12 +66,12 @@ class View(anywidget.AnyWidget):
         self, page: Page, system: Any, *, state: Mapping[str, Any], playing: bool, height: int, panels: str
     ) -> None:
         record = page.record
-        self._addresses = Addresses(parts_of(record), "" if record is None else str(record["id"]))
+        self._addresses = Addresses.of(record)
         self._shown = system
         address = page.address
         if record is not None:
             begins = {"start": [float(text) for text in record["start"]]}
-            address = self._addresses.write(self._addresses.parts.checked(begins))
+            address = self._addresses.write(self._addresses.checked(begins))
         self._known: State = self._addresses.read(address)
         self._known = self._addresses.changed(self._known, state)
         super().__init__(
@@ -123,11 +123,11 @@ class View(anywidget.AnyWidget):
 
     @traitlets.validate("start")
     def _valid_start(self, proposal: dict[str, Any]) -> Any:
-        return self._addresses.parts.checked({"start": proposal["value"]})["start"]
+        return self._addresses.checked({"start": proposal["value"]})["start"]
 
     @traitlets.validate("time")
     def _valid_time(self, proposal: dict[str, Any]) -> Any:
-        return self._addresses.parts.checked({"time": proposal["value"]})["time"]
+        return self._addresses.checked({"time": proposal["value"]})["time"]
 
     @traitlets.validate("height")
     def _valid_height(self, proposal: dict[str, Any]) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, field, fields
 from os import PathLike
 from pathlib import Path
@@ -100,6 +100,9 @@ def sweep(
     _check_options(store, scheduler, patience)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
+    for name, count in (("processes", processes), ("threads", threads)):
+        if count is not None:
+            as_count(count, name, least=1, most=MOST_THREADS, hint="try 2")
     _check_code(spec, allow_code=allow_code)
     family = as_family(spec.system)
     if spec.quantity not in QUANTITIES:
@@ -112,11 +115,22 @@ def sweep(
     path = None if store is None else Path(store)
     if path is not None:
         spec.fingerprint()
+    made: list[Threads | Cluster] = []
+
+    def executor(n_pieces: int) -> Threads | Cluster:
+        """Made once, when pieces are to be computed."""
+        if not made:
+            is_here = scheduler is None and processes is None
+            made.append(Threads(threads, n_pieces) if is_here else Cluster(scheduler, processes, patience))
+        return made[0]
+
     with nullcontext() if path is None else exclusive(path):
         kept = None if path is None else SweepStore(path, spec, fresh=fresh)
-        where = _Where(scheduler, processes, threads, patience)
-        with closing(where):
-            return _Run(spec, family, lattice, kept, where, points_per_piece, progress, meaning).result()
+        try:
+            return _Run(spec, family, lattice, kept, executor, points_per_piece, progress, meaning).result()
+        finally:
+            for one in made:
+                one.close()
 
 
 def read_sweep(path: str | Path) -> Sweep:
@@ -178,30 +192,6 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     return made
 
 
-class _Where:
-    """Makes the executor when a piece is to be computed, once."""
-
-    def __init__(self, scheduler: str | None, processes: int | None, threads: int | None, patience: float) -> None:
-        for name, value in (("processes", processes), ("threads", threads)):
-            if value is not None:
-                as_count(value, name, least=1, most=MOST_THREADS, hint="try 2")
-        self._given = scheduler, processes, threads, patience
-        self._executor: Threads | Cluster | None = None
-
-    def executor(self, n_pieces: int) -> Threads | Cluster:
-        scheduler, processes, threads, patience = self._given
-        if self._executor is None:
-            if scheduler is None and processes is None:
-                self._executor = Threads(threads, n_pieces)
-            else:
-                self._executor = Cluster(scheduler, processes, patience)
-        return self._executor
-
-    def close(self) -> None:
-        if self._executor is not None:
-            self._executor.close()
-
-
 @dataclass
 class _Run:
     """A sweep under way, level by level."""
@@ -210,7 +200,7 @@ class _Run:
     family: Family
     lattice: Lattice
     store: SweepStore | None
-    where: _Where | None = None
+    executor: Callable[[int], Threads | Cluster] | None = None
     points_per_piece: int | None = None
     progress: Progress | None = None
     meaning: Meaning | None = None
@@ -240,12 +230,12 @@ class _Run:
     def _level(self, number: int, places: Sequence[Place]) -> Level:
         points, n = self.lattice.coordinates(places), self.spec.n_starts
         size = self.points_per_piece or piece_size(self.spec, len(points))
-        known = self.store is not None and (self.where is not None or (self.store.path / f"level{number}").is_dir())
+        known = self.store is not None and (self.executor is not None or (self.store.path / f"level{number}").is_dir())
         level = self.store.level(number, points, size, n) if self.store and known else Level.empty(points, size, n)
         self.levels.append(level)
         self.n_reused += int(sum(len(points[level.rows(int(k))]) for k in np.flatnonzero(level.done)))
         missing = np.flatnonzero(~level.done).tolist()
-        if missing and self.where is None:
+        if missing and self.executor is None:
             self.reports.append(Report(remarks=[f"level {number}: {len(missing)} pieces are not computed yet"]))
         else:
             self.reports.append(self._compute(number, level, missing) if missing else Report())
@@ -264,8 +254,8 @@ class _Run:
                 done = sum(len(level.points[level.rows(int(k))]) for k in np.flatnonzero(level.done))
                 self.progress((number + done / len(level.points)) / (self.lattice.levels + 1))
 
-        assert self.where is not None
-        report = run_pieces(self.where.executor(len(missing)), self._pieces(level, missing), keep=keep)
+        assert self.executor is not None
+        report = run_pieces(self.executor(len(missing)), self._pieces(level, missing), keep=keep)
         report.points |= {k: why for k, why in sorted(told.items()) if (level.outcome[k] == FAILED).any()}
         for lack in ("no system", "no start"):
             absent = [why for k, why in sorted(told.items()) if k not in report.points and why.startswith(lack)]
