@@ -20,7 +20,6 @@ from liepoisson.cli.options import (
     show,
 )
 from liepoisson.cli.progress import listening
-from liepoisson.cli.runs import check_limits
 from liepoisson.cli.systems import read_file, read_system, with_settings, with_symbols
 from liepoisson.errors import ParameterError
 
@@ -138,6 +137,7 @@ def darboux(
 
     p = 0 is then invariant, and powers of several whose cofactors cancel make a rational integral.
     """
+    from liepoisson.cli.runs import check_limits  # which needs NumPy; `inspect` does not
     from liepoisson.integrability.darboux import darboux_polynomials
 
     check_limits(time_limit=time_limit)
@@ -234,6 +234,7 @@ def families(
     Parameters without a value are unknown real numbers.  The cases that are found are proved to be all, unless some are
     left: these are named, and the exit code is 1.
     """
+    from liepoisson.cli.runs import check_limits
     from liepoisson.integrability.families import integrable_families
 
     check_limits(time_limit=time_limit)

@@ -157,7 +157,9 @@ def rerun(
             stacklevel=level_of_the_caller(),
         )
     options = arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
-    system = _Repeated(given) if isinstance(given, Run) else given.system
+    system = given.system
+    if isinstance(given, Run):
+        system = FieldSystem(given.system.name, given.components, given.field, given.system)
     found = getattr(import_module(module), function)(system, **options)
     if isinstance(found, Run):
         found = replace(found, system=given.system, **{n: getattr(given, n) for n in ("surface",) if hasattr(given, n)})
@@ -277,38 +279,28 @@ def _system(dataset: Dataset) -> Any:
 
 
 class FieldSystem:
-    """A system of which a file knows the field alone."""
+    """A system by its field: of a file that has nothing else, or with the field that was integrated then.
 
-    def __init__(self, name: str, component_names: tuple[str, ...], field: Field) -> None:
+    Another version may write another field for the same system, which has everything else.
+    """
+
+    def __init__(self, name: str, component_names: tuple[str, ...], field: Field, system: Any = None) -> None:
         self.name = name
         self.component_names = component_names
         self._field = field
+        self._system = system
 
     def field(self) -> Field:
         """The vector field."""
         return self._field
 
     def __getattr__(self, name: str) -> Any:
-        raise AttributeError(f"{name}: the file of this system has its field alone, neither bracket nor Hamiltonian")
+        system = vars(self).get("_system")  # none while it is copied
+        if system is None:
+            raise AttributeError(
+                f"{name}: the file of this system has its field alone, no bracket and no Hamiltonian"
+            )
+        return getattr(system, name)
 
     def __repr__(self) -> str:
         return f"<system {self.name!r} with {self._field.n_components} components, known by its field>"
-
-
-class _Repeated:
-    """The system of a result with the field that was integrated then: another version may write another one."""
-
-    def __init__(self, run: Run) -> None:
-        self._run = run
-
-    @property
-    def component_names(self) -> tuple[str, ...]:
-        return self._run.components
-
-    def field(self) -> Any:
-        return self._run.field
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "_run":  # while it is copied
-            raise AttributeError(name)
-        return getattr(self._run.system, name)

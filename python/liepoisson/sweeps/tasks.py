@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -37,7 +38,6 @@ NO_START, NOT_COMPUTED, NO_SYSTEM, FAILED = range(len(OUTCOMES) - 4, len(OUTCOME
 POINT_TRIES = 3
 """How often a point is tried whose quantity raises an error."""
 _NOT_FINITE = OUTCOMES.index("not finite")
-_TIME_LIMIT = 1e9
 _NO_SYSTEM = (LiePoissonError, ValueError, ArithmeticError)
 """Errors that say that there is no such system; any other is a failure of what makes it."""
 
@@ -296,7 +296,7 @@ def _exponents_of_many(
             x0[found],
             t_end=float(piece.spec.t_end),
             tangents=sample_tangents(x0.shape[-1], piece.spec.n_starts, seed=piece.spec.seed)[member],
-            options=RunOptions.read(_method(piece, fields[0]), piece.threads, _TIME_LIMIT, listen),
+            options=RunOptions.read(_method(piece, fields[0]), piece.threads, math.inf, listen),
         )
         outcome[found] = _ORDER[np.searchsorted(_SORTED, ended)]
     return value, outcome
@@ -315,7 +315,7 @@ def _exponents(
         tangents=sample_tangents(x0.shape[-1], piece.spec.n_starts, seed=piece.spec.seed)[member],
         method=_method(piece, system),
         threads=piece.threads,
-        time_limit=_TIME_LIMIT,
+        time_limit=math.inf,
         progress=listen,
     )
     value[found] = growth.exponent[:, -1]  # NaN where an orbit failed
@@ -339,7 +339,7 @@ def _verdicts(
         rule=piece.spec.rule,
         method=piece.spec.method,
         threads=piece.threads,
-        time_limit=_TIME_LIMIT,
+        time_limit=math.inf,
         progress=listen,
     )
     codes = _ORDER[np.searchsorted(_SORTED, verdict.outcome)]
