@@ -29,12 +29,7 @@ def _heard() -> Generator[None]:
 
 
 def main() -> None:
-    """Run the command line and leave the process with its exit code.
-
-    0: done.  1: a claim about the system that was inspected is false, or a sweep or the cases of a family are not
-    complete.  2: refused or failed, with the reason on standard error and no traceback.  130: interrupted by Ctrl-C.
-    141: who read the output has gone.
-    """
+    """Run the command line and leave the process with its exit code (`liepoisson.cli`)."""
     end(_run)
 
 

@@ -131,18 +131,15 @@ def rerun(
             the limit of time.
     """
     given: Any = source
-    if (spec := _spec_of_table(source)) is not None:
+    spec = _spec_of_table(source)
+    if spec is None and not isinstance(source, Result):
+        given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
+    if spec is not None or given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
 
-        return sweep(spec, threads=threads, progress=progress, allow_code=allow_code)
-    if not isinstance(source, Result):
-        given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
+        return sweep(spec or given.spec, threads=threads, progress=progress, allow_code=allow_code)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]
-    if given.kind == "sweep":
-        from liepoisson.sweeps.run import sweep
-
-        return sweep(given.spec, threads=threads, progress=progress, allow_code=allow_code)
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)
@@ -297,9 +294,7 @@ class FieldSystem:
     def __getattr__(self, name: str) -> Any:
         system = vars(self).get("_system")  # none while it is copied
         if system is None:
-            raise AttributeError(
-                f"{name}: the file of this system has its field alone, no bracket and no Hamiltonian"
-            )
+            raise AttributeError(f"{name}: the file of this system has its field alone, no bracket and no Hamiltonian")
         return getattr(system, name)
 
     def __repr__(self) -> str:

@@ -356,12 +356,7 @@ class SweepSpec:
 
     @classmethod
     def of_record(cls, record: Mapping[str, Any], description: Mapping[str, Any] | None = None) -> SweepSpec:
-        """The spec that `record` and `description` have written.
-
-        Raises:
-            ParameterError: the system or the quantity is a function of the caller, which no record keeps.
-            KeyError, TypeError, ValueError, LiePoissonError: the record is not one of ours.
-        """
+        """The spec that `record` and `description` have written; a function of the caller no record keeps."""
         said: dict[str, Any] = {
             "name": None,
             "labels": [None] * len(record["axes"]),
