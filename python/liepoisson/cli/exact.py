@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -180,40 +180,19 @@ def _plain(expression: Expr) -> str:
 def darboux_record(found: DarbouxPolynomials) -> dict[str, Any]:
     """The polynomials and integrals as data that JSON can write."""
     size = {"degree": found.degree} if found.weight is None else {"weight": found.weight, "weights": found.weights}
+    known = [{"name": name, "expression": _plain(f)} for name, f in found.known.items()]
+    polynomial = {"name": "name", "expression": "expression", "cofactor": "cofactor", "degree": "degree"}
+    integral = {"name": "name", "powers": "powers", "expression": "expression", "polynomial": "is_polynomial"}
+    proof = {"monomials": "n_monomials", "blocks": "n_blocks", "cofactor_monomials": "cofactor_monomials"}
     return {
         "system": found.system.name,
         **size,
-        "on": [_plain(f) for f in found.on],
-        "field": found.field,
-        "known": [{"name": name, "expression": _plain(f)} for name, f in found.known.items()],
-        "found": [
-            {
-                "name": p.name,
-                "expression": _plain(p.expression),
-                "cofactor": _plain(p.cofactor),
-                "degree": p.degree,
-                "real": p.is_real,
-            }
-            for p in found.found
-        ],
-        "rational_integrals": [
-            {
-                "name": r.name,
-                "powers": r.powers,
-                "expression": _plain(r.expression),
-                "polynomial": r.is_polynomial,
-                "independent": r.is_independent,
-            }
-            for r in found.rational_integrals
-        ],
-        "complete": found.complete,
-        "left": list(found.left),
-        "proof": {
-            "monomials": found.n_monomials,
-            "blocks": found.n_blocks,
-            "cofactor_monomials": [_plain(m) for m in found.cofactor_monomials],
-            "cases": found.n_cases,
-        },
+        **_fields(found, on="on", field="field"),
+        "known": known,
+        "found": [_fields(p, **polynomial, real="is_real") for p in found.found],
+        "rational_integrals": [_fields(r, **integral, independent="is_independent") for r in found.rational_integrals],
+        **_fields(found, complete="complete", left="left"),
+        "proof": _fields(found, **proof, cases="n_cases"),
     }
 
 
@@ -282,28 +261,27 @@ def families_record(found: IntegrableFamilies) -> dict[str, Any]:
     """The cases as data that JSON can write, expressions in the grammar of system files."""
     return {
         "system": found.system.name,
-        "degree": found.degree,
-        "on": [_plain(f) for f in found.on],
+        **_fields(found, degree="degree", on="on"),
         "parameters": [str(p) for p in found.parameters],
-        "assumptions": found.assumptions,
-        "general": [_plain(f) for f in found.general],
+        **_fields(found, assumptions="assumptions", general="general"),
         "cases": [_case_record(case) for case in found.cases],
-        "complete": found.complete,
-        "left": list(found.left),
-        "cases_without": found.n_closed,
-        "casimirs": [
-            {"zero": [_plain(c) for c in one.conditions], "casimirs": [_plain(c) for c in one.casimirs]}
-            for one in found.casimirs
-        ],
+        **_fields(found, complete="complete", left="left", cases_without="n_closed"),
+        "casimirs": [_fields(one, zero="conditions", casimirs="casimirs") for one in found.casimirs],
     }
 
 
 def _case_record(case: ParameterCase) -> dict[str, Any]:
     example = None if case.example is None else {str(p): str(value) for p, value in case.example.items()}
-    return {
-        "zero": [_plain(c) for c in case.conditions],
-        "not_zero": [_plain(c) for c in case.nonzero],
-        "example": example,
-        "remark": case.remark,
-        "integrals": [_plain(f) for f in case.integrals],
-    }
+    conditions = _fields(case, zero="conditions", not_zero="nonzero")
+    return {**conditions, "example": example, **_fields(case, remark="remark", integrals="integrals")}
+
+
+def _fields(one: Any, **names: str) -> dict[str, Any]:
+    """Attributes under the names that they have in JSON, expressions in the grammar of system files."""
+    return {key: _as_data(getattr(one, name)) for key, name in names.items()}
+
+
+def _as_data(value: Any) -> Any:
+    if isinstance(value, (list, tuple)):
+        return [_as_data(item) for item in cast("Sequence[Any]", value)]
+    return _plain(value) if hasattr(value, "free_symbols") else value
