@@ -142,12 +142,8 @@ def produced_by(settings: Settings) -> dict[str, Any]:
         "package": "liepoisson",
         "version": lp.__version__,
         "command": command(settings),
-        "members": settings.members,
-        "end_time": settings.end_time,
-        "seed": settings.seed,
-        "tolerance": settings.tolerance,
-        "confidence": RESAMPLING.confidence,
-        "n_bootstrap": RESAMPLING.n_bootstrap,
+        **_fields(settings, "members", "end_time", "seed", "tolerance"),
+        **_fields(RESAMPLING, "confidence", "n_bootstrap"),
     }
 
 
@@ -162,6 +158,10 @@ def command(settings: Settings) -> str:
     return " ".join(["liepoisson reproduce twisted-top", *options])
 
 
+def _fields(one: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(one, name) for name in names}
+
+
 def _run_entry(result: RunResult) -> dict[str, Any]:
     run, curve = result.run, result.curve
     times = sorted({t for t in (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0) if t < run.end_time} | {run.end_time})
@@ -170,12 +170,7 @@ def _run_entry(result: RunResult) -> dict[str, Any]:
         "inertia": [float(moment) for moment in run.inertia],
         "a": list(CENTRE_OF_MASS),
         "b": [0, 0, 0],
-        "epsilon": run.epsilon,
-        "ensemble": run.ensemble,
-        "members": run.members,
-        "end_time": run.end_time,
-        "seed": run.seed,
-        "tolerance": run.tolerance,
+        **_fields(run, "epsilon", "ensemble", "members", "end_time", "seed", "tolerance"),
         "outcomes": result.outcomes,
         "n_averaged": curve.n_members,
         "mean_at": {f"{t:g}": curve.at(t)._asdict() for t in times},
@@ -217,17 +212,18 @@ def _estimates(estimates: dict[str, lp.results.Estimate]) -> dict[str, dict[str,
     return {name: estimate._asdict() for name, estimate in estimates.items()}
 
 
+def _facts(fit: lp.results.FiniteTimeFit | lp.results.LogFit) -> dict[str, Any]:
+    return {"window": list(fit.window), **_fields(fit, "n_times", "rms_residual")}
+
+
 def _fit_entry(fit: lp.results.FiniteTimeFit) -> dict[str, Any]:
-    facts = {"window": list(fit.window), "n_times": fit.n_times, "rms_residual": fit.rms_residual}
     distance = fit.chi_squared(list(PRINTED.values()))
-    return {**facts, **_estimates(fit.estimates), "chi_squared_of_printed": distance}
+    return {**_facts(fit), **_estimates(fit.estimates), "chi_squared_of_printed": distance}
 
 
 def _log_fit_entry(fit: lp.results.LogFit) -> dict[str, Any]:
     return {
-        "window": list(fit.window),
-        "n_times": fit.n_times,
-        "rms_residual": fit.rms_residual,
+        **_facts(fit),
         **_estimates(fit.estimates),
         "with_linear_term": _estimates(fit.with_linear_term),
         "linear_term_is_zero": fit.linear_term_is_zero,
