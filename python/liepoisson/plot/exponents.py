@@ -130,12 +130,9 @@ def fit_formula(fit: FiniteTimeFit | LogFit) -> str:
 
 def time_axis(ax: Axes, first: float, last: float) -> None:
     """Label a logarithmic time axis with plain numbers."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-
-    ax.set_xlim(first, last)
-    ax.set_xlabel(r"$t$")
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set(xlim=(first, last), xlabel=r"$t$")
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter("")
 
 
 @explains_its_arguments

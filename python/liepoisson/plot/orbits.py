@@ -275,15 +275,13 @@ def _view() -> FloatArray:
 
 def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray]) -> None:
     """Whole decades of changes; nothing is drawn where there is none."""
-    from matplotlib.ticker import NullFormatter
-
     shown = _largest(changes, changes, _MOST_CURVES)
     for k, (name, change) in enumerate(shown.items()):
         positive = np.where(change > 0, change, np.nan)
         words = label(name)
         ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=words)
     ax.set_yscale("log")
-    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.yaxis.set_minor_formatter("")
     ax.set_ylabel("largest\nchange", linespacing=0.95)
     sizes = np.concatenate([change[change > 0] for change in shown.values()])
     if sizes.size:

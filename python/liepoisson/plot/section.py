@@ -275,14 +275,14 @@ def _in_one_turn(angles: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:
 
 def _mark_parts_of_pi(axis: Axis) -> None:
     """Ticks at multiples of pi, of pi/2 or of pi/4, the widest of which three fit; narrower axes keep their numbers."""
-    from matplotlib.ticker import FuncFormatter, MultipleLocator
+    from matplotlib.ticker import MultipleLocator
 
     low, high = axis.get_view_interval()
     for parts in (1, 2, 4):
         step = np.pi / parts
         if np.floor(high / step) - np.ceil(low / step) >= 2:
             axis.set_major_locator(MultipleLocator(step))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: _in_pi(round(value * 4 / np.pi))))
+            axis.set_major_formatter(lambda value, _: _in_pi(round(value * 4 / np.pi)))
             return
 
 

@@ -45,12 +45,9 @@ def new_figure(width: float, height: float) -> Figure:
 
 def time_axis(ax: Axes, first: float, last: float) -> None:
     """Label a logarithmic time axis with plain numbers."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-
-    ax.set_xlim(first, last)
-    ax.set_xlabel(r"$t$")
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set(xlim=(first, last), xlabel=r"$t$")
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter("")
 
 
 def lyapunov(results: Results) -> Figure:
@@ -189,7 +186,6 @@ def _mark_ordinary(ax: Axes, ordinary: RunResult) -> None:
 
 def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
-    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     pale_to_dark = LinearSegmentedColormap.from_list("twisted", ["#f8e4da", TWISTED, "#4a1703"])
     energy_range = np.quantile(twisted.energy, [0.0005, 0.9995])
@@ -206,8 +202,8 @@ def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     )
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
     bar.set_label("twisted starts per cell")
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    bar.ax.yaxis.set_minor_formatter(NullFormatter())
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    bar.ax.yaxis.set_minor_formatter("")
     shown = slice(0, None, max(1, len(ordinary.energy) // 1500))
     ax.plot(
         ordinary.energy[shown],
