@@ -211,8 +211,7 @@ def _draw_running(ax: Axes, result: Spectrum, trajectory: int) -> None:
     for k, curve in enumerate(curves.T):
         ax.plot(result.time, curve, color=_colour(k, curves.shape[1]), linewidth=1.1)
     ax.axhline(0.0, color=INK, linewidth=0.6)
-    ax.set_xlim(0.0, result.time[-1])
-    ax.set_ylabel(r"$\lambda_k(t)$")
+    ax.set(xlim=(0.0, result.time[-1]), ylabel=r"$\lambda_k(t)$")
 
 
 def _draw_last(ax: Axes, result: Spectrum, trajectory: int) -> None:

@@ -250,9 +250,7 @@ def _draw_ball(ax: Axes, radius: float, *, graticule: bool) -> None:
         tip = 1.16 * radius * axis[:2]
         ax.plot([0, tip[0]], [0, tip[1]], color=MUTED, linewidth=0.6, zorder=2)
         ax.text(1.12 * tip[0], 1.12 * tip[1], str(k + 1), color=MUTED, fontsize=8.5, ha="center", va="center", zorder=6)
-    ax.set_aspect("equal")
-    ax.set_xlim(-1.32 * radius, 1.32 * radius)
-    ax.set_ylim(-1.32 * radius, 1.32 * radius)
+    ax.set(aspect="equal", xlim=(-1.32 * radius, 1.32 * radius), ylim=(-1.32 * radius, 1.32 * radius))
     ax.set_axis_off()
 
 

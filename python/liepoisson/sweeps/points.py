@@ -145,18 +145,17 @@ def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
         if name in family.shapes:
             _refuse_twice(name, name in parameters, "the parameter")
             parameters[name] = values
-            used.add(name)
         elif owner is not None:
             _set_component(parameters, family, owner, name, values)
-            used.add(name)
         elif name == "energy":
             _refuse_twice(name, energy is not None, "the energy of the starts")
             energy = values
-            used.add(name)
         elif CASIMIR.fullmatch(name):
             _refuse_twice(name, name in casimirs, "this Casimir of the starts")
             casimirs[name] = values
-            used.add(name)
+        else:
+            continue
+        used.add(name)
     _refuse_unused(columns, used, family)
     family.check(parameters)
     _refuse_nonfinite({**parameters, **casimirs, **({} if energy is None else {"energy": energy})})

@@ -35,12 +35,10 @@ _PER_POINT = (
 _DIMENSIONS = ("member", "point", "level")
 OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "verdict", "value", "outcome"])
 """Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
-_MEANING = {
-    "standard_error": {"long_name": "of the mean over the starts: their spread over the root of their number"},
-    "mean_low": {"long_name": "lower end of the 95% interval of the mean over the starts"},
-    "mean_high": {"long_name": "upper end of the 95% interval of the mean over the starts"},
-    "chaotic_fraction_low": {"long_name": "lower end of the 95% interval of the fraction over the starts"},
-    "chaotic_fraction_high": {"long_name": "upper end of the 95% interval of the fraction over the starts"},
+_MEANING = {"standard_error": "of the mean over the starts: their spread over the root of their number"} | {
+    f"{name}_{end}": f"{which} end of the 95% interval of the {word} over the starts"
+    for name, word in (("mean", "mean"), ("chaotic_fraction", "fraction"))
+    for end, which in (("low", "lower"), ("high", "upper"))
 }
 
 
@@ -308,7 +306,8 @@ class Sweep(Result):
         shape = self.spec.shape if is_grid else (len(self.points),)
         is_verdict = self.spec.is_verdict
         variables: dict[str, Any] = {
-            name: (dims, values.reshape(shape), _MEANING.get(name, {})) for name, values in self._per_point().items()
+            name: (dims, values.reshape(shape), {"long_name": _MEANING[name]} if name in _MEANING else {})
+            for name, values in self._per_point().items()
         }
         name = "exponent" if self.spec.is_exponent else "verdict" if is_verdict else "value"
         members = self.verdict if is_verdict else self.value

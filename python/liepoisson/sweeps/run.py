@@ -135,10 +135,8 @@ def sweep(
 
 def read_sweep(path: str | Path) -> Sweep:
     """A sweep from its store, as far as it is computed; nothing is computed and nothing is written."""
-    store, _ = SweepStore.as_found(Path(path))
-    spec = store.spec
-    family = as_family(spec.system)
-    return _Run(spec, family, Lattice(spec), store).result()
+    store = SweepStore.as_found(Path(path))
+    return _Run(store.spec, as_family(store.spec.system), Lattice(store.spec), store).result()
 
 
 def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:

@@ -90,7 +90,7 @@ class SweepStore:
 
     def __init__(self, path: Path, spec: SweepSpec, *, fresh: bool = False) -> None:
         self.path = path
-        self._spec = spec
+        self.spec = spec
         self._fingerprint = spec.fingerprint()
         self.damaged = 0
         self._is_read_only = False
@@ -104,8 +104,8 @@ class SweepStore:
             self._create()
 
     @classmethod
-    def as_found(cls, path: Path) -> tuple[SweepStore, dict[str, Any]]:
-        """The store in a folder as it is, to be read only, and what it says of itself."""
+    def as_found(cls, path: Path) -> SweepStore:
+        """The store in a folder as it is, to be read only."""
         from liepoisson.sweeps.spec import SweepSpec
 
         attributes = read_attributes(path)
@@ -117,18 +117,13 @@ class SweepStore:
         store = cls.__new__(cls)
         store.path, store.damaged, store._is_read_only = path, 0, True
         try:
-            store._spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
+            store.spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
         except LiePoissonError:
             raise
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DamagedFileError(f"{path}: its description cannot be read ({error!r:.100})") from error
         store._fingerprint = attributes["fingerprint"]
-        return store, attributes
-
-    @property
-    def spec(self) -> SweepSpec:
-        """What is computed."""
-        return self._spec
+        return store
 
     def _open(self, fresh: bool) -> None:
         """Compare with what is there; remove it where it shall be."""
@@ -147,7 +142,7 @@ class SweepStore:
             )
         elif attributes.get("fingerprint") != self._fingerprint:
             raise OtherSweepError(
-                f"{self.path} holds another sweep: {_difference(attributes['spec'], self._spec.record())}. Use the "
+                f"{self.path} holds another sweep: {_difference(attributes['spec'], self.spec.record())}. Use the "
                 "same spec and version to go on with it, choose another store, or discard it with fresh (--fresh)."
             )
 
@@ -157,11 +152,11 @@ class SweepStore:
         attributes = {
             "kind": _MARK,
             "format": _FORMAT,
-            "spec": self._spec.record(),
+            "spec": self.spec.record(),
             "fingerprint": self._fingerprint,
             "version": __version__,
-            "held": self._spec.held(),
-            "description": self._spec.description(),
+            "held": self.spec.held(),
+            "description": self.spec.description(),
         }
         with _zarr(self.path):
             zarr.create_group(store=str(self.path), attributes=attributes, overwrite=False)
@@ -179,7 +174,7 @@ class SweepStore:
             if not self._is_read_only:
                 self._make_ready(folder, points, size, n)
             arrays: Any = zarr.open_group(store=str(folder), mode="r", use_consolidated=False)
-            _check_arrays(arrays, _layouts(len(points), len(self._spec.axes), n, size))
+            _check_arrays(arrays, _layouts(len(points), len(self.spec.axes), n, size))
             stored = np.asarray(arrays["point"])
         except OutputError:
             raise
@@ -215,7 +210,7 @@ class SweepStore:
         has_points = (folder / "point" / "0.0").exists()
         if not absent and has_points and (folder / "zarr.json").exists():
             return
-        attributes: dict[str, Any] = {"axes": [axis.name for axis in self._spec.axes]}
+        attributes: dict[str, Any] = {"axes": [axis.name for axis in self.spec.axes]}
         group: Any = zarr.open_group(store=str(folder), mode="a", attributes=attributes, use_consolidated=False)
         for name in absent:
             group.create_array(name, **layouts[name])

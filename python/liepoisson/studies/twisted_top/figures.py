@@ -78,8 +78,7 @@ def _draw_both_tops(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
         ax.lines[drawn].set_linewidth(2.2)
     late = time[time >= 3]
     ax.plot(late, printed_fit(late), color=MUTED, linestyle=_DASHES, label=rf"fit as printed {PRINTED_FORMULA}")
-    ax.set_ylim(-0.02, 0.52)
-    ax.set_xlim(1.0, time[-1])
+    ax.set(ylim=(-0.02, 0.52), xlim=(1.0, time[-1]))
     top, fitted, other, printed = zip(*ax.get_legend_handles_labels(), strict=True)
     ax.legend(*zip(top, other, fitted, printed, strict=True), loc="upper right")
     ax.set_title("(a)")
