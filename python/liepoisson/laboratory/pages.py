@@ -309,9 +309,14 @@ def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
         from liepoisson.numeric.sampling import sample_states
 
         return sample_states(system, 1, seed=0)[0]
-    state = as_array(start, "start", component_names(system, n))
-    if state.shape != (n,):
-        raise ShapeError(f"start must have {n} components, those of {system.name!r:.60}; got shape {state.shape}.")
+    return checked_start(start, component_names(system, n))
+
+
+def checked_start(start: ArrayLike, components: Sequence[str]) -> Array:
+    """A start as the page shows it, shape (component,)."""
+    state = as_array(start, "start", components)
+    if state.shape != (len(components),):
+        raise ShapeError(f"start must have {len(components)} components, as the system has; got shape {state.shape}.")
     if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:
         raise ParameterError(f"start must have numbers up to {LARGEST:g}, as the page shows them. Rescale the system.")
     return state

@@ -19,7 +19,7 @@ import numpy as np
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.given import by_name, listed, named
-from liepoisson.laboratory.pages import LARGEST, exact_text, shortest
+from liepoisson.laboratory.pages import checked_start, exact_text, shortest
 from liepoisson.laboratory.tops import PARAMETERS, presets
 
 State = dict[str, Any]
@@ -147,14 +147,6 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
 
         return check
 
-    def start(values: Any) -> tuple[float, ...]:
-        state = as_array(values, "start", page.components)
-        if state.shape != (len(page.components),):
-            raise ShapeError(f"start must have {len(page.components)} components; got shape {state.shape}.")
-        if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:
-            raise ParameterError(f"start must have numbers up to {LARGEST:g}, as the page shows them.")
-        return tuple(float(value) + 0.0 for value in state)
-
     def direction(sign: Any) -> int:
         if isinstance(sign, bool) or not isinstance(sign, int | float | np.number) or sign not in (-1, 0, 1):
             raise ParameterError(f"direction must be -1, 0 or 1; got {sign!r:.40}.")
@@ -166,7 +158,7 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         "parameters": _parameters,
     }
     shared: dict[str, Callable[[Any], Any]] = {
-        "start": start,
+        "start": lambda values: tuple(float(value) + 0.0 for value in checked_start(values, page.components)),
         "surface": _one_of("surface", page.surfaces),
         "direction": direction,
         "axes": several("axes", 2, 2),
