@@ -11,6 +11,7 @@ import numpy as np
 
 from liepoisson.compile.field import record_of
 from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.methods import Taylor
@@ -169,18 +170,8 @@ def saved_of(system: Any, result: Any, trajectory: int = 0) -> SavedResult:
             f"the result must be one of {system.name!r:.60}; it has another vector field, that of "
             f"{result.system.name!r:.60}. Leave the system out: the page then shows that of the result."
         )
-    chosen = checked_trajectory(trajectory, len(result.start))
+    chosen = as_count(trajectory, "trajectory", most=len(result.start) - 1)
     return _orbit(result, chosen) if isinstance(result, Orbit) else _section(result, chosen)
-
-
-def checked_trajectory(trajectory: Any, n: int) -> int:
-    """Which of n orbits."""
-    if isinstance(trajectory, bool) or not isinstance(trajectory, int | np.integer) or not 0 <= trajectory < n:
-        raise ParameterError(
-            f"trajectory must be a whole number from 0 to {n - 1}, as there {'are' if n > 1 else 'is'} {n}; "
-            f"got {trajectory!r:.40}."
-        )
-    return int(trajectory)
 
 
 def _shown_only(result: Orbit | Section) -> str | None:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.errors import MissingPackageError, ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name
-from liepoisson.laboratory.description import checked_trajectory
+from liepoisson.inputs.refusals import check_choice
 from liepoisson.laboratory.pages import Page, page_of
 from liepoisson.laboratory.states import HORIZON
 from liepoisson.numeric.integrate import Orbit
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.laboratory.widget import View
 
-PANELS = ("two", "all")
 HEIGHTS = {"two": 460, "all": 820}
 """Pixels, for each choice of panels."""
 
@@ -80,8 +80,7 @@ def view(
     """
     if not isinstance(playing, bool | np.bool_):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"playing must be True or False; got {playing!r:.40}.")
-    if panels not in PANELS:
-        raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
+    check_choice(panels, "panels", tuple(HEIGHTS))
     begin = {} if state is None else by_name(state, "state", "parts", "{'time': 5}")
     page, system = _page(shown, start, surfaces, trajectory, point)
     if isinstance(shown, Rod):
@@ -125,7 +124,7 @@ def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | N
 
 def _of_rod(rod: Rod, trajectory: int) -> Page:
     starts = rod.attitude.orbit.start[:, : len(rod.system.component_names)]
-    page = page_of(rod.system, start=starts[checked_trajectory(trajectory, len(starts))])
+    page = page_of(rod.system, start=starts[as_count(trajectory, "trajectory", most=len(starts) - 1)])
     if page.record is not None:
         raise ParameterError(
             f"the page draws the rods of tops with parameters that are fractions or decimals; {rod.system.name!r:.60} "
@@ -143,7 +142,7 @@ def _of_sweep(sweep: Sweep, trajectory: int, point: int | None) -> tuple[Page, A
             "a sweep is viewed at one of its points, as each has a system and starts of its own; "
             f"got point={point!r:.40}. Say which: from point=0 ({first}) to point={n - 1} ({last})."
         )
-    member = checked_trajectory(trajectory, sweep.spec.n_starts)
+    member = as_count(trajectory, "trajectory", most=sweep.spec.n_starts - 1)
     system, start = _orbit_at(sweep, int(chosen), member)
     return page_of(system, start=start), system
 

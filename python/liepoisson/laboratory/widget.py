@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from typing import Any, cast
 
@@ -12,6 +12,7 @@ import anywidget
 import traitlets
 
 from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.laboratory.pages import Page, as_data
 from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State
 from liepoisson.model.tops import Top
@@ -21,6 +22,9 @@ _PLACE = 'const PAGE = "";'
 
 _FROM_PAGE = ("address", "playing", "message")
 """What the page says; everything else goes to it only."""
+
+checked_height = partial(as_count, name="height", least=100, most=4000, hint="these are pixels")
+"""Pixels that a cell can have."""
 
 
 @cache
@@ -151,10 +155,3 @@ class View(anywidget.AnyWidget):
 
 def _shortened(message: str) -> str:
     return message if len(message) <= LONGEST_MESSAGE else f"{message[: LONGEST_MESSAGE - 1]}…"
-
-
-def checked_height(height: Any) -> int:
-    """Pixels that a cell can have."""
-    if isinstance(height, bool) or not isinstance(height, int) or not 100 <= height <= 4000:
-        raise ParameterError(f"height must be a whole number of pixels from 100 to 4000; got {height!r:.40}.")
-    return height

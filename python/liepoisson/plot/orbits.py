@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import at_times, by_name
 from liepoisson.inputs.refusals import not_a
@@ -112,9 +113,7 @@ def _arrays(run: OrbitLike, trajectory: int) -> tuple[FloatArray, FloatArray, tu
     if not hasattr(run, "state") or not hasattr(run, "time"):
         raise not_a("what integrate returns", run, "run", "try integrate(system, starts, t_end=100)")
     states, time = np.asarray(run.state, np.float64), np.asarray(run.time, np.float64)
-    if not np.issubdtype(type(trajectory), np.integer) or not 0 <= trajectory < len(states):
-        raise ParameterError(f"trajectory must be from 0 to {len(states) - 1}; got {trajectory!r:.80}.")
-    state = states[trajectory]
+    state = states[as_count(trajectory, "trajectory", most=len(states) - 1)]
     good = np.isfinite(state).all(axis=1)
     if good.sum() < 2:
         raise ParameterError(

@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_positive
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE
-from liepoisson.inputs.refusals import not_a
+from liepoisson.inputs.refusals import check_choice, not_a
 from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.labels import formula, label, name_of_system, number, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
@@ -119,11 +120,13 @@ def section(
     member, signs = _member(points), np.asarray(points.sign)
     values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]
     shown = np.isfinite(values[0]) & np.isfinite(values[1])
-    if wanted := _as_sign(sign):
-        shown &= signs == wanted
+    check_choice(sign, "sign", (1, -1, 0), "0 takes both")
+    if sign:
+        shown &= signs == sign
     if trajectories is not None:
         shown &= np.isin(member, _as_trajectories(trajectories, points, member))
-    colours, diameter = as_colours(colour), _as_size(size)
+    colours = as_colours(colour)
+    diameter = None if size is None else as_positive(size, "size", "a positive number of printer's points", example=2)
     if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a text", title, "title", 'write title="...", or leave it out')
     heading = _heading(points, np.unique(member[shown])) if title is None and ax is None else title
@@ -453,20 +456,6 @@ def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]
     if not all(isinstance(k, (int, np.integer)) and not isinstance(k, bool) and 0 <= k < n for k in given):
         raise ParameterError(f"trajectories must be whole numbers from 0 to {n - 1}; got {wanted!r:.80}.")
     return np.array(given, dtype=np.int64)
-
-
-def _as_sign(sign: Any) -> int:
-    if not isinstance(sign, (int, np.integer)) or sign not in (-1, 0, 1):
-        raise ParameterError(f"sign must be +1, -1 or 0 for both; got {sign!r:.80}.")
-    return int(sign)
-
-
-def _as_size(size: Any) -> float | None:
-    if size is None:
-        return None
-    if isinstance(size, bool) or not isinstance(size, (int, float, np.number)) or not 0 < float(size) < np.inf:
-        raise ParameterError(f"size must be a positive number of printer's points; got {size!r:.80}. Leave it out?")
-    return float(size)
 
 
 def _axis_label(coordinate: str | ArrayLike) -> str:
