@@ -19,6 +19,7 @@ import numpy as np
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.given import by_name, listed, named
+from liepoisson.inputs.refusals import check_choice
 from liepoisson.laboratory.pages import checked_start, exact_text, shortest
 from liepoisson.laboratory.tops import PARAMETERS, presets
 
@@ -148,8 +149,7 @@ def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
         return check
 
     def direction(sign: Any) -> int:
-        if isinstance(sign, bool) or not isinstance(sign, int | float | np.number) or sign not in (-1, 0, 1):
-            raise ParameterError(f"direction must be -1, 0 or 1; got {sign!r:.40}.")
+        check_choice(sign, "direction", (-1, 0, 1))
         return int(sign)
 
     keys = [preset["key"] for preset in presets()]

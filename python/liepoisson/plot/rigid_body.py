@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_number
+from liepoisson.formula.scalars import as_number, as_positive
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed
 from liepoisson.plot.style import (
@@ -91,10 +91,10 @@ def rod(
     count = len(np.asarray(rod.centre_line))
     if not np.issubdtype(type(trajectory), np.integer) or not -count <= trajectory < count:
         raise ParameterError(f"trajectory: wanted one of {count}; got {trajectory!r:.60}; they count from 0")
-    if radius is not None and not (_is_number(radius) and radius > 0):
-        raise ParameterError(f"radius: wanted a positive length; got {radius!r:.60}; leave it out")
+    if radius is not None:
+        as_positive(radius, "radius", "a positive length", example=0.1)
     for name, angle in (("elevation", elevation), ("azimuth", azimuth)):
-        if not _is_number(angle):
+        if not np.isfinite(as_number(angle, name, "an angle in degrees")):
             raise ParameterError(f"{name}: wanted an angle in degrees; got {angle!r:.60}; leave it out")
     r = np.asarray(rod.centre_line, dtype=np.float64)[trajectory]
     good = np.isfinite(r).all(axis=-1)
@@ -134,10 +134,6 @@ def _axes_of_the_rod(figure: Figure, needed: float, share: float) -> Any:
     side = _HEIGHT * min(height / _HEIGHT, width * share / needed)
     place = ((width * share - side) / 2 / width, (height - side) / 2 / height + 0.025, side / width, side / height)
     return figure.add_axes(place, projection="3d", computed_zorder=False, facecolor="none")
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
 
 
 def tube(r: FloatArray, directors: FloatArray, radius: float) -> FloatArray:

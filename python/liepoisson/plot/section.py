@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_positive
+from liepoisson.formula.scalars import as_count, as_positive
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE
@@ -453,9 +453,7 @@ def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]
     n = int(member.max(initial=-1)) + 1 if outcomes is None else len(outcomes)
     several = listed(wanted, "trajectories")
     given = [as_scalar(wanted)] if several is None else several
-    if not all(isinstance(k, (int, np.integer)) and not isinstance(k, bool) and 0 <= k < n for k in given):
-        raise ParameterError(f"trajectories must be whole numbers from 0 to {n - 1}; got {wanted!r:.80}.")
-    return np.array(given, dtype=np.int64)
+    return np.array([as_count(k, "trajectories", most=n - 1) for k in given], dtype=np.int64)
 
 
 def _axis_label(coordinate: str | ArrayLike) -> str:

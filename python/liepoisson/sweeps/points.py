@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -17,7 +16,6 @@ import numpy as np
 from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.formula.parameters import Shape, component_name
 from liepoisson.inputs.arrays import Array
-from liepoisson.inputs.refusals import shown
 from liepoisson.portable import elementary
 from liepoisson.sweeps.spec import CASIMIR, COMPONENT
 
@@ -169,8 +167,6 @@ def _values(value: Value, columns: Mapping[str, Array], name: str, used: set[str
         return np.stack([_values(item, columns, f"{name}{k + 1}", used) for k, item in enumerate(value)], axis=-1)
     if isinstance(value, str):
         return _formula(value, columns, name, used)
-    if isinstance(value, bool) or not isinstance(value, (int, float, Fraction)):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"{name}: wanted a number, a formula or a list of them; got {shown(value)}.")
     return np.full(n, float(value))
 
 
