@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -98,17 +99,19 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _over_time(result: Any, values: Any, ylabel: str, level: float, ax: Axes | None, *, log: bool) -> Axes:
+def _over_time(result: Any, *, values: str, ylabel: str, level: float, log: bool, ax: Axes | None = None) -> Axes:
+    """Mean MEGNO or SALI against time; dashed is the 2 of a torus, or the round-off."""
+    curves = getattr(result, values)
     with house_style():
         ax = axes_or_new(ax)
-        for k, curve in enumerate(values[:_MOST_CURVES]):
+        for k, curve in enumerate(curves[:_MOST_CURVES]):
             ax.plot(result.time, curve, color=SEQUENCE[k % len(SEQUENCE)], linewidth=1.0)
         ax.axhline(level, color=INK, linewidth=0.8, linestyle="--")
         ax.set_xscale("log")
         if log:
             ax.set_yscale("log")
         else:
-            _linear_then_log(ax, "y", np.nanmax(values, initial=level))
+            _linear_then_log(ax, "y", np.nanmax(curves, initial=level))
         ax.set_xlim(result.time[0], result.time[-1])
         ax.set(xlabel=r"$t$", ylabel=ylabel, title=plain(result.system.name))
     return ax
@@ -127,16 +130,6 @@ def _linear_then_log(ax: Axes, which: str, most: float) -> None:
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(ScalarFormatter())
     getattr(ax, f"set_{which}lim")(0.0, max(1.15 * most, 10.0))
-
-
-def _megno(result: Any, *, ax: Axes | None = None) -> Axes:
-    """Mean MEGNO against time; dashed is the 2 of a torus."""
-    return _over_time(result, result.mean, r"mean MEGNO $\bar Y$", 2.0, ax, log=False)
-
-
-def _alignment(result: Any, *, ax: Axes | None = None) -> Axes:
-    """SALI against time; dashed is the round-off."""
-    return _over_time(result, result.sali, "SALI", 1e-16, ax, log=True)
 
 
 def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
@@ -244,8 +237,8 @@ _FIGURES: dict[str, Callable[..., Any]] = {
     "rod": rod,
     "sweep": sweep,
     "energy profile": profile,
-    "megno": _megno,
-    "alignment": _alignment,
+    "megno": partial(_over_time, values="mean", ylabel=r"mean MEGNO $\bar Y$", level=2.0, log=False),
+    "alignment": partial(_over_time, values="sali", ylabel="SALI", level=1e-16, log=True),
     "verdict": _verdict,
     "exponent": _exponents,
     "frequency drift": _frequencies,
