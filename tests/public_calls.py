@@ -50,9 +50,14 @@ class Order:
 
 @dataclass(frozen=True)
 class ByName:
-    """Values by name; `text` says that a text or a sequence is something else that is taken."""
+    """Values by name.
+
+    `text` says that a text or a sequence is something else that is taken, `components` that a value is a number or a
+    vector whose components have names.
+    """
 
     text: bool = False
+    components: bool = False
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,8 @@ def numbered(name, n):
 def kinds(words, names):
     """Kinds by short words: N names decide, S names or a mapping, o an order, 1 one or several, t texts, e equations.
 
-    v are values by name, and w those or a text.  Names are those of a state, or of one argument in a dict.
+    v are values by name, c those of parameters, and w those or a text.  Names are those of a state, or of one argument
+    in a dict.
     """
     found = {}
     for word in words.split():
@@ -89,7 +95,7 @@ def kinds(words, names):
         own = names.get(argument, TOP.component_names) if isinstance(names, dict) else names
         found[argument] = {
             "N": Order(own), "S": Order(own, mapping=True), "o": Order(), "1": Order(one=True), "t": Order(text=True),
-            "e": Order(text=True, mapping=True), "v": ByName(), "w": ByName(text=True),
+            "e": Order(text=True, mapping=True), "v": ByName(), "c": ByName(components=True), "w": ByName(text=True),
         }[kind]  # fmt: skip
     return found
 
@@ -170,8 +176,8 @@ def _of_algebras(add):
 
 def _of_systems(add):
     I3, a3, b3 = (numbered(name, 3) for name in "Iab")
-    add("catalog.system", "parameters:v", name="heavy-top", parameters={"a": (1, 0, 2)})
-    add("systems.SystemFile.with_parameters", "parameters:v", lp.catalog.entry("lagrange"), parameters={"a": (0, 0, 2)})
+    add("catalog.system", "parameters:c", name="heavy-top", parameters={"a": (1, 0, 2)})
+    add("systems.SystemFile.with_parameters", "parameters:c", lp.catalog.entry("lagrange"), parameters={"a": (0, 0, 2)})
     names = {"inertia": I3, "a": a3, "b": b3, "J": numbered("J", 3)}
     add("catalog.euler_top_on", "inertia:N", None, names, algebra="so(3)", inertia=(3, 2, 1))
     add("catalog.heavy_top_on", "inertia:N a:N", None, names, algebra="so(3)", inertia=(3, 2, 1), a=(1, 0, 2))
@@ -191,12 +197,12 @@ def _of_systems(add):
     add("systems.Top.heavy", "inertia:N a:N", None, names, inertia=(3, 2.5, 2), a=(1, 0, 3))
     add("systems.Top.free_rigid_body", "inertia:N", None, names, inertia=(3, 2.5, 2))
     add(
-        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:v quadratures:v symbols:o integrals:v",
+        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:c quadratures:v symbols:o integrals:v",
         coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*x^2/2", parameters={"k": 2}, quadratures={"psi": "p"},
         integrals={"K": "p^2 + 2*x^2"}, symbols=["m"],
     )  # fmt: skip
     add(
-        "systems.System", "parameters:v symbols:o integrals:v partial_integrals:v", bracket=E3,
+        "systems.System", "parameters:c symbols:o integrals:v partial_integrals:v", bracket=E3,
         hamiltonian="dot(l, l)/2 + k*alpha3 + c", parameters={"k": 2}, symbols=["c"], integrals={"K": "l3"},
         partial_integrals={"P": ("l1", "l2")},
     )  # fmt: skip
@@ -215,7 +221,7 @@ def _of_systems(add):
     add("sweeps.Starts", "casimirs:v", casimirs={"C1": 1, "C2": 0})
     parameters = {"I": (2, 2, 1), "a": (-1, 0, 0), "b": (0, 0, 0)}
     axes = (lp.sweeps.Axis("epsilon", (0.0, 0.5)),)
-    add("sweeps.SweepSpec", "axes:o parameters:v", system="twisted-top", axes=axes, t_end=10, parameters=parameters)
+    add("sweeps.SweepSpec", "axes:o parameters:c", system="twisted-top", axes=axes, t_end=10, parameters=parameters)
 
 
 def _of_runs(add):
@@ -318,7 +324,7 @@ def _of_integrals(add):
     add("integrability.general_system", "degree:1 symmetries:t", **general)
     conditions = {"positive": ["J"], "nonzero": ["a"]}
     add("integrability.integrable_families", "on:e positive:o nonzero:o", **family, on=["C1 = 0"], **conditions)
-    add("integrability.known_lax_pair", "parameters:v", name="lagrange", parameters={"I": (2, 2, 1)})
+    add("integrability.known_lax_pair", "parameters:c", name="lagrange", parameters={"I": (2, 2, 1)})
     symbolic = lp.System(E3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
     given = {"system": symbolic, "degree": 1, "nonzero": ["a3"], "positive": ["I1", "I2", "I3"]}
     add("integrability.lax_families", "nonzero:o positive:o", **given)

@@ -94,6 +94,11 @@ def forms_with_labels(items, kind):
         yield "a dictionary", dict(zip(turned, back, strict=True)), SAME
         yield "a user dictionary", UserDict(zip(turned, back, strict=True)), SAME
         yield "an unknown name", {"gamma": 1}, REFUSED
+        yield "a name twice", {turned[0]: 1, sp.Symbol(turned[0]): 1}, REFUSED
+    if all(name.isidentifier() for name in turned):
+        symbols = [*map(sp.Symbol, turned)]
+        yield "a series of symbols", pd.Series(back, index=symbols, dtype=dtype), SAME
+        yield "a dictionary of symbols", dict(zip(symbols, back, strict=True)), SAME if kind.mapping else ANY
     yield "a series", pd.Series(back, index=turned, dtype=dtype), SAME
     if all(name.isidentifier() and not keyword.iskeyword(name) for name in turned):
         yield "a named tuple", namedtuple("Named", turned)(*back), SAME
@@ -111,6 +116,12 @@ def forms_with_labels(items, kind):
 
 def forms_by_name(plain, kind):
     keys, values = list(plain), list(plain.values())
+    if kind.components:
+        labels = {key: [f"{key}{k + 1}" for k in range(np.size(value))] for key, value in plain.items()}
+        vectors = {key: pd.Series(value, index=labels[key]) for key, value in plain.items() if np.size(value) > 1}
+        yield "labelled components", plain | {key: vector[::-1] for key, vector in vectors.items()}, SAME
+        for key, vector in vectors.items():
+            yield "other labels", plain | {key: vector.set_axis(list("uvwxyz")[: len(vector)])}, REFUSED
     yield "a user dictionary", UserDict(plain), SAME
     yield "a read-only dictionary", MappingProxyType(plain), SAME
     for word, value in {
@@ -124,6 +135,8 @@ def forms_by_name(plain, kind):
         yield "a series", pd.Series(data, index=keys), SAME
         yield "a label twice", pd.Series([*data, *data], index=[*keys, *keys]), REFUSED
         if all(key.isidentifier() for key in keys):
+            yield "symbols", {sp.Symbol(key): value for key, value in plain.items()}, SAME
+            yield "a name twice", {**plain, sp.Symbol(keys[0]): values[0]}, REFUSED
             yield "a named tuple", namedtuple("Named", keys)(*values), SAME
         if all(isinstance(value, (int, float)) for value in values):
             yield "a data set", xr.Dataset(plain), SAME
@@ -215,6 +228,28 @@ def test_several_values_in_the_place_of_one_end_in_no_foreign_error(name):
                     outcome(row.function, row.arguments | {one.name: value})
                 except Exception as error:
                     wrong.append(f"{key}({one.name}={word}): {type(error).__name__}: {error}")
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [*several(), *CALLED])
+@pytest.mark.filterwarnings("ignore")
+def test_values_are_read_once_whatever_else_is_given(name):
+    """What an argument that is left out is made of, such as the window of a fit, may be another one that was read."""
+    wrong = []
+    for key, row in rows().items():
+        if key.split(":")[0] != name:
+            continue
+        parameters = inspect.signature(row.function).parameters
+        for argument, kind in row.kinds.items():
+            plain = row.arguments[argument]
+            if isinstance(kind, ByName) or np.ndim(plain) == 0:
+                continue
+            needed = {other for other, one in parameters.items() if one.default is one.empty or other not in row.kinds}
+            given = {other: value for other, value in row.arguments.items() if other in {*needed, argument}}
+            wanted, found = outcome(row.function, given), outcome(row.function, given | {argument: iter(list(plain))})
+            if found != wanted:
+                wrong.append(f"{key}({argument}=a generator): wanted {wanted!s:.200}\n  got {found!s:.300}")
     assert not wrong, "\n".join(wrong)
 
 

@@ -1,6 +1,9 @@
 """What is refused, and advice followed to the letter: what a message tells the caller to write is a call that runs."""
 
+import ast
 import re
+from itertools import pairwise
+from pathlib import Path
 
 import matplotlib
 import numpy as np
@@ -197,6 +200,12 @@ ADVICE = (
      lambda: lp.orbits.attitude(lp.System(GYROSTAT.translated([0, 0, 1]), "(l1^2 + l2^2 + (l3 + 1)^2)/2 + l1^2"), [1,
          2, 2], times=[0, 1])),
     # sweeps
+    (lambda: lp.sweeps.Axis(sp.Symbol("a3"), (0, 1)), 'got a3. Write the text "a3"',
+     lambda: lp.sweeps.Axis("a3", (0, 1))),
+    (lambda: lp.integrate(HEAVY, {sp.Dummy("l1"): 1}, t_end=1), "got _l1",
+     lambda: lp.integrate(HEAVY, {sp.Symbol("l1"): 1}, t_end=1)),
+    (lambda: lp.integrate(HEAVY, {HEAVY.variables[0] + 1: 1}, t_end=1), "got l1 + 1",
+     lambda: lp.integrate(HEAVY, {HEAVY.variables[0]: 1}, t_end=1)),
     (lambda: sweep(axes={"zz": [0, 1]}), "I1, I2, I3, a1, a2, a3, energy", lambda: sweep(axes={"I1": [1, 2]})),
     (lambda: sweep(axes={"zz": [0, 1]}), 'I = ["1 + zz^2", "1 + zz^2", "1 + zz^2"]',
      lambda: sweep(axes={"zz": [0, 1]}, parameters={"I": ["1 + zz^2"] * 3})),
@@ -220,8 +229,9 @@ ADVICE = (
      lambda: lp.integrability.search_lax_pairs(FREE)),
     (lambda: lp.integrability.general_system(SO3, degree=2), "so(3) @ semidirect(2)",
      lambda: lp.integrability.general_system(PAIR, degree=2)),
-    (lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"x": [1]}), 'such as {"A": [1, "3/2"]}',
-     lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"A": [1, "3/2"], "B": [2], "C": [3]})),
+    (lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"A": [1, 2]}),
+     'such as {"A": [1, "3/2"], "B": 1, "C": 1}',
+     lambda: lp.integrability.scan_integrals(SYMBOLIC, degree=1, axes={"A": [1, "3/2"], "B": 1, "C": 1})),
     # proofs
     (lambda: lp.proofs.Box([1], [0]), "got 1.0 and 0.0 at (0,), an empty box; exchange them?",
      lambda: lp.proofs.Box([0], [1])),
@@ -341,3 +351,27 @@ def test_a_search_wants_a_whole_system(search):
     ):  # fmt: skip
         with pytest.raises(LiePoissonError, match=re.escape(words)):
             search(wrong)
+
+
+VERB = re.compile(r" (is|are|has|have|was|were|does|do|takes?|needs?|lacks?|occurs?|vanish(es)?)\b")
+
+
+def sentences_with_a_list_before_a_verb(tree):
+    """Texts that join names and go on with a verb, which is wrong for one name or for several."""
+    for node in ast.walk(tree):
+        values = node.values if isinstance(node, ast.JoinedStr) else []
+        for part, after in pairwise(values):
+            joins = re.search(r"\.join\(", ast.unparse(part)) and isinstance(part, ast.FormattedValue)
+            if joins and isinstance(after, ast.Constant) and VERB.match(after.value):
+                yield f"line {node.lineno}: {ast.unparse(part)}{after.value[:40]}"
+
+
+def test_no_sentence_has_a_verb_behind_a_list_of_any_length():
+    root = Path(lp.__file__).parent
+    found = {
+        str(path.relative_to(root)): wrong
+        for path in sorted(root.rglob("*.py"))
+        if (wrong := [*sentences_with_a_list_before_a_verb(ast.parse(path.read_text(encoding="utf-8")))])
+    }
+    assert not found
+    assert [*sentences_with_a_list_before_a_verb(ast.parse("f\"{', '.join(names)} have none\""))]

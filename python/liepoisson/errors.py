@@ -230,9 +230,14 @@ class MixingWarning(UserWarning):
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """The question that begins a hint, "Did you mean l3? ", or nothing where no known name is near."""
+    """The question that begins a hint, "Did you mean l3? ", or nothing where no known name is near.
+
+    What only looks like a known name, such as a symbol or a class, is to be given as a text.
+    """
     from difflib import get_close_matches
 
     by_letters = {str(other).casefold(): str(other) for other in known}
+    if not isinstance(name, str) and by_letters.get(str(name).casefold()) == str(name):
+        return f'Write the text "{name}". '
     near = get_close_matches(str(name).casefold(), by_letters, n=1)
     return f"Did you mean {by_letters[near[0]]}? " if near else ""

@@ -38,10 +38,15 @@ from liepoisson.leaf.chart_orbit import ChartOrbit as ChartOrbit
 from liepoisson.leaf.orbit_bounds import Bounds as Bounds
 from liepoisson.model.discrete_symmetries import DiscreteSymmetries as DiscreteSymmetries
 from liepoisson.numeric.integrate import Orbit as Orbit
+from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
+from liepoisson.orbits.guesses import PeriodicOrbits as PeriodicOrbits
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrbit
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit as SymmetricOrbit
-from liepoisson.orbits.periodic_orbits import SymmetricOrbits as SymmetricOrbits
+from liepoisson.orbits.melnikov import Melnikov as Melnikov
+from liepoisson.orbits.multipliers import SymmetricOrbit as SymmetricOrbit
+from liepoisson.orbits.multipliers import SymmetricOrbits as SymmetricOrbits
+from liepoisson.orbits.orbit_families import FamilyPoint as FamilyPoint
+from liepoisson.orbits.orbit_families import OrbitFamily as OrbitFamily
 from liepoisson.orbits.refine import PreciseMidpoint as PreciseMidpoint
 from liepoisson.orbits.refine import PreciseSegment as PreciseSegment
 from liepoisson.poincare.first_return import FirstReturn as FirstReturn

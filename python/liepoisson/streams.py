@@ -37,6 +37,8 @@ class Purpose(IntEnum):
     """Starts in the fixed sets of reversers."""
     HOMOCLINIC_ORBITS = 13
     """Amplitudes on linear unstable spaces."""
+    PERIODIC_ORBITS = 14
+    """States of a level whose returns are looked at."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 

@@ -111,3 +111,8 @@ def test_a_command_without_a_result_says_why_with_exit_code_1(command, arguments
     assert code == 1
     assert ESCAPED in err
     assert "nan" not in out.lower()
+
+
+def test_every_command_has_a_place_on_the_page():
+    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    assert [name for name in COMMANDS if f"liepoisson {name}" not in page and f"`{name}`" not in page] == []

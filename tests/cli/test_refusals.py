@@ -1,11 +1,17 @@
 """What commands refuse: exit code 2, nothing on standard output, and a sentence with the words that matter."""
 
+import re
 import shlex
+from dataclasses import fields
+from functools import cache
+from importlib import import_module
+from pathlib import Path
 
 import pytest
 
 import liepoisson as lp
 from liepoisson.cli.main import COMMANDS, application
+from liepoisson.numeric.methods import METHODS
 
 MATRIX = '[bracket]\nalgebra = "so(3)"\n[parameters]\nA = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]\n[hamiltonian]\n'
 TWIST = (
@@ -30,7 +36,7 @@ REFUSED = (
     ("inspect twisted-top --set epsilon=1 --set epsilon=2", "must give each parameter once; epsilon comes twice"),
     ("""inspect twisted-top --set 'epsilon=__import__("os")'""", "__import__"),
     ("inspect matrix.toml --set A=1,2,3", "A is a matrix. Write it into a system file"),
-    ("orbit twisted-top", "must have numbers for all parameters; epsilon, I[3], a[3], b[3] have none"),
+    ("orbit twisted-top", "must have numbers for all parameters; got none for epsilon, I[3], a[3], b[3]"),
     ("orbit twisted-kovalevskaya --set epsilon=1e-400", "epsilon must be zero or at least 4.9e-324"),
     ("cite todda", "Did you mean toda"),
     ("cite no.nc", "no.nc"),
@@ -97,7 +103,7 @@ REFUSED = (
     ("sweep twist.toml --threads 1 --processes 1", "one of scheduler, processes and threads"),
     ("sweep bogus.toml", "there is no file bogus.toml"),
     ("sweep many.toml", "wanted at most 16777216 points; got 16384 x 16384"),
-    ("sweep large.toml", "results of at most 16 GiB; 1 points with n_starts = 2147483648 take"),
+    ("sweep large.toml", "results of at most 16 GiB; a grid of 1 with n_starts = 2147483648 takes"),
     # exact commands
     ("darboux toda", "wanted a polynomial"),
     ("darboux rattleback --degree 2 --weight 2", "got both"),
@@ -161,6 +167,23 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+@cache
+def options_of(name):
+    """The options of a command."""
+    from typer.main import get_command
+
+    command = get_command(application()).commands[name]
+    return {
+        "--help",
+        *(option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)),
+    }
+
+
+def options_that_are_not_there(name, text):
+    """Options that a message of a command names, and the command does not have."""
+    return {*re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)} - options_of(name)
+
+
 @pytest.mark.parametrize(("line", "words"), REFUSED, ids=[line[:60] for line, _ in REFUSED])
 def test_a_refusal_is_a_sentence_and_writes_nothing(here, command, line, words):
     before = {path: path.read_bytes() for path in here.iterdir()}
@@ -169,6 +192,8 @@ def test_a_refusal_is_a_sentence_and_writes_nothing(here, command, line, words):
     assert words in " ".join(err.split())
     assert "Traceback" not in err
     assert len(err.strip().splitlines()) <= 6
+    name, *given = shlex.split(line)
+    assert not options_that_are_not_there(name, err) - {*given}
     assert {path: path.read_bytes() for path in here.iterdir()} == before
 
 
@@ -191,6 +216,26 @@ def test_every_command_refuses_numbers_that_no_run_can_have(here, command):
                 assert option.strip("-").replace("-", " ") in err.replace("_", " ").replace("-", " "), (name, err)
                 tried.add((name, option))
     assert len(tried) > 25
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_names_options_that_it_has(name):
+    written = Path(import_module(f"liepoisson.cli.{name}").__file__).read_text(encoding="utf-8")
+    assert not options_that_are_not_there(name, written)
+
+
+OF_METHODS = {"--tol": "1e-9", "--step": "0.1", "--order": "4", "--precision": "single"}
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if "--method" in options_of(name)])
+def test_options_of_another_method_are_refused_with_those_that_the_command_has(command, name):
+    for method, kind in METHODS.items():
+        known = {f"--{field.name}" for field in fields(kind)}
+        for option in (OF_METHODS.keys() & options_of(name)) - known:
+            code, out, err = command(name, "kovalevskaya", "--method", method, option, OF_METHODS[option])
+            assert (code, out) == (2, ""), (method, option)
+            assert f"{option} is not an option of {method}, which has --" in err
+            assert not options_that_are_not_there(name, err), err
 
 
 def test_a_limit_of_a_millionth_of_a_second_ends_every_command_that_has_one(here, command):

@@ -1,6 +1,8 @@
-"""Every kind of result can be pickled and copied, and says the same afterwards."""
+"""Every kind of result can be pickled and copied, says the same afterwards, and can be in a set."""
 
 import copy
+import dataclasses
+import inspect
 import pickle
 
 import pytest
@@ -59,6 +61,56 @@ def test_a_result_can_be_pickled_and_copied(kind):
     for other in (pickle.loads(pickle.dumps(result)), copy.deepcopy(result), copy.copy(result)):
         assert type(other) is type(result)
         assert (repr(other), str(other)) == (repr(result), str(result))
+        assert can_be_in_a_set(result, other)
+
+
+def can_be_in_a_set(value, other):
+    """Whether a value is equal to itself and found in a set, and has the hash of what it is equal to."""
+    return value == value and value in {value} and (value != other or hash(value) == hash(other))  # noqa: PLR0124
+
+
+RECORDS = {
+    "Citation": lambda: lp.cite(ENTRY("toda")),
+    "DiscreteSymmetry": lambda: lp.systems.discrete_symmetries(ENTRY("henon-heiles")).reversers[0],
+    "CasimirReport": ENTRY("lagrange").bracket.casimir_report,
+    "Equilibria": lambda: lp.equilibria(ENTRY("henon-heiles"), {}),
+    "Estimate": lambda: lp.results.Estimate(1, 0.1, 0.9, 1.1),
+    "Starts": lambda: lp.sweeps.Starts(casimirs={"C1": 1}),
+    "SweepSpec": lambda: lp.sweeps.SweepSpec(
+        "twisted-top", axes=(lp.sweeps.Axis("epsilon", (0, 1)),), t_end=9, parameters={"a": [1, 0, 0]}
+    ),
+    "SystemFile": lambda: lp.catalog.entry("kovalevskaya"),
+    "Taylor": lp.Taylor,
+}
+
+
+@pytest.mark.parametrize("kind", RECORDS)
+def test_a_record_can_be_in_a_set(kind):
+    value, other = RECORDS[kind](), RECORDS[kind]()
+    assert type(value).__name__ == kind
+    assert can_be_in_a_set(value, other)
+    assert can_be_in_a_set(value, copy.copy(value))
+
+
+def public_classes():
+    for chapter in lp.__all__:
+        module = getattr(lp, chapter)
+        if inspect.ismodule(module):
+            yield from (value for name in module.__all__ if inspect.isclass(value := getattr(module, name)))
+
+
+def test_no_public_class_has_a_hash_of_what_has_none():
+    """Records with arrays are equal to themselves alone: numbers of two runs are compared within bounds."""
+    words = ("Array", "dict", "Mapping", "list", "set[")
+    wrong = {
+        f"{value.__name__}.{field.name}"
+        for value in public_classes()
+        if dataclasses.is_dataclass(value) and value.__dataclass_params__.eq
+        for field in dataclasses.fields(value)
+        if field.compare and field.hash is not False and any(word in str(field.type) for word in words)
+    }
+    assert not wrong
+    assert not {value.__name__ for value in public_classes() if value.__hash__ is None}
 
 
 def test_flint_s_numbers_are_copied_exactly():

@@ -4,6 +4,7 @@ import copy
 import dataclasses
 import inspect
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -188,6 +189,8 @@ def test_the_arrays_of_a_result_are_read_only(kind):
     # copies of a plain tuple are NumPy's, and a leaf has its own arrays
     copies = copy.deepcopy(result), copy.copy(result), pickle.loads(pickle.dumps(result))
     assert all((type(each), repr(each), str(each)) == (type(result), repr(result), str(result)) for each in copies)
+    assert result in {result}
+    assert all(each != result or hash(each) == hash(result) for each in copies)
     for each in (result, *(() if isinstance(result, tuple) else copies)):
         for path, array in arrays_in(each):
             if array.ndim and ".leaf" not in path:
@@ -197,6 +200,29 @@ def test_the_arrays_of_a_result_are_read_only(kind):
     for name in result.dataset.data_vars:
         if result.dataset[name].dtype != object:  # names are copied
             assert not result.dataset[name].to_numpy().flags.writeable, name
+
+
+ONE = {
+    "EnergyProfile": lambda: lp.chaos.exponents_by_energy(
+        TOP,
+        leaf=lp.Leaf.through(TOP, STATES[0]),
+        energies=[float(TOP.functions.energy(STATES[0]))],
+        n_starts=1,
+        t_end=5,
+    ),
+    "Orbit": lambda: lp.integrate(TOP, STATES[0], times=[0, 1], tangents=STATES[1:2]),
+    "Rod": lambda: lp.orbits.rod(lp.Top.lagrange(), STATES[0], length=1.0),
+    "Section": lambda: lp.section(TOP, STATES[0], surface="l3", t_end=50, n_crossings=1),
+    "Sweep": lambda: lp.sweep(system="twisted-kovalevskaya", axes={"energy": [1]}, n_starts=1, t_end=2),
+    "Attitude": lambda: lp.orbits.attitude(TOP, STATES[0], times=[0, 1]),
+}
+
+
+@pytest.mark.parametrize("kind", ONE)
+def test_a_result_of_one_has_the_noun_of_one(kind):
+    result = ONE[kind]()
+    assert type(result).__name__ == kind
+    assert not re.search(r"(?<![\w.])1 \w+s\b", repr(result)), repr(result)
 
 
 def test_a_spectrum_and_a_sweep_keep_the_values_that_they_were_given():

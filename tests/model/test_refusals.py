@@ -74,8 +74,11 @@ SYSTEMS = [
     (lambda: lp.System(HEAVY, "l1^2 + alpha3", integrals={"K": "l1"}).invariants, ParameterError, "K must be constant"),
     *((of("l1", symbols=s), ParameterError, "symbols must be a list") for s in ("qr", "a[3]", [3], 5)),
     *((lambda s=s: lp.System(SO3, "l1", source=s), ParameterError, "source: wanted a text") for s in ("", "  ", 3)),
-    *((lambda f=f: f(np.ones(9)), ParameterError, "k, epsilon has none|epsilon, k has none|epsilon has none")
+    *((lambda f=f: f(np.ones(9)), ParameterError, "none for (k, epsilon|epsilon, k|epsilon)")
       for f in (CHARGED.vector_field, CHARGED.functions.poisson_tensor)),
+    *((lambda f=f: lp.systems.PhaseFunction(lp.Top.lagrange(), f), error, words)
+      for f, error, words in ((3, ParameterError, "a text such as"), ("l4", ExpressionError, "'l4' is unknown"),
+                              ("__import__('os')", ExpressionError, ""), ("", ExpressionError, ""))),
     (CHARGED.field, ParameterError, "must be a number.*free symbol"),
     *((lambda f=f, s=s: f(np.zeros(s)), ShapeError, rf"9 components \(l, alpha, beta\); got shape .*{hint}")
       for f in (TOP.vector_field, TOP.invariant_values)
@@ -102,7 +105,7 @@ CANONICAL = [
     *((canonical(["x"], ["p"], h, quadratures={"a": r}), ParameterError, f"{what} must be a function of the coord")
       for h, r, what in (("p^2 + a*x", "x", "the Hamiltonian"), (sp.Symbol("a"), "x", "the Hamiltonian"),
                          ("p^2", "x*a", "the rate of a"), ("p^2", sp.Symbol("a"), "the rate of a"))),
-    (lambda: CanonicalSystem(["x"], ["p"], "p^2 + k*x", symbols=["k"]).field(), ParameterError, "k has none"),
+    (lambda: CanonicalSystem(["x"], ["p"], "p^2 + k*x", symbols=["k"]).field(), ParameterError, "none for k"),
     (lambda: CanonicalSystem(["x"], ["p"], "p^2").function_tape("phi"), ExpressionError, "phi"),
     (of("p_x^2 + p_z^2", bracket=lp.canonical(names=["x", "y"])), ExpressionError, "Did you mean"),
     (of("2^x + p_x^2", bracket=lp.canonical(names=["x", "y"])), ExpressionError, "exponent"),

@@ -215,3 +215,10 @@ def test_balls_have_the_values_of_doubles_and_slopes_beyond_their_range():
         slope, _ = tail.gradient_in_balls([arb(100), arb(0)])
         assert slope > 0  # 3e4/cosh(1e6)^2
         assert abs(slope.log() + 2e6 - np.log(12e4)) < 1e-9
+
+
+def test_a_phase_function_is_made_of_all_that_a_system_reads():
+    top, state = lp.Top.lagrange(), np.arange(9.0)
+    wanted = lp.systems.PhaseFunction(top, top.variables[0] ** 2 + 1)
+    for given in ("l1^2 + 1", wanted, top.functions.of("l1^2 + 1")):
+        assert lp.systems.PhaseFunction(top, given)(state) == wanted(state)

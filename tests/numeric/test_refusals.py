@@ -82,7 +82,7 @@ REFUSED = [
     (partial(LagrangeMap(step=0.1).integrals, KOVALEVSKAYA, X0), ParameterError, "wanted a top with I1 = I2"),
     (partial(LagrangeMap(step=0.1).integrals, lp.Top.twisted_lagrange(), SIX), ShapeError, "must end in 9 components"),
     (partial(run, x0=[X0, X0], kernel="components"), ParameterError, "for 2 trajectories with 0 tangent vectors"),
-    (partial(run, tangents=np.eye(9), kernel="components"), ParameterError, "for 1 trajectories with 9 tangent"),
+    (partial(run, tangents=np.eye(9), kernel="components"), ParameterError, "for 1 trajectory with 9 tangent"),
     (partial(run, kernel="fast"), ParameterError, "got 'fast'"),
     (partial(run, OnlyAField("x", "y")), ParameterError, "wanted 9 names"),
     (lambda: run(OnlyAField()).drift, ParameterError, "wanted a system with a bracket.*got only a field"),

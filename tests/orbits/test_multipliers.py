@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from liepoisson.orbits.periodic_orbits import kind_of, loop_spectrum, transversal_basis
+from liepoisson.orbits.multipliers import kind_of, loop_spectrum, transversal_basis
 
 RATE, GRADIENT = np.array([1.0, 0, 0, 0, 0, 0]), np.array([[0.0, 1, 0, 0, 0, 0]])
 

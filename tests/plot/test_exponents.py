@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from liepoisson import plot
-from liepoisson.errors import ShapeError
+from liepoisson.errors import OutputError, ShapeError
 from liepoisson.indicators.finite_time_fit import finite_time_fit, mean_curve, window_scan
 from liepoisson.plot.style import new_figure
 
@@ -113,3 +113,10 @@ def test_a_figure_is_laid_out_at_the_resolution_of_its_file_and_keeps_its_own(tm
         (path,) = plot.save_figure(figure, tmp_path / "small", formats=["png"])
         assert (seen, figure.dpi) == ([plt.rcParams["savefig.dpi"]], own)
     assert plt.imread(path).shape[:2] == (3 * seen[0], 4 * seen[0])
+
+
+def test_a_figure_that_cannot_be_written_is_refused_like_every_file(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match=r"could not write .*figure\.svg"):
+        plot.save_figure(new_figure(4, 3), tmp_path / "file" / "figure", formats=["svg"])
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -44,6 +44,10 @@ REFUSED = [
     *((partial(section, surface=bad), ParameterError, "constant on each leaf") for bad in ("0", "1")),
     *((partial(section, surface=bad), ParameterError, "its bracket with every component is zero")
       for bad in ("dot(beta, beta) - 1", "exp(dot(alpha, beta)) - 2")),
+    *((partial(make, LEAF, bad, **options), ParameterError, "its bracket with (every component|H) is zero")
+      for make, options in ((lp.sections.section_starts, {"energy": 1, "n_starts": 2}),
+                            (lp.sections.section_state, {"energy": 1, "coordinates": {}}))
+      for bad in ("dot(beta, beta) - 1", "H", TOP.hamiltonian - 1)),
     (partial(section, surface="atan2(l1, l2)"), ParameterError, r"atan2 jumps by 2\*pi; try sin\(c\)\*x"),
     (partial(KOVALEVSKAYA.expression, "atan2(0, 0)"), ExpressionError, "has no angle"),
     (partial(lp.System, KOVALEVSKAYA.bracket, "atan2(l1, l2)"), ExpressionError, r"atan2 jumps by 2\*pi"),
@@ -73,7 +77,7 @@ REFUSED = [
     (partial(starts, direction=2), ParameterError, "direction"),
     (partial(starts, direction=np.ones(2), spread=True), ParameterError, "direction"),
     (partial(starts, seed=-1), ParameterError, "seed"),
-    (partial(starts, surface="norm(beta) - 5"), LeafError, "converged from 0 of 192 guesses, 0 %"),
+    (partial(starts, surface="beta1 - 5"), LeafError, "converged from 0 of 192 guesses, 0 %"),
     *((partial(starts, energy=bad, spread=spread), ParameterError, "energy")
       for bad in (None, np.nan, "x") for spread in (False, True)),
     (partial(section_state, LEAF, SURFACE, None, {"l3": 0.2}), ParameterError, "energy"),

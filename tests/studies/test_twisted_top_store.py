@@ -12,9 +12,17 @@ import pytest
 from small_study import SMALL, integrate, one_run, stored_piece
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError
-from liepoisson.studies.twisted_top import integration, runs
-from liepoisson.studies.twisted_top.integration import RunStore, Tracker, complete, discard, fingerprint, write_text
+from liepoisson.errors import OutputError, ParameterError
+from liepoisson.studies.twisted_top import integration, runs, study
+from liepoisson.studies.twisted_top.integration import (
+    RunStore,
+    Tracker,
+    alone_in,
+    complete,
+    discard,
+    fingerprint,
+    write_text,
+)
 
 
 @pytest.mark.thorough
@@ -132,6 +140,27 @@ def test_a_text_is_whole_and_no_link_is_written_through(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {
         "mine.txt", "claims.json.partial", "claims.json", "kept.json", "elsewhere.json"
     }  # fmt: skip
+
+
+def test_a_second_run_in_the_same_folder_is_refused_before_it_removes_anything(tmp_path):
+    integrate(tmp_path, SMALL, "twisted-cube")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
+    with alone_in(tmp_path), pytest.raises(OutputError, match=r"another run is using .*: wait for it to end"):
+        study.reproduce(SMALL, tmp_path, fresh=True)
+    assert before.items() <= {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}.items()
+
+
+def test_only_what_writes_says_that_it_could_not_write(tmp_path, monkeypatch):
+    def fails(*_):
+        raise BlockingIOError(11, "no process could be started")
+
+    monkeypatch.setattr(study, "run_all", fails)
+    with pytest.raises(BlockingIOError):
+        study.reproduce(SMALL, tmp_path)
+    (tmp_path / "file").write_text("")
+    for writes in (lambda path: write_text(path, ""), lambda path: study.reproduce(SMALL, path)):
+        with pytest.raises(OutputError, match=r"could not write .*file.*choose another folder"):
+            writes(tmp_path / "file" / "out")
 
 
 @pytest.mark.thorough

@@ -24,7 +24,7 @@ BAD_SPEC = (
     ({"parameters": None}, "parameters: wanted a mapping"),
     ({"parameters": {**TOP, "a": [1, 0]}}, "shape"),
     ({"parameters": {**TOP, "c": 1}}, "no parameter 'c'"),
-    ({"parameters": {"I": [2, 2, 1], "a": [1, 0, 0]}}, "b have none"),
+    ({"parameters": {"I": [2, 2, 1], "a": [1, 0, 0]}}, "got none for b. Give them in parameters"),
     ({"parameters": {**TOP, "epsilon": 1}}, "another value"),
     ({"parameters": {**TOP, "a": ["log(epsilon)", 0, 0]}}, "not a finite number"),
     ({"parameters": {**TOP, "a": ["cos(", 0, 0]}}, "formula"),

@@ -67,7 +67,7 @@ def test_points_where_casimirs_are_other_functions_have_no_starts():
     given["quantity"] = lambda system, x0, **_: np.zeros(len(x0))
     found = sweep(**given, axes={"epsilon": [-0.5, 0.0, 0.25, 0.5, 1.0]})
     assert found.outcomes == {"finished": 8, "no start": 2}
-    assert "1 points have no start; the first of them: no start: ParameterError: C1, C2, ..." in found.remarks[0]
+    assert "no start at 1 point; the first of them: no start: ParameterError: C1, C2, ..." in found.remarks[0]
     with pytest.raises(ParameterError, match=r"same functions at all points.*has 6 with .*have 4 with"):
         sweep(**given, axes={"epsilon": [-0.5, -0.25, 0.0]})
     assert sweep(**given, axes={"epsilon": [0.0]}).outcomes == {"finished": 2}

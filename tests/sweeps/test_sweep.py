@@ -86,7 +86,7 @@ def test_a_point_without_a_system_is_marked_by_itself(tmp_path, quantity):
         np.testing.assert_array_equal(result.value, results[0].value)
         assert np.isfinite(result.value[:2]).all()
         assert result.is_complete
-        assert "2 points have no system; the first of them: no system: ParameterError" in result.remarks[0]
+        assert "no system at 2 points; the first of them: no system: ParameterError" in result.remarks[0]
         reasons = result.columns()["reason"].tolist()
         assert reasons[:2] == ["", ""]
         for reason, moment in zip(reasons[2:], ("0.0", "-0.5"), strict=True):

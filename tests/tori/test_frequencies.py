@@ -113,6 +113,16 @@ drift = partial(frequency_drift, CHAOTIC, np.ones(9), **{"observable": "l1", "t_
         (partial(drift, window_order=0), ParameterError, "window_order"),
         (partial(drift, observable=("l1", "l2", "l3")), ParameterError, "one name or formula"),
         (partial(drift, observable=3), ParameterError, "one name or formula"),
+        *(
+            (partial(frequency_drift, LAGRANGE, np.ones(9), observable=given, t_end=2), ParameterError, words)
+            for given, words in (
+                ("l3", 'got .l3., a constant of motion: its bracket with H is zero.*try a component such as "l1"'),
+                ("H", "a constant of motion"),
+                ("dot(alpha, alpha)^2", "constant on each leaf: its bracket with every component"),
+                ("3", "constant on each leaf: no component occurs in it"),
+                (("C1", "l3"), "constant on each leaf"),
+            )
+        ),
         (partial(drift, n_samples=2**24), ParameterError, "at most 4 GiB"),
         (partial(drift, observable=lambda x: x), ShapeError, "Index the last axis"),
         (partial(drift, observable=lambda x: x[..., 0] * np.nan), ParameterError, "finite numbers"),
@@ -125,3 +135,10 @@ drift = partial(frequency_drift, CHAOTIC, np.ones(9), **{"observable": "l1", "t_
 def test_what_is_refused(call, error, words):
     with pytest.raises(error, match=words):
         call()
+
+
+def test_what_a_quadrature_finds_is_no_constant_though_no_bracket_has_it():
+    turning = lp.systems.CanonicalSystem(["x"], ["p"], "p^2/2 + x^2/2", quadratures={"psi": "p^2"})
+    found = frequency_drift(turning, [0.3, 0, 0], observable="psi - x", t_end=100, n_samples=256)
+    assert found.amplitude.min() > 0.1
+    assert len(lp.section(turning, [0.3, 0, 0], surface="psi - 1", t_end=50).time) == 1

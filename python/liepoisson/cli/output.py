@@ -8,12 +8,12 @@ from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from tempfile import TemporaryDirectory, TemporaryFile
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.cli.systems import setting_words
 from liepoisson.errors import OutputError, ParameterError
-from liepoisson.io.files import write_atomically, writing
+from liepoisson.io.files import writing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -151,10 +151,4 @@ def write_figure(figure: Figure, stem: Path) -> list[Path]:
     """Write a figure in the format that its name ends in, or in all of them."""
     from liepoisson.plot.style import FORMATS, save_figure
 
-    written: list[Path] = []
-    with TemporaryDirectory() as folder:
-        formats = (stem.suffix[1:],) if stem.suffix else FORMATS
-        for path in save_figure(figure, Path(folder) / "figure", formats=formats):
-            written.append(stem.with_suffix(path.suffix))
-            write_atomically(written[-1], path.read_bytes())
-    return written
+    return list(save_figure(figure, stem, formats=(stem.suffix[1:],) if stem.suffix else FORMATS))

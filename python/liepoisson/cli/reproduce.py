@@ -13,7 +13,6 @@ from liepoisson.cli.options import QuietOption, SeedOption
 from liepoisson.cli.progress import progress_bar
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_threads
-from liepoisson.io.files import exclusive, writing
 from liepoisson.studies import STUDIES, check_study
 
 QUICK_MEMBERS, QUICK_END_TIME = 1000, 200.0
@@ -55,7 +54,7 @@ def reproduce(
         threads=None if threads is None else as_threads(threads),
     )
     try:
-        with progress_bar(quiet=quiet) as progress, exclusive(folder), writing(folder):
+        with progress_bar(quiet=quiet) as progress:
             result = run_study(settings, folder, fresh=fresh, progress=progress)
     except KeyboardInterrupt:
         print(

@@ -129,7 +129,7 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
     if given.get("precision") == "double":
         del given["precision"]
     if foreign := sorted(given.keys() - known.keys()):
-        allowed = ", ".join(f"--{key}" for key in known)
+        allowed = ", ".join(f"--{key}" for key in known if key in options)
         raise ParameterError(f"--{foreign[0]} is not an option of {name}, which has {allowed}. Leave it out.")
     if name in _TOLERANCES:
         given.setdefault("tol", _TOLERANCES[name])

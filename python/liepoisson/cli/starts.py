@@ -41,7 +41,7 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
         name, shape = read_declaration(file.symbols[0])
         value = ",".join("1" * shape[0]) if shape else "1"
         raise ParameterError(
-            f"{file.name} must have numbers for all parameters; {', '.join(file.symbols)} have none. "
+            f"{file.name} must have numbers for all parameters; got none for {', '.join(file.symbols)}. "
             f"Give them, for example --set {name}={value}."
         )
     for name, value in flattened(file.parameters).items():

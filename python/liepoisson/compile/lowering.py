@@ -160,7 +160,7 @@ def check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:
     free = {str(symbol) for symbol in hamiltonian.free_symbols - set(bracket.variables)} | bracket.symbols
     if free:
         raise ParameterError(
-            f"every parameter must be a number for numerical work; {', '.join(sorted(free))} has none. Give values."
+            f"every parameter must be a number for numerical work; got none for {', '.join(sorted(free))}. Give values."
         )
 
 

@@ -48,7 +48,7 @@ def in_compiler_symbols(
     free = {symbol for expression in exact for symbol in expression.free_symbols} - named.keys()
     if free:
         names = ", ".join(sorted(str(symbol) for symbol in free))
-        raise ParameterError(f"every parameter must be a number for numerical work; {names} has none. Give values.")
+        raise ParameterError(f"every parameter must be a number for numerical work; got none for {names}. Give values.")
     for expression in exact:
         _refuse_foreign_functions(expression)
     return private, [expression if expression is S.Zero else expression.xreplace(named) for expression in exact]

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from liepoisson.model.top_parameters import TopParameters
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SleepingTop(ReadOnlyArrays):
     r"""A sleeping top and the polynomial Q that decides on its stability.
 

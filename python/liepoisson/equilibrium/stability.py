@@ -27,7 +27,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, norm
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.given import listed
+from liepoisson.inputs.given import listed_names
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.portable import linear
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Equilibrium(ReadOnlyArrays):
     r"""An equilibrium of a leaf, or a relative equilibrium with respect to integrals, and its stability.
 
@@ -310,7 +310,7 @@ def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunctio
     """
     if isinstance(along, str):
         raise ParameterError(f"along must be a sequence of integrals; got the text {along!r}. Write ({along!r},).")
-    given = listed(along, "along")
+    given = listed_names(along, "along")
     if given is None or not all(isinstance(name, str) for name in given):
         example = "".join(f"along={(name,)!r} or " for name in _with_own_motion(system)[:1])
         raise ParameterError(

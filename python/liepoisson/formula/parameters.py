@@ -96,14 +96,12 @@ def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Exact]
         ParameterError: not a mapping, a name is none of them or comes twice, or a value is not exact.
     """
     known, values = {*symbols}, dict[str, Exact]()
-    for key, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
-        if (name := str(key)) not in known:
+    for name, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
+        if name not in known:
             raise ParameterError(
                 f"values: wanted the names of symbols, {', '.join(sorted(known)) or 'of which there are none'}; got "
                 f"{name!r:.60}. {did_you_mean(name, known)}Correct the name or leave it out."
             )
-        if name in values:
-            raise ParameterError(f"values: wanted each symbol once; {name} comes twice. Leave one out.")
         values[name] = read_parameter(value, name)
     return values
 
@@ -171,7 +169,7 @@ def _read_value(value: object, name: str) -> Value:
     if is_sympy(value) and hasattr(value, "tolist"):  # a SymPy matrix; one column is a vector
         rows = cast("Any", value).tolist()
         value = [row[0] for row in rows] if all(len(row) == 1 for row in rows) else rows
-    items = listed(value, name, _names_of_places(value, name))
+    items = listed(value, name, names_of_places(value, name))
     if items is None:
         return read_parameter(value, name)
     rows = [listed(item, name) for item in items]
@@ -188,7 +186,7 @@ def _read_value(value: object, name: str) -> Value:
     return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
 
 
-def _names_of_places(value: object, name: str) -> list[str]:
+def names_of_places(value: object, name: str) -> list[str]:
     """What the components of a vector are called: I1, I2, ..."""
     found = labelled(value, name)
     is_vector = found is not None and not any(getattr(column, "ndim", 0) for column in found.columns)

@@ -10,7 +10,7 @@ from typing import TypeAlias, cast
 from liepoisson.algebra.exact_numbers import Exact, is_sympy, is_zero, to_sympy
 from liepoisson.errors import BracketError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter
-from liepoisson.inputs.given import is_named, listed
+from liepoisson.inputs.given import is_named, listed, listed_names
 
 Tensor3: TypeAlias = tuple[tuple[tuple[Exact, ...], ...], ...]
 """A dense cubic tensor."""
@@ -49,7 +49,7 @@ def read_names(names: Sequence[str] | None, name: str, default: tuple[str, ...])
     """
     if names is None:
         return default
-    given = listed(names, name)
+    given = listed_names(names, name)
     if given is None or not all(isinstance(item, str) for item in given):
         raise ShapeError(f"{name} must be a sequence of names; got {names!r}. Write for example {name}={default!r}.")
     return tuple(str(item) for item in given)

@@ -39,7 +39,7 @@ MOST_BYTES = 4 * 2**30
 _MOST_GROWTH = 600.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Alignment(Run):
     r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
 

@@ -23,6 +23,7 @@ from liepoisson.formula.scalars import as_count
 from liepoisson.indicators.mean_error import mean_error
 from liepoisson.indicators.tangent_frames import Carried, TangentFrames
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape
+from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
@@ -30,7 +31,7 @@ from liepoisson.streams import Purpose, stream
 MOST_BYTES = 4 * 2**30
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CovariantVectors(ReadOnlyArrays):
     """Covariant Lyapunov vectors along trajectories.
 
@@ -67,8 +68,9 @@ class CovariantVectors(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         n, n_times, k, _ = self.vector.shape
-        of = "1 trajectory" if n == 1 else f"{n} trajectories"
-        return f"<CovariantVectors: {k} vectors of {of} at {n_times} times, t = {self.time[0]:g} to {self.time[-1]:g}>"
+        of, at = counted(n, "trajectory", "trajectories"), counted(n_times, "time")
+        span = f"t = {self.time[0]:g} to {self.time[-1]:g}"
+        return f"<CovariantVectors: {counted(k, 'vector')} of {of} at {at}, {span}>"
 
     @property
     def exponent(self) -> Array:

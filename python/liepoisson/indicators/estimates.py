@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -14,6 +14,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.refusals import counted
 from liepoisson.portable import elementary, linear
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -101,7 +102,7 @@ class FiniteTimeFit(ReadOnlyArrays):
             correlated, so they must not be compared with other values one by one.
     """
 
-    estimates: dict[str, Estimate]
+    estimates: dict[str, Estimate] = field(hash=False)
     window: Window
     n_times: int
     n_members: int
@@ -190,10 +191,10 @@ class LogFit(ReadOnlyArrays):
         resampling: How the errors were made.
     """
 
-    estimates: dict[str, Estimate]
-    with_linear_term: dict[str, Estimate]
-    with_next_term: dict[str, Estimate]
-    with_two_terms: dict[str, Estimate]
+    estimates: dict[str, Estimate] = field(hash=False)
+    with_linear_term: dict[str, Estimate] = field(hash=False)
+    with_next_term: dict[str, Estimate] = field(hash=False)
+    with_two_terms: dict[str, Estimate] = field(hash=False)
     window: Window
     n_times: int
     n_members: int
@@ -259,7 +260,7 @@ class LogFit(ReadOnlyArrays):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeanCurve(ReadOnlyArrays):
     r"""The ensemble mean with a pointwise confidence band, $\bar\lambda(t) \pm z\,s(t)/\sqrt n$.
 
@@ -304,7 +305,7 @@ class MeanCurve(ReadOnlyArrays):
     def __repr__(self) -> str:
         last = self.at(float(self.time[-1]))
         return (
-            f"<MeanCurve: {self.n_members} trajectories, {len(self.time)} times, exponent {last} at t = "
+            f"<MeanCurve: {self.n_members} trajectories, {counted(len(self.time), 'time')}, exponent {last} at t = "
             f"{self.time[-1]:g}>"
         )
 

@@ -18,7 +18,7 @@ from liepoisson.indicators.verdict import Kind, Rule, as_rule, decide, rule_of, 
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.run import Run, typical
@@ -55,7 +55,7 @@ def read_estimates(record: list[list[float]]) -> tuple[Estimate, ...]:
     return tuple(Estimate(*item) for item in record)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class EnergyProfile(Run):
     """Finite-time exponents at several energies of one leaf.
 
@@ -132,9 +132,11 @@ class EnergyProfile(Run):
 
     def __repr__(self) -> str:
         n_energies, n = self.exponent.shape
-        energies = f"{n_energies} energies from {self.energy.min():.4g} to {self.energy.max():.4g}"
-        value = typical("exponent", self.exponent.ravel())
-        return f"<EnergyProfile of {self.system.name}: {energies}, {n} starts each, {value} at t = {self.t_end:g}>"
+        energies = (
+            f"{counted(n_energies, 'energy', 'energies')} from {self.energy.min():.4g} to {self.energy.max():.4g}"
+        )
+        starts, value = counted(n, "start"), typical("exponent", self.exponent.ravel())
+        return f"<EnergyProfile of {self.system.name}: {energies}, {starts} each, {value} at t = {self.t_end:g}>"
 
 
 @shows_progress

@@ -25,7 +25,7 @@ from liepoisson.numeric.systems import HasField, component_names, core_field, co
 N_TIMES = 200
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FiniteTimeExponents(IntegratedRun):
     """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 

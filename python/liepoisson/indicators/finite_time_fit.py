@@ -316,6 +316,7 @@ def finite_time_fit(
 
     References: Tang and Boozer, Physica D 95, 283 (1996); Thiffeault and Morrison (2001), figure of the exponents.
     """
+    time = _checked_time(time)
     window = last_decade(time) if window is None else window
     return window_scan(time, exponent, windows=[window], n_bootstrap=n_bootstrap, seed=seed, confidence=confidence)[0]
 
@@ -377,6 +378,7 @@ def log_fit(
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times or window, or fewer than two trajectories that finished.
     """
+    time = _checked_time(time)
     window = last_decade(time) if window is None else window
     reduction = EnsembleReduction(time, log_windows=[window])
     reduction.add(exponent)

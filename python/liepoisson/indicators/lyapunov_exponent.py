@@ -49,7 +49,7 @@ _LONGER = 1.5
 _HALVES = 3.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ExponentEstimate(Run):
     r"""Largest Lyapunov exponents with errors.
 

@@ -30,7 +30,7 @@ _CHUNK = 256
 _ARRAYS = 6
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Megno(Run):
     r"""MEGNO along trajectories.
 

@@ -39,7 +39,7 @@ N_TIMES = 256
 """Most output times; the intervals between them are the shortest batches of the errors."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Spectrum(IntegratedRun):
     r"""Lyapunov spectra with their errors.  The arrays are read-only; `.copy()` gives one that can be changed.
 

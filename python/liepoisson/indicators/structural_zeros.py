@@ -49,7 +49,7 @@ _SHORT, _DIVERGENCE = 1e-9, 1e-5
 
 
 @explains_its_methods
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PoissonStructure(ReadOnlyArrays):
     """What the bracket says about the spectrum of each trajectory.
 
@@ -203,7 +203,7 @@ RATIO_LIMIT = 1e8
 """Within an interval the stretchings should not differ by more: half of the digits of a double."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SpectrumResiduals(ReadOnlyArrays):
     r"""How far spectra are from the structure that the bracket prescribes.
 

@@ -133,7 +133,7 @@ def rule_of(record: dict[str, Any]) -> Rule:
     return Rule(**values)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Verdict(Run):
     r"""Regular, chaotic or undecided, for each trajectory.
 
@@ -365,7 +365,7 @@ class Disagreement(NamedTuple):
         return f"member {self.member}: {', '.join(parts)} -> {self.verdict}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Agreement(ReadOnlyArrays):
     """How far the indicators of an ensemble agree.
 

@@ -3,7 +3,8 @@
 A list, a tuple, an array and a generator, which is read once, have an order; a mapping, a set and a text have none.
 Labels are the names of the fields of a named tuple or a structured array, the index of a Series, the columns of a
 table, the coordinates of an xarray object.  Where names are known, labels decide the order, and those that do not fit
-are refused; where none are, labels that are texts are refused.  Numbers of rows are no labels.
+are refused; where none are, labels that are texts are refused.  Numbers of rows are no labels.  A SymPy symbol stands
+for its name, wherever names are read.
 
 The axes of a table and of an xarray object are found by name, wherever they stand: a dimension that is called as in
 `_AXES` or has a coordinate that is, and the one whose labels are the names that are wanted.  An axis that belongs to
@@ -14,12 +15,13 @@ pandas, polars and xarray are not imported: their objects are known by what they
 
 from __future__ import annotations
 
-from collections.abc import ItemsView, Iterator, Mapping, MappingView, Sequence, Set
+from collections.abc import ItemsView, Iterable, Iterator, Mapping, MappingView, Sequence, Set
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, TypeGuard, cast
 
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
+from liepoisson.inputs.names import is_identifier
 from liepoisson.inputs.refusals import not_a, shown
 
 _AXES = (
@@ -50,12 +52,7 @@ class Labelled:
         Raises:
             ParameterError: a label comes twice.
         """
-        found = dict[Any, Any]()
-        for label, column in zip(self.labels, self.columns, strict=True):
-            if label in found:
-                raise ParameterError(f"{what}: wanted each label once; {shown(label)} comes twice. Rename or drop one.")
-            found[label] = column
-        return found
+        return _once(zip(self.labels, self.columns, strict=True), what)
 
     def ordered(self, names: Sequence[Any], what: str) -> Any:
         """The values in the order of the names: a tuple of numbers, or an array.
@@ -90,6 +87,26 @@ class Labelled:
                 f"{what}: wanted the labels {_few(names)}; got none for {_few(missing)}. Give all of them."
             )
         return tuple(columns[name] for name in names)
+
+
+def _once(pairs: Iterable[tuple[Any, Any]], what: str) -> dict[Any, Any]:
+    found = dict[Any, Any]()
+    for label, value in pairs:
+        if (name := as_name(label)) in found:
+            raise ParameterError(f"{what}: wanted each label once; {shown(name)} comes twice. Rename or drop one.")
+        found[name] = value
+    return found
+
+
+def as_name(label: Any) -> Any:
+    """The name of a SymPy symbol, if a formula could have it; everything else as it is."""
+    kind = type(label)
+    is_symbol = getattr(kind, "is_Symbol", False) is True and not getattr(kind, "is_Dummy", False)
+    return str(label.name) if is_symbol and is_identifier(label.name) else label
+
+
+def _as_names(labels: Iterable[Any]) -> tuple[Any, ...]:
+    return tuple(map(as_name, labels))
 
 
 def labelled(
@@ -194,6 +211,11 @@ def listed(values: object, what: str = "values", names: Sequence[str] = ()) -> l
     return list(given) if hasattr(values, "__len__") and hasattr(values, "__getitem__") else None
 
 
+def listed_names(values: object, what: str) -> list[Any] | None:
+    """The same for a sequence of names, where a SymPy symbol stands for its own."""
+    return None if (items := listed(values, what)) is None else [*map(as_name, items)]
+
+
 def named(values: object, what: str = "values") -> dict[Any, Any] | None:
     """Values by name: those of a mapping, or of one row of labelled values; None for what has no names.
 
@@ -206,7 +228,7 @@ def named(values: object, what: str = "values") -> dict[Any, Any] | None:
             return columns
         is_one = all(len(column) == 1 for column in columns.values())
         return {label: column[0] for label, column in columns.items()} if is_one else None
-    return dict(values.items()) if is_named(values) else None
+    return _once(values.items(), what) if is_named(values) else None
 
 
 def is_named(values: object) -> TypeGuard[Mapping[Any, Any]]:
@@ -294,10 +316,10 @@ def _arranged_table(values: Any, what: str, names: Sequence[Any]) -> tuple[Any, 
     can_miss = any(type(getattr(kind, "na_value", None)).__name__ == "NAType" for kind in kinds)
     if can_miss and values.isna().to_numpy().any():
         raise ParameterError(f"{what}: wanted real numbers; got missing values (pandas.NA) among them; drop these rows")
-    index = tuple(values.index) if not callable(getattr(type(values), "index", len)) else ()
+    index = _as_names(values.index) if not callable(getattr(type(values), "index", len)) else ()
     if not hasattr(type(values), "columns"):
         return values.__array__(), index
-    columns = tuple(values.columns)
+    columns = _as_names(values.columns)
     if _are(index, names):
         if _are(columns, names):
             raise _two_axes(what, names, "both its rows and its columns")
@@ -317,7 +339,7 @@ def _arranged_dimensions(values: Any, what: str, names: Sequence[Any], axis: str
         owner = coordinates[name].dims if name in coordinates and name not in dims else ()
         if len(owner) == 1 and owner[0] not in roles:
             roles[owner[0]] = name
-            labels[owner[0]] = tuple(coordinates[name].values.tolist())
+            labels[owner[0]] = _as_names(coordinates[name].values.tolist())
     holders = [dim for dim in dims if roles.get(dim) == axis or _are(labels.get(dim, ()), names)]
     if len(holders) > 1:
         raise _two_axes(what, names, " and ".join(map(repr, holders)))
@@ -341,7 +363,7 @@ _RENAME = f"Rename the dimension to one of {', '.join(_AXES)}"
 def _labels_of_dimensions(values: Any) -> dict[Any, tuple[Any, ...]]:
     """The labels of each dimension that has some."""
     coordinates = getattr(values, "coords", {})
-    return {dim: tuple(coordinates[dim].values.tolist()) for dim in values.dims if dim in coordinates}
+    return {dim: _as_names(coordinates[dim].values.tolist()) for dim in values.dims if dim in coordinates}
 
 
 def _are(labels: Sequence[Any], names: Sequence[Any]) -> bool:
@@ -389,7 +411,7 @@ def texts(values: object, what: str, wanted: str, example: str) -> tuple[str, ..
     Raises:
         ParameterError: it is no sequence, or one of its items is no text.
     """
-    items = sequence(values, what, wanted, example)
+    items = _as_names(sequence(values, what, wanted, example))
     if wrong := [item for item in items if not isinstance(item, str)]:
         raise not_a(f"a sequence of {wanted}", wrong[0], what, f"write {example}")
     return tuple(map(str, items))

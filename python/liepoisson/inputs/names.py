@@ -48,6 +48,11 @@ MAX_TITLE = 200
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
+def is_identifier(name: str) -> bool:
+    """Whether formulas can have this name, as far as its characters go."""
+    return _IDENTIFIER.fullmatch(name) is not None
+
+
 def check_name(name: object, what: str = "a name") -> str:
     """The name, if a user may choose it.
 
@@ -58,10 +63,11 @@ def check_name(name: object, what: str = "a name") -> str:
     Raises:
         ParameterError: it is no identifier, too long, or the name of a function or constant of formulas.
     """
-    if not isinstance(name, str) or not _IDENTIFIER.fullmatch(name):
+    if not isinstance(name, str) or not is_identifier(name):
+        hint = f'Write the text "{name}".' if not isinstance(name, str) and is_identifier(str(name)) else "Rename it."
         raise ParameterError(
             f"{what} must consist of letters, digits and _ (of ASCII), and not begin with a digit; "
-            f"got {name!r:.60}. Rename it."
+            f"got {name!r:.60}. {hint}"
         )
     if len(name) > MAX_NAME:
         raise ParameterError(

@@ -83,3 +83,8 @@ def shown(value: object) -> str:
     except ValueError:  # an integer of thousands of digits has no repr
         text = "a very large number"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def counted(n: int, one: str, many: str = "") -> str:
+    """A number with its noun: "1 point", "2 points"; the plural is given where it has more than an s."""
+    return f"{n} {one if n == 1 else many or one + 's'}"

@@ -23,7 +23,7 @@ it, and so on.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +60,7 @@ class ClosedIntegrals:
 
     names: tuple[str, ...]
     corank: int
-    brackets: dict[tuple[str, str], Expr]
+    brackets: dict[tuple[str, str], Expr] = field(hash=False)
 
 
 def are_integrals(system: System, functions: Sequence[Expr]) -> list[bool]:

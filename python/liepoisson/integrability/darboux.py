@@ -9,7 +9,7 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -116,7 +116,7 @@ class DarbouxPolynomials:
     weights: tuple[int, ...]
     on: tuple[Expr, ...]
     field: Field
-    known: dict[str, Expr]
+    known: dict[str, Expr] = field(hash=False)
     found: tuple[DarbouxPolynomial, ...]
     rational_integrals: tuple[RationalIntegral, ...]
     cofactor_monomials: tuple[Expr, ...]

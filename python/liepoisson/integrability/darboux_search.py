@@ -238,7 +238,7 @@ class RationalIntegral:
     """
 
     name: str
-    powers: dict[str, int]
+    powers: dict[str, int] = field(hash=False)
     expression: Expr
     is_independent: bool
 

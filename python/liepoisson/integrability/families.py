@@ -8,7 +8,7 @@ counts if not all integrals in it are polynomials in H and the Casimirs (`liepoi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING, Any, cast
@@ -18,6 +18,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import texts
+from liepoisson.inputs.refusals import counted
 from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
 from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
 from liepoisson.integrability.further_integrals import Block, CasePoints, IntegralsAtPoints
@@ -63,7 +64,7 @@ class ParameterCase:
 
     conditions: tuple[Expr, ...]
     nonzero: tuple[Expr, ...]
-    example: dict[Symbol, Expr] | None
+    example: dict[Symbol, Expr] | None = field(hash=False)
     integrals: tuple[Expr, ...]
     is_independent: bool = True
     is_real: bool = True
@@ -159,7 +160,8 @@ class IntegrableFamilies:
 
     def __repr__(self) -> str:
         state = "complete" if self.complete else f"incomplete: {_counted(len(self.left))} left"
-        return f"<IntegrableFamilies of {self.system.name}, degree {self.degree}: {len(self.cases)} cases, {state}>"
+        cases = counted(len(self.cases), "case")
+        return f"<IntegrableFamilies of {self.system.name}, degree {self.degree}: {cases}, {state}>"
 
     @property
     def scope(self) -> str:

@@ -17,7 +17,7 @@ from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.given import is_named, listed, sequence
+from liepoisson.inputs.given import is_named, listed, named, sequence
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.integrability.derivation import Exponents, n_monomials, of_degree, polynomial_terms
@@ -137,7 +137,7 @@ class _Form:
     def _linear(self, symmetry: Mapping[str, str | Expr]) -> dict[Any, Any]:
         names = dict(zip(self.system.component_names, self.system.variables, strict=True))
         inserted: dict[Any, Any] = {}
-        for name, text in symmetry.items():
+        for name, text in (named(symmetry, "symmetry") or {}).items():
             image = self.system.expression(text)
             terms = polynomial_terms(image, self.system.variables, f"symmetry {name}")
             if name not in names or any(sum(m) != 1 for m in terms) or not terms:

@@ -54,7 +54,7 @@ _PIECES_OF_A_PROCESS = 4
 """Of small scans: fewer pieces are not worth the second in which another process begins."""
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class IntegralScan(Result):
     """How many further integrals there are at the points of a grid of parameters.
 
@@ -134,7 +134,7 @@ class IntegralScan(Result):
     def __repr__(self) -> str:
         axes = " x ".join(f"{name} ({len(values)})" for name, values in self.axes.items())
         n, missing = int((self.n_further > 0).sum()), int((~np.isin(self.outcome, ("finished", "no system"))).sum())
-        state = f", incomplete: {missing} points are left" if missing else ""
+        state = f", incomplete: {missing} left" if missing else ""
         return (
             f"<IntegralScan of {self.system.name} over {axes}, degree {self.degree}: further integrals at {n} of "
             f"{len(self.n_further)} points{state}>"
@@ -258,9 +258,8 @@ def _axes(axes: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[str,
 
     given = named(axes, "axes")
     if given is None or set(given) != set(names):
-        raise ParameterError(
-            f'axes: wanted values of {", ".join(names)}, such as {{"{names[0]}": [1, "3/2"]}}; got {shown(axes)}'
-        )
+        example = ", ".join([f'"{names[0]}": [1, "3/2"]', *(f'"{name}": 1' for name in names[1:])])
+        raise ParameterError(f"axes: wanted values of {', '.join(names)}, such as {{{example}}}; got {shown(axes)}")
     lists = {name: listed(v, f"axes: {name}") for name, v in given.items()}
     items = {name: [given[name]] if values is None else values for name, values in lists.items()}
     if (n := math.prod(map(len, items.values()))) > MOST_POINTS:

@@ -85,7 +85,7 @@ class FirstIntegrals:
     weight: int | None
     weights: tuple[int, ...]
     on: tuple[Expr, ...]
-    known: dict[str, Expr]
+    known: dict[str, Expr] = field(hash=False)
     found: tuple[FirstIntegral, ...]
     n_monomials: int
     n_blocks: int

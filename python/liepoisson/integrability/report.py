@@ -85,13 +85,13 @@ class IntegrabilityReport:
     system: System
     verdict: str
     rank: int
-    integrals: dict[str, Expr]
-    dependent: dict[str, Expr]
+    integrals: dict[str, Expr] = field(hash=False)
+    dependent: dict[str, Expr] = field(hash=False)
     degree: int
     commuting: tuple[str, ...]
     closed: ClosedIntegrals | None
     searches: tuple[FirstIntegrals, ...]
-    certificate: dict[str, Any] | None = field(repr=False)
+    certificate: dict[str, Any] | None = field(repr=False, hash=False)
     notes: tuple[str, ...] = ()
     searched_here: bool = True
     obstruction: GaloisObstruction | None = None

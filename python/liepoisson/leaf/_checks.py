@@ -40,7 +40,7 @@ def as_system(system: Any) -> System:
     in_energy = {str(symbol) for symbol in system.hamiltonian.free_symbols if symbol not in system.variables}
     if free := in_energy | system.bracket.symbols:
         names = ", ".join(sorted(free))
-        raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
+        raise ParameterError(f"{system.name} must have numbers for all parameters; got none for {names}. Give values.")
     return system
 
 

@@ -12,6 +12,7 @@ from liepoisson.errors import ChartError, ShapeError
 from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import Result, labelled, names_along, part
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
@@ -59,7 +60,7 @@ class Chart(Protocol):
         ...
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ChartOrbit(Result, KeepsInvariants):
     """One orbit, integrated in the coordinates of a chart.
 
@@ -132,7 +133,7 @@ class ChartOrbit(Result, KeepsInvariants):
     def __repr__(self) -> str:
         by = f" by {self.left_by}" if self.left_by else ""
         end = f"{self.outcome}{by} at t = {self.end_time:.6g}"
-        return f"<ChartOrbit of {self.system.name!r}: {len(self.time)} times, {end}, {self.method}>"
+        return f"<ChartOrbit of {self.system.name!r}: {counted(len(self.time), 'time')}, {end}, {self.method}>"
 
 
 @explains_its_arguments

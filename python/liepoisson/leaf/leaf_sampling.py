@@ -102,8 +102,9 @@ def _check_unimodular(leaf: Leaf) -> None:
     names = leaf.system.component_names
     if failing := [names[k] for k, value in sorted(divergence.items()) if abs(value) > 1e-12]:
         raise ParameterError(
-            f"the Lie algebra must be unimodular, so that flows preserve volume; the flows of {', '.join(failing)} do "
-            "not. There is no invariant density to sample from in these coordinates; start from states of your own."
+            "the Lie algebra must be unimodular, so that flows preserve volume; got none such for "
+            f"{', '.join(failing)}. There is no invariant density to sample from in these coordinates; start from "
+            "states of your own."
         )
 
 

@@ -36,7 +36,7 @@ _GUESSES = 8
 
 
 @explains_its_methods
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Start(ReadOnlyArrays):
     """A state with its leaf and energy, and how it was found.
 

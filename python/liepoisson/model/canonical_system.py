@@ -14,7 +14,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import GivenValue
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.given import by_name, listed
+from liepoisson.inputs.given import by_name, listed_names
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.model.hamiltonian import Hamiltonian, is_expression, read_declarations
@@ -238,11 +238,11 @@ class CanonicalSystem(System):
         free = {str(symbol) for expression in expressions for symbol in expression.free_symbols}
         if missing := sorted(free - set(self.component_names)):
             raise ParameterError(
-                f"every parameter must be a number for numerical work; {', '.join(missing)} has none. Give values."
+                f"every parameter must be a number for numerical work; got none for {', '.join(missing)}. Give values."
             )
 
 
 def _names(given: object, what: str) -> tuple[str, ...]:
     """A sequence of texts; none where it is something else."""
-    names = listed(given, what) or []
+    names = listed_names(given, what) or []
     return tuple(names) if all(isinstance(name, str) for name in names) else ()

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +79,7 @@ class DiscreteSymmetry:
     signs: tuple[int, ...]
     reverses_time: bool
     bracket: str
-    invariants: Mapping[str, int]
+    invariants: Mapping[str, int] = field(hash=False)
 
     def __call__(self, states: ArrayLike) -> Array:
         """The images of states, shape (..., N).

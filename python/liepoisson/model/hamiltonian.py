@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 from liepoisson.algebra.exact_numbers import Exact, as_expression, is_sympy, to_sympy
 from liepoisson.errors import ParameterError, did_you_mean
 from liepoisson.formula.parameters import Column, read_parameter
-from liepoisson.inputs.given import listed, named
+from liepoisson.inputs.given import listed, listed_names, named
 from liepoisson.inputs.names import NOT_SMOOTH, check_title
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def read_declarations(symbols: Sequence[str]) -> tuple[str, ...]:
     Raises:
         ParameterError: not a sequence of texts.
     """
-    items = listed(symbols, "symbols")
+    items = listed_names(symbols, "symbols")
     if items is None or not all(isinstance(item, str) for item in items):
         raise ParameterError(f'symbols must be a list of declarations; got {symbols!r:.60}. Write ["epsilon", "a[3]"].')
     return tuple(str(item) for item in items)

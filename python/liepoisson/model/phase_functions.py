@@ -29,6 +29,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import ANGLE
+from liepoisson.model.hamiltonian import is_expression
 from liepoisson.portable import elementary
 
 if TYPE_CHECKING:
@@ -56,17 +57,23 @@ class PhaseFunction:
 
     Args:
         system: The system whose coordinates it depends on.
-        expression: A SymPy expression in them, without free parameters.
+        expression: A function of them without free parameters: a text, a SymPy expression or a PhaseFunction, as
+            `System.expression` takes it.
 
     Raises:
-        ParameterError: a parameter in it has no number.
+        ExpressionError: the text is not in the grammar, or a name in it is not known.
+        ParameterError: it is none of these, or a parameter in it has no number.
     """
 
-    def __init__(self, system: System, expression: Expr) -> None:
+    def __init__(self, system: System, expression: str | Expr | PhaseFunction) -> None:
+        if not is_expression(expression):
+            expression = system.expression(expression)
         free = {symbol for symbol in expression.free_symbols if symbol not in system.variables}
         if free:
             names = ", ".join(sorted(map(str, free)))
-            raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
+            raise ParameterError(
+                f"{system.name} must have numbers for all parameters; got none for {names}. Give values."
+            )
         self._polynomial: RationalPolynomial | None = None
         self._pair: tuple[RationalPolynomial, RationalPolynomial] | None = None
         self._given: Callable[[], Expr] = partial(_itself, expression)
@@ -293,7 +300,7 @@ class PhaseFunctions:
         if free := self._system.bracket.symbols:
             names = ", ".join(sorted(free))
             raise ParameterError(
-                f"{self._system.name} must have numbers for all parameters of its bracket; {names} has none. "
+                f"{self._system.name} must have numbers for all parameters of its bracket; got none for {names}. "
                 "Give values."
             )
         n = len(self._system.component_names)

@@ -611,7 +611,9 @@ class System:
         free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
         if free:
             names = ", ".join(sorted(map(str, free)))
-            raise ParameterError(f"{self.name} must have numbers for all parameters; {names} has none. Give values.")
+            raise ParameterError(
+                f"{self.name} must have numbers for all parameters; got none for {names}. Give values."
+            )
         values = evaluated(self.variables, expressions, states)
         return [values[..., k].copy() for k in range(len(expressions))]
 

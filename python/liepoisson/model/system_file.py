@@ -139,11 +139,11 @@ class SystemFile:
     name: str
     bracket: Bracket
     hamiltonian: str
-    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     symbols: tuple[str, ...] = ()
-    integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral])
+    integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral], hash=False)
     references: tuple[Reference, ...] = ()
-    quadratures: Mapping[str, str] = field(default_factory=dict[str, str])
+    quadratures: Mapping[str, str] = field(default_factory=dict[str, str], hash=False)
     source: str | None = None
     description: str | None = None
     path: str = "system file"

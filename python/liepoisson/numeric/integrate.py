@@ -16,6 +16,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time
 from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
+from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, pieces
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
@@ -28,7 +29,7 @@ _N_TIMES = 1001
 """Times of a run of which only the end is given."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Orbit(IntegratedRun, KeepsInvariants):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
 
@@ -226,7 +227,8 @@ def integrate(
     if kernel not in (None, "lanes", "components") or (kernel == "components" and not alone):
         raise ParameterError(
             f'kernel: wanted "lanes", or "components" for one trajectory of a top without tangent vectors; got '
-            f"{kernel!r} for {len(states)} trajectories with {vectors.shape[1]} tangent vectors of a field of kind "
+            f"{kernel!r} for {counted(len(states), 'trajectory', 'trajectories')} with "
+            f"{counted(vectors.shape[1], 'tangent vector')} of a field of kind "
             f"{field.kind!r}; leave it out to have it chosen"
         )
     raw = _core.orbits(

@@ -348,9 +348,7 @@ def _lax_coefficients(field: TopField, h: float, x: Array) -> Array:
 
 
 Method: TypeAlias = Taylor | RungeKutta | Splitting | Gauss | LagrangeMap
-METHODS: Mapping[str, type[Method]] = {
-    method.name: method for method in (Taylor, RungeKutta, Splitting, Gauss, LagrangeMap)
-}
+METHODS: Mapping[str, type[Method]] = {method.name: method for method in get_args(Method)}
 """All methods by name: the commands, sweep files and messages have their names and options from here."""
 
 

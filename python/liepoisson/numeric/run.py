@@ -12,13 +12,13 @@ from liepoisson import _core
 from liepoisson.compile.field import Field, field_of, record_of
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import Result, labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, method_of, method_record
 from liepoisson.numeric.systems import HasField
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Run(Result):
     """Trajectories of one system: what they were given and how they ended."""
 
@@ -35,7 +35,7 @@ class Run(Result):
         return {"starts": self.start, "method": self.method}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class IntegratedRun(Run):
     """Trajectories that were integrated by one call of the core."""
 
@@ -66,7 +66,7 @@ def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:
 def trajectories(outcome: NDArray[np.str_]) -> str:
     """How many there are, and how many of them failed, as a `repr` says it."""
     failed = int(np.sum(outcome != "finished"))
-    return f"{outcome.size} trajector{'y' if outcome.size == 1 else 'ies'}" + (f" ({failed} failed)" if failed else "")
+    return counted(outcome.size, "trajectory", "trajectories") + (f" ({failed} failed)" if failed else "")
 
 
 def typical(quantity: str, values: Array) -> str:

@@ -12,7 +12,8 @@ from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import as_time
 from liepoisson.inputs.arrays import Array, check_shape
-from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed
+from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed, named
+from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.systems import as_field, component_names, vector_length, without_value
 from liepoisson.portable import elementary
 
@@ -60,7 +61,7 @@ def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array
             )
         return states_by_name(system, found.by_label(name), name, whole=True)
     if is_named(starts):
-        return states_by_name(system, dict(starts.items()), name, whole=is_data_set(starts))
+        return states_by_name(system, named(starts, name) or {}, name, whole=is_data_set(starts))
     rows = listed(starts, name) if isinstance(starts, (list, tuple, Iterator)) else None
     if rows and all(is_named(row) or labelled(row, name, names) for row in rows):
         return np.concatenate([np.atleast_2d(given_starts(system, row, name)) for row in rows])
@@ -83,7 +84,7 @@ def states_by_name(
     for name, numbers in given.items():
         if name not in places:
             raise ParameterError(
-                f"{what} must name a field or a component; got {str(name)!r:.60}. {_meant(name, numbers, places)}"
+                f"{what} must name a field or a component; got {shown(name)}. {_meant(name, numbers, places)}"
                 f"Known: {', '.join(places)}."
             )
         place, values = places[name], as_array(numbers, f"{what} {name}")

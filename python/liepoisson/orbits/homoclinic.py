@@ -29,7 +29,7 @@ from liepoisson.orbits.homoclinic_orbits import (
     unstable_space,
 )
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.periodic_orbits import transversal_basis
+from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis, n_times_of
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
 from liepoisson.portable import elementary, linear
@@ -38,7 +38,7 @@ from liepoisson.streams import Purpose, stream
 if TYPE_CHECKING:
     from liepoisson.equilibrium.stability import Equilibrium
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
-    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.multipliers import SymmetricOrbit
 
 MEETS = 1e-9
 """Largest distance of a midpoint from the fixed set, in units of the level; 1e-12 is usual (see `unstable`)."""
@@ -260,7 +260,7 @@ def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
 
 def _points_of(origin: SymmetricOrbit | Equilibrium, space: UnstableSpace) -> Array:
     """States of the periodic orbit or the equilibrium itself."""
-    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.multipliers import SymmetricOrbit
 
     return origin.states(400) if isinstance(origin, SymmetricOrbit) else space.state[None]
 

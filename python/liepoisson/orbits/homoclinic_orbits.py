@@ -23,7 +23,7 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import CUT_SHORT, HYPERBOLIC, SymmetricOrbit, transversal_basis
+from liepoisson.orbits.multipliers import CUT_SHORT, HYPERBOLIC, SymmetricOrbit, transversal_basis
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
@@ -38,7 +38,7 @@ AMPLITUDE = 1e-4
 _STEPS_TO_LEVEL = 6
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class UnstableSpace(ReadOnlyArrays):
     r"""The linear unstable space at a state of a periodic orbit, or at an equilibrium.
 

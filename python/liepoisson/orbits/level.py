@@ -50,6 +50,10 @@ class Level(ReadOnlyArrays):
         """H and the Casimirs, by name."""
         return {"H": self.system.functions.energy, **self.system.functions.casimirs}
 
+    def number(self, name: str) -> float:
+        """The value of H or of a Casimir as a double."""
+        return float(cast("Any", to_sympy(self.values[name])))
+
     @property
     def dimension(self) -> int:
         """The dimension of the level, rank J - 1."""
@@ -62,8 +66,7 @@ class Level(ReadOnlyArrays):
 
     def deviations(self, states: Array) -> Array:
         """How far H and the Casimirs are from their values, shape (..., function)."""
-        wanted = [float(cast("Any", to_sympy(value))) for value in self.values.values()]
-        return np.stack([f(states) - c for f, c in zip(self.functions.values(), wanted, strict=True)], axis=-1)
+        return np.stack([f(states) - self.number(name) for name, f in self.functions.items()], axis=-1)
 
     def gradients(self, states: Array) -> Array:
         """The gradients of H and the Casimirs, shape (..., function, N)."""

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.level import Level
-    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.multipliers import SymmetricOrbit
 
 MOST_DIGITS = 1000
 _MOST_STEPS = 12

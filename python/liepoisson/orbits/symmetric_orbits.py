@@ -27,7 +27,7 @@ from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.time_scale import natural_duration
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits, loop_spectrum
+from liepoisson.orbits.multipliers import SymmetricOrbit, SymmetricOrbits, loop_spectrum
 from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis, n_times_of
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
@@ -128,7 +128,7 @@ def symmetric_periodic_orbits(
     every = np.concatenate(starts)
     if not level.is_regular_at(every).any():
         raise LeafError(f"H and the Casimirs must be independent on {level.text}; their gradients are dependent there.")
-    unit = _natural_time(level, seed)
+    unit = natural_time(level, seed)
     natural = _NATURAL_TIMES * unit
     longest = natural if t_end is None else as_time(t_end, "t_end", example=natural)
     found: list[Segment] = []
@@ -190,7 +190,7 @@ def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) 
     return found
 
 
-def _natural_time(level: Level, seed: int) -> float:
+def natural_time(level: Level, seed: int) -> float:
     r"""$1/\mathrm{median}\,\rho(Df)$ along orbits of random states of the level, to two digits; 1 where all vanish.
 
     States of a level that are drawn at random may all be untypical: hence 32 such times are followed, and the median is

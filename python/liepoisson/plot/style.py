@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import not_a
+from liepoisson.io.files import write_atomically
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -162,7 +164,7 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
 
     Raises:
         ParameterError: a format is none of these.
-        OSError: a file could not be written.
+        OutputError: a file could not be written.
     """
     wanted = listed(formats, "formats")
     if wanted is None or not set(wanted) <= set(FORMATS):
@@ -181,6 +183,8 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
             path = stem.with_suffix(f".{extension}")
             # A date in the file would make every run differ.
             no_date = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension, {})
-            figure.savefig(path, format=extension, metadata=no_date)
+            drawn = BytesIO()
+            figure.savefig(drawn, format=extension, metadata=no_date)
+            write_atomically(path, drawn.getbuffer())
             paths.append(path)
     return tuple(paths)

@@ -40,7 +40,7 @@ _SAME_TIME = 1e-6
 what `_SAME_POINT` takes, and matters where the components that change are small beside one that does not."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FirstReturn(Run):
     """Images of the map of first return.
 

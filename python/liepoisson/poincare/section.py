@@ -16,6 +16,7 @@ from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller, shows_progress
+from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.run import IntegratedRun, outcome_names
@@ -39,7 +40,7 @@ _PIECE = 2**16
 """Points that are looked at together."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Section(IntegratedRun):
     """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
 
@@ -211,16 +212,17 @@ class Section(IntegratedRun):
         return self.state[first:end]
 
     def __repr__(self) -> str:
-        n, of = len(self.time), self.n_trajectories
+        n, of = counted(len(self.time), "crossing"), counted(self.n_trajectories, "trajectory", "trajectories")
         gap = f", not followed in {as_percent(self.unresolved_share)} of the time" if self.unresolved_share else ""
         short = f", {self.n_short} ended by t = {self.t_end:g} before {self.n_crossings}" if self.n_short else ""
-        return f"<Section {self.surface} = 0 of {self.system.name}: {n} crossings of {of} trajectories{short}{gap}>"
+        return f"<Section {self.surface} = 0 of {self.system.name}: {n} of {of}{short}{gap}>"
 
     def __str__(self) -> str:
         """What was found and what not, and whether the figure of it folds the section, in a few lines."""
         from liepoisson.poincare.section_coordinates import levels_of
 
-        lines = [f"{self.system.name}: {len(self.time)} crossings of {self.surface} = 0, {self._of_each()}"]
+        found = counted(len(self.time), "crossing")
+        lines = [f"{self.system.name}: {found} of {self.surface} = 0, {self._of_each()}"]
         if (levels := levels_of(self)) is not None and levels.warning:
             lines.append(levels.warning)
         if (self.outcome != "finished").any():
@@ -238,7 +240,7 @@ class Section(IntegratedRun):
             if share:
                 lines.append(f"the function {words} in {as_percent(share)} of the time, where crossings are not found")
         if n := len(self.touch_time):
-            lines.append(f"{n} touches, of which it is not decided whether they cross the surface")
+            lines.append(f"{counted(n, 'touch', 'touches')}, of which it is not decided whether the surface is crossed")
         return "\n".join([*lines, *self._about_figures()])
 
     def _of_each(self) -> str:

@@ -15,7 +15,7 @@ from liepoisson.formula.scalars import as_time
 from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown
-from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
+from liepoisson.numeric.systems import has_bracket, reads_formulas
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -55,30 +55,39 @@ def as_formula(given: Any, what: str) -> str | Expr:
     return formula
 
 
-def check_that_it_varies(system: Any, surface: str | Expr) -> None:
-    """Refuses a surface function that is proved constant on every leaf or along every orbit: no orbit crosses it.
+def check_that_it_varies(system: Any, function: str | Expr, what: str = "surface") -> None:
+    """Refuses a function that is proved constant on every leaf or along every orbit: no orbit crosses a level of it.
 
     Raises:
         ParameterError: it is a number, a Casimir or a constant of motion.
     """
-    if not has_bracket(system):
+    if (reason := why_constant(system, function)) is None:
         return
-    if system.is_casimir(surface):
-        occurs = system.expression(surface).free_symbols
-        names = component_names(system, len(system.variables))
-        moves = next((name for name in names if not system.is_casimir(name)), names[0])
+    names = system.component_names
+    moves = next((name for name in names if why_constant(system, name) is None), None)
+    hint = "nothing moves here" if moves is None else f'try a component such as "{moves}"'
+    raise ParameterError(
+        f"{what}: wanted a function that changes along orbits; got {shown(function)}, {reason}; {hint}"
+    )
+
+
+def why_constant(system: Any, function: str | Expr) -> str | None:
+    """Why a function is constant along every orbit, where its brackets prove it; None where they do not.
+
+    They say nothing about components that are found by quadrature, which stand in no bracket.
+    """
+    if not has_bracket(system):
+        return None
+    n = system.bracket.dimension
+    if n < len(system.component_names) and system.expression(function).free_symbols & {*system.variables[n:]}:
+        return None
+    if system.is_casimir(function):
+        occurs = system.expression(function).free_symbols
         kind = "its bracket with every component is zero" if occurs else "no component occurs in it"
-        raise ParameterError(
-            f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
-            f'leaf: {kind}; try a component such as "{moves}"'
-        )
-    if _is_constant_of_motion(system, surface):
-        moves = next((str(x) for x in system.variables if not _is_constant_of_motion(system, str(x))), None)
-        hint = "nothing moves here" if moves is None else f'try a component such as "{moves}"'
-        raise ParameterError(
-            f"surface: wanted a function that changes along orbits; got {shown(surface)}, a constant of motion: its "
-            f"bracket with H is zero, and each orbit lies in one of its levels; {hint}"
-        )
+        return f"which is constant on each leaf: {kind}"
+    if _is_constant_of_motion(system, function):
+        return "a constant of motion: its bracket with H is zero, and each orbit lies in one of its levels"
+    return None
 
 
 def _is_constant_of_motion(system: Any, function: str | Expr) -> bool:

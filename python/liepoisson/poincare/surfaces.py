@@ -26,6 +26,7 @@ from liepoisson.leaf.leaf_projection import CONVERGED, solve
 from liepoisson.leaf.leaf_search import check_energy_in_reach
 from liepoisson.leaf.starts import read_state
 from liepoisson.model.phase_functions import as_phase_points
+from liepoisson.poincare.section_arguments import as_formula, check_that_it_varies
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, generator, seeds
 
@@ -168,13 +169,15 @@ def section_starts(
     Raises:
         LeafError: the leaf does not reach this energy, or too few guesses converged, of at most 24 rounds of
             max(n, 64); the message says which share did.
-        ParameterError: the energy is no finite number, the direction is none, or n or seed is no whole number.
+        ParameterError: the energy is no finite number, the surface is a constant of motion, the direction is none, or n
+            or seed is no whole number.
     """
     from liepoisson.leaf.leaf import are_on
 
     n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
     check_choice(direction, "direction", (-1, 0, 1))
-    view = as_leaf(leaf).in_units(as_energy(energy))
+    check_that_it_varies(as_leaf(leaf).system, as_formula(surface, "surface"))
+    view = leaf.in_units(as_energy(energy))
     equations = view.constraints(energy, surface)
     if spread:
         guesses = _many_guesses(view, n_starts, seed)
@@ -291,11 +294,12 @@ def section_state(
 
     Raises:
         LeafError: no such state was found.
-        ParameterError: the energy or a coordinate is no finite number.
+        ParameterError: the energy or a coordinate is no finite number, or the surface is a constant of motion.
     """
     from liepoisson.leaf.leaf import are_on
 
-    view = as_leaf(leaf).in_units(as_energy(energy))
+    check_that_it_varies(as_leaf(leaf).system, as_formula(surface, "surface"))
+    view = leaf.in_units(as_energy(energy))
     functions, equations = view.system.functions, view.constraints(energy, surface)
     given = by_name(coordinates, "coordinates", "values of functions of the state", '{"l3": 0.2}')
     values = {name: as_number(value, f"coordinates {name}", "a finite number") for name, value in given.items()}

@@ -45,7 +45,7 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.model.system_text import formula_text
 from liepoisson.orbits.homoclinic import lengthened
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.periodic_orbits import transversal_basis
+from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import linear
 from liepoisson.proofs.certificate import FORMAT, LEVEL_RADIUS
@@ -53,7 +53,7 @@ from liepoisson.streams import Random, generator
 
 if TYPE_CHECKING:
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
-    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.multipliers import SymmetricOrbit
 
 _INSIDE = 0.25
 """Where a homoclinic orbit begins in the set of the periodic orbit, as a part of its size."""

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.model.system import System
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
-    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.multipliers import SymmetricOrbit
 
 _MOST_ORBITS, _MOST_HOMOCLINIC, _COMPARED = 4, 12, 6
 """Periodic orbits that are tried, homoclinic orbits to each, and among how many of these the best is taken."""

@@ -24,7 +24,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_shape, read_only
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import not_a_system, shown
+from liepoisson.inputs.refusals import counted, not_a_system, shown
 from liepoisson.io.result import Result, labelled, part
 from liepoisson.model.charts.quaternion_chart import components, rotation, shortest_turn
 from liepoisson.model.system import System
@@ -49,7 +49,7 @@ def _carried(orbit: Orbit, system: System) -> Orbit:
     return replace(orbit, system=FrameSystem(system, centre_line=centre_line))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Attitude(Result, KeepsInvariants):
     r"""Orbits with the attitude of the body along them.
 
@@ -102,7 +102,7 @@ class Attitude(Result, KeepsInvariants):
 
     def __repr__(self) -> str:
         n, times = self.state.shape[:2]
-        return f"<Attitude of {self.system.name!r}: {extent(n, self.outcome)}, {times} times>"
+        return f"<Attitude of {self.system.name!r}: {extent(n, self.outcome)}, {counted(times, 'time')}>"
 
     @cached_property
     def rotation(self) -> Array:
@@ -172,7 +172,7 @@ class Attitude(Result, KeepsInvariants):
 def extent(n: int, outcome: NDArray[np.str_]) -> str:
     """How many trajectories there are, and how many of them did not finish, for a repr."""
     failed = int((outcome != "finished").sum())
-    return f"{n} {'trajectory' if n == 1 else 'trajectories'}{f' ({failed} not finished)' if failed else ''}"
+    return counted(n, "trajectory", "trajectories") + (f" ({failed} not finished)" if failed else "")
 
 
 @shows_progress

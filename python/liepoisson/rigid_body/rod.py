@@ -29,6 +29,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import Result, labelled, part
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.starts import StartsLike, as_starts, as_values
@@ -48,7 +49,7 @@ _POINTS = 401
 """Points along a rod that is given by its length: enough for a smooth picture of some twenty turns."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Rod(Result):
     """Shapes of rods; vectors are in the space frame unless they are called strain.
 
@@ -126,7 +127,8 @@ class Rod(Result):
     def __repr__(self) -> str:
         n, points = self.centre_line.shape[:2]
         first, last = self.arclength[0], self.arclength[-1]
-        return f"<Rod of {self.system.name!r}: {extent(n, self.outcome)}, {points} points, s = {first:g} to {last:g}>"
+        size = f"{extent(n, self.outcome)}, {counted(points, 'point')}"
+        return f"<Rod of {self.system.name!r}: {size}, s = {first:g} to {last:g}>"
 
 
 @shows_progress

@@ -11,7 +11,7 @@ from typing import Any
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.given import listed
+from liepoisson.inputs.given import listed_names
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
@@ -89,7 +89,7 @@ def _scalar() -> LieAlgebra:
 
 
 def _names(given: Sequence[str], what: str) -> tuple[str, ...]:
-    items = listed(given, what)
+    items = listed_names(given, what)
     if not items or not all(isinstance(item, str) for item in items):
         raise ShapeError(f'{what} must be a sequence of names; got {given!r:.60}. Write for example ("x", "y").')
     return tuple(map(str, items))

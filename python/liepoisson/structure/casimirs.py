@@ -22,7 +22,7 @@ With several parameters, conditions that are linear in one of them are solved fo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import count, zip_longest
 from numbers import Integral
@@ -104,7 +104,7 @@ class CasimirReport:
 
     generators: tuple[Expr, ...]
     degrees: tuple[int, ...]
-    dimensions: dict[int, int]
+    dimensions: dict[int, int] = field(hash=False)
     independent: int
     corank: int
     complete: bool

@@ -67,7 +67,10 @@ class Family(ABC):
                 raise ParameterError(f"{name} must have the shape {wanted}; got {got}. Give a list of its components.")
         missing = [name for name in self.shapes if name not in parameters and name not in self.defaults]
         if missing:
-            raise ParameterError(f"{self.name} must have numbers for all parameters; {', '.join(missing)} have none.")
+            raise ParameterError(
+                f"{self.name} must have numbers for all parameters; got none for {', '.join(missing)}. Give them in "
+                "parameters, or as axes."
+            )
 
     @abstractmethod
     def system(self, values: Mapping[str, Any]) -> Any:

@@ -16,7 +16,7 @@ from liepoisson.indicators.estimates import as_confidence
 from liepoisson.indicators.mean_error import student_quantile, wilson_interval
 from liepoisson.indicators.verdict import as_rule
 from liepoisson.inputs.arrays import Array
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import Result, labelled, recorded
 from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.family import Family, as_family
@@ -42,7 +42,7 @@ _MEANING = {"standard_error": "of the mean over the starts: their spread over th
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep(Result):
     """The values of a sweep at its points.
 
@@ -340,6 +340,6 @@ class Sweep(Result):
         n_missing = int((self.outcome_code == NOT_COMPUTED).any(axis=1).sum())
         missing = f" ({n_missing} not computed)" if n_missing else ""
         return (
-            f"<Sweep over {axes}: {len(self.points)} points{missing}, {self.spec.n_starts} orbits each, "
-            f"t = {self.spec.t_end:g}>"
+            f"<Sweep over {axes}: {counted(len(self.points), 'point')}{missing}, "
+            f"{counted(self.spec.n_starts, 'orbit')} each, t = {self.spec.t_end:g}>"
         )

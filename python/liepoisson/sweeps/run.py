@@ -17,8 +17,8 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import MOST_THREADS, as_count, as_positive
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.given import labelled
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.given import labelled, named
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.files import exclusive
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
@@ -182,7 +182,7 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of `SweepSpec`, made of the plain mappings that `sweep` takes for them."""
     made = dict(settings)
     axes = made.get("axes")
-    if (columns := axes if isinstance(axes, Mapping) else _columns(axes)) is not None:
+    if (columns := named(axes, "axes") if isinstance(axes, Mapping) else _columns(axes)) is not None:
         made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", columns).items())
     for key, make in (("starts", starts_of), ("refine", refinement_of)):
         if isinstance(given := made.get(key), Mapping):
@@ -258,7 +258,9 @@ class _Run:
         for lack in ("no system", "no start"):
             absent = [why for k, why in sorted(told.items()) if k not in report.points and why.startswith(lack)]
             if absent:
-                report.remarks.append(f"{activity}: {len(absent)} points have {lack}; the first of them: {absent[0]}")
+                report.remarks.append(
+                    f"{activity}: {lack} at {counted(len(absent), 'point')}; the first of them: {absent[0]}"
+                )
         if self.store is not None:
             self.store.save_facts(number, level)
         return report

@@ -19,6 +19,7 @@ import numpy as np
 from liepoisson import __version__
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.parameters import names_of_places
 from liepoisson.formula.scalars import as_count, as_number, as_time
 from liepoisson.indicators.verdict import Rule, as_rule, rule_of
 from liepoisson.inputs.calls import explains_its_methods
@@ -147,7 +148,7 @@ class Starts:
 
     ensemble: str = "unit-vectors"
     energy: Value | None = None
-    casimirs: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    casimirs: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     sampling: Literal["projection", "liouville"] = "projection"
 
     def __post_init__(self) -> None:
@@ -165,7 +166,7 @@ class Starts:
                     f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}. {hint}"
                 )
             _check_value(value, name, is_one=True)
-        object.__setattr__(self, "casimirs", _owned(casimirs))
+        object.__setattr__(self, "casimirs", _all_owned(casimirs))
 
 
 @explains_its_methods
@@ -199,11 +200,12 @@ class Refinement:
 
 def starts_of(given: Mapping[str, Any]) -> Starts:
     """Starts of plain values by name, with Casimirs among them or all in `casimirs`."""
+    given = named(given, "starts") or {}
     known = {key: given[key] for key in ("ensemble", "energy", "sampling") if key in given}
-    named = {key: value for key, value in given.items() if key not in known and key != "casimirs"}
-    if named and given.get("casimirs"):
-        raise ParameterError(f"starts: wanted {', '.join(map(str, named))} beside energy, or all in casimirs.")
-    return Starts(**known, casimirs=given.get("casimirs") or named)
+    beside = {key: value for key, value in given.items() if key not in known and key != "casimirs"}
+    if beside and given.get("casimirs"):
+        raise ParameterError(f"starts: wanted {', '.join(map(str, beside))} beside energy, or all in casimirs.")
+    return Starts(**known, casimirs=given.get("casimirs") or beside)
 
 
 def refinement_of(given: Mapping[str, Any]) -> Refinement:
@@ -248,10 +250,10 @@ class SweepSpec:
         ParameterError: a value outside its range; what a formula or a system says wrong comes from `sweep`.
     """
 
-    system: Any
+    system: Any = field(hash=False)
     axes: tuple[Axis, ...]
     t_end: float
-    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     starts: Starts = field(default_factory=Starts)
     n_starts: int = 64
     quantity: str | Callable[..., Any] = "exponent"
@@ -266,7 +268,7 @@ class SweepSpec:
         if (axes := listed(self.axes, "axes")) is not None:
             object.__setattr__(self, "axes", tuple(axes))
         if (parameters := named(self.parameters, "parameters")) is not None:
-            object.__setattr__(self, "parameters", _owned(parameters))
+            object.__setattr__(self, "parameters", _all_owned(parameters))
         self._check_types()
         if self.name is not None:
             check_title(self.name, "the name of a sweep")
@@ -284,8 +286,9 @@ class SweepSpec:
         n = as_count(self.n_starts, "n_starts", least=1, most=2**31, hint="try 64")
         if (size := 9 * n * math.prod(self.shape)) > MOST_BYTES:
             raise ParameterError(
-                f"a sweep must have results of at most {MOST_BYTES / 2**30:g} GiB; {' x '.join(map(str, self.shape))} "
-                f"points with n_starts = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
+                f"a sweep must have results of at most {MOST_BYTES / 2**30:g} GiB; a grid of "
+                f"{' x '.join(map(str, self.shape))} with n_starts = {n} takes {size / 2**30:.4g} GiB. Take fewer "
+                "orbits, or parts of the grid."
             )
         as_seed(self.seed)
         as_time(self.t_end, "t_end", example=1000)
@@ -465,16 +468,16 @@ def _check_value(value: Any, name: str, *, is_one: bool = False) -> None:
             raise ParameterError(f"{name}: wanted finite numbers; got {shown(value)}. Correct it.")
 
 
-def _owned(value: Any) -> Any:
+def _all_owned(values: Mapping[Any, Any]) -> dict[Any, Any]:
+    return {name: _owned(value, str(name)) for name, value in values.items()}
+
+
+def _owned(value: Any, name: str) -> Any:
     """A copy in plain numbers and tuples: an array would be recorded by its text, which has eight digits."""
-    if isinstance(value, Mapping):
-        return {name: _owned(item) for name, item in cast("Mapping[Any, Any]", value).items()}
     value = as_scalar(value)
-    if isinstance(value, (np.ndarray, np.generic)):
-        return _owned(cast("Any", value).tolist())
-    if (items := listed(value)) is not None:
-        return tuple(map(_owned, items))
-    return value
+    if (items := listed(value, name, names_of_places(value, name))) is not None:
+        return tuple(_owned(item, name) for item in items)
+    return cast("Any", value).item() if isinstance(value, np.generic) else value
 
 
 def _varies(value: Value, axes: Sequence[Axis]) -> bool:

@@ -14,7 +14,7 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_tim
 from liepoisson.indicators.alignment import bound_memory
 from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.given import at_interval, listed, ordered
+from liepoisson.inputs.given import as_name, at_interval, listed_names, ordered
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.integrate import integrate
@@ -23,6 +23,7 @@ from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, component_names, has_functions
+from liepoisson.poincare.section_arguments import check_that_it_varies, why_constant
 from liepoisson.portable import elementary, linear
 
 Signal: TypeAlias = NDArray[np.complex128]
@@ -51,7 +52,7 @@ def _observable_of(record: Any) -> Any:
     return _Forgotten(str(record["function"])) if isinstance(record, dict) else tuple(map(str, record))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FrequencyDrift(Run):
     r"""The main frequency along trajectories, in two windows of the same length, one after the other.
 
@@ -133,6 +134,10 @@ def frequency_drift(
     lines wander.  Both searches start from the common line, so the drift is seldom larger than a few $2\pi/T$: it ranks
     orbits, and is no rate of diffusion.
 
+    A function that is constant along every orbit has no line, and is refused where its bracket with H says so.  Others
+    may be constant along one orbit: where `amplitude` is not above the errors of the integration, the frequency is that
+    of noise.
+
     The signal is sampled `n_samples` times per window.  A line at a frequency beyond $\pi\,n/T$ appears at a wrong one
     (aliasing); so do the harmonics of a signal that is no pure rotation.
 
@@ -156,8 +161,9 @@ def frequency_drift(
 
     Raises:
         ShapeError: An array has another shape than stated.
-        ParameterError: Numbers that are not finite, an unknown name in the observable, a count out of range, or
-            samples of more than 4 GiB for the 64 trajectories that run at once.
+        ParameterError: Numbers that are not finite, an unknown name in the observable, one that is a Casimir or a
+            constant of motion, a count out of range, or samples of more than 4 GiB for the 64 trajectories that run
+            at once.
         KeyboardInterrupt: Ctrl-C.
 
     References:
@@ -302,8 +308,8 @@ def _texts_of(observable: Any) -> Any:
     """One or several texts as a tuple; a function as it is."""
     if callable(observable):
         return observable
-    found = listed(observable, "observable")
-    return (observable,) if found is None else tuple(found)
+    found = listed_names(observable, "observable")
+    return (as_name(observable),) if found is None else tuple(found)
 
 
 def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Array], tuple[Signal, bool]]:
@@ -316,6 +322,8 @@ def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Arr
             f"observable: wanted one name or formula, two for real and imaginary part, or a function; got "
             f'{shown(observable)}; try "{component_names(system, n)[-1]}"'
         )
+    if all(why_constant(system, text) for text in texts):
+        check_that_it_varies(system, texts[0], "observable")
     names = component_names(system, n)
     parts = [_real_part(system, names, text) for text in texts]
 

@@ -82,7 +82,7 @@ class Loop:
     name: str = "loop"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Monodromy:
     """The monodromy matrix of a loop: a fundamental matrix that is 1 at the first corner is continued to it.
 

@@ -29,7 +29,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.inputs.given import is_data_set, is_named, listed
+from liepoisson.inputs.given import is_data_set, is_named, listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.report.printing import Formula
 
@@ -264,13 +264,14 @@ def _terms(system: System) -> list[list[tuple[int, ...]]]:
 def _components(system: System, state: Mapping[str, Any] | Sequence[Any]) -> list[Any]:
     names = system.component_names
     if is_named(state):
-        if wrong := [str(k) for k in state if k not in names]:
+        given = named(state, "state") or {}
+        if wrong := [str(k) for k in given if k not in names]:
             raise ParameterError(f"state: {wrong[0]} is no coordinate; they are {', '.join(names)}")
-        if is_data_set(state) and (missing := [name for name in names if name not in state]):
+        if is_data_set(state) and (missing := [name for name in names if name not in given]):
             raise ParameterError(
                 f"state: wanted all of {', '.join(names)}; got none for {', '.join(missing)}. Give it."
             )
-        return [state.get(name, 0) for name in names]
+        return [given.get(name, 0) for name in names]
     found = listed(state, "state", names)
     if found is None or len(found) != len(names):
         got = shown(state) if found is None else len(found)

@@ -7,7 +7,7 @@ coefficients, and is split into the cases in which it has solutions (`liepoisson
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
@@ -54,7 +54,7 @@ class LaxFamily:
 
     conditions: tuple[Expr, ...]
     nonzero: tuple[Expr, ...]
-    example: dict[str, Fraction] | None
+    example: dict[str, Fraction] | None = field(hash=False)
     pair: LaxPair | None
 
     def __str__(self) -> str:

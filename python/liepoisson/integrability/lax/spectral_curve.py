@@ -12,7 +12,7 @@ by one of them twice; the difference of both genera is the dimension of the Prym
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -111,7 +111,7 @@ class SpectralCurve:
     """
 
     pair: LaxPair
-    point: dict[str, Fraction]
+    point: dict[str, Fraction] = field(hash=False)
     polynomial: Expr
     components: tuple[CurveComponent, ...]
 

@@ -58,7 +58,7 @@ class Balance:
     _point: tuple[Element, ...] = field(repr=False)
     _field: FunctionField = field(repr=False)
     _parameters: tuple[str, ...] = field(repr=False, default=())
-    _expansion: Expansion | None = field(repr=False, default=None)
+    _expansion: Expansion | None = field(repr=False, default=None, hash=False)
 
     @property
     def exponents(self) -> tuple[Fraction, ...]:

@@ -11,7 +11,7 @@ References: [lyapunov1894]; [ablowitz1980]; [yoshida1983]; [adler1989]; [goriely
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -93,7 +93,7 @@ class PainleveTest:
 
     system: System
     variables: tuple[Symbol, ...]
-    functions: dict[str, Expr]
+    functions: dict[str, Expr] = field(hash=False)
     weights: tuple[tuple[Fraction, ...], ...]
     balances: tuple[Balance, ...]
     special: tuple[str, ...]

@@ -14,8 +14,8 @@ import os
 import re
 import secrets
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -214,24 +214,74 @@ def _joined(pieces: Sequence[lp.results.FiniteTimeExponents]) -> lp.results.Fini
     return replace(pieces[0], **rows)
 
 
+@contextmanager
+def alone_in(out: Path) -> Generator[None]:
+    """Make a folder if there is none, and keep other studies from working in it, of this process too.
+
+    The lock is advisory, on the file `.lock`, which stays; it ends with the process.  Where the system has no such
+    locks there is none.
+
+    Raises:
+        OutputError: another study holds the folder, or it cannot be made.
+    """
+    with _writing(out):
+        out.mkdir(parents=True, exist_ok=True)
+        lock = (out / ".lock").open("ab")
+    with lock:
+        _hold(lock.fileno(), out)
+        yield
+
+
+def _hold(descriptor: int, out: Path) -> None:
+    try:
+        import fcntl
+    except ImportError:
+        return
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise lp.errors.OutputError(
+            f"another run is using {out}: wait for it to end, or choose another folder."
+        ) from error
+    except OSError:  # a file system without locks
+        return
+
+
+@contextmanager
+def _writing(path: Path) -> Generator[None]:
+    """Around what writes, and nothing else: a failure there is an `OutputError`."""
+    try:
+        yield
+    except OSError as error:
+        raise lp.errors.OutputError(
+            f"could not write {path}: {error.strerror or error}. Free some space, or choose another folder; what is "
+            "finished is kept."
+        ) from error
+
+
 def write_json(path: Path, content: Mapping[str, object]) -> None:
     """Write plain data as indented JSON."""
     write_text(path, json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file so that it is either whole or as it was."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path = path.resolve()  # a link stays one
-    partial = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.partial")
-    try:
-        with partial.open("x", encoding="utf-8") as file:  # never what a link of this name leads to
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    """Write a file so that it is either whole or as it was.
+
+    Raises:
+        OutputError: it could not be written.
+    """
+    with _writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path = path.resolve()  # a link stays one
+        partial = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.partial")
+        try:
+            with partial.open("x", encoding="utf-8") as file:  # never what a link of this name leads to
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
 
 
 def discard(out: Path) -> None:

@@ -15,6 +15,7 @@ from liepoisson.studies.twisted_top.integration import (
     Progress,
     RunStore,
     Tracker,
+    alone_in,
     complete,
     discard,
     write_json,
@@ -40,10 +41,16 @@ def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: P
     """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
 
     Finished pieces are stored as they come: after an interruption the same call goes on from there, unless `fresh`
-    discards them first.  No other process may work in the folder; the command line sees to that.
+    discards them first.
     """
-    if fresh:
-        discard(out)
+    with alone_in(out):
+        if fresh:
+            discard(out)
+        return _computed(settings, out, progress)
+
+
+def _computed(settings: Settings, out: Path, progress: Progress | None) -> StudyResult:
+    """What `reproduce` does in its folder."""
     started = time.perf_counter()
     stores = [RunStore(out, run) for run in plan(settings)]
     tracker = Tracker(stores, progress)

@@ -59,34 +59,34 @@ class LoopSpectrum:
     basis: Array
 
 
-def transversal_basis(gradients: Array, rate: Array) -> Array:
+def transversal_basis(gradients: Array, rates: Array) -> Array:
     """An orthonormal basis of the vectors that are orthogonal to the gradients and to the flow, shape (N, k)."""
-    rows = np.vstack([gradients, rate])
+    rows = np.vstack([gradients, rates])
     rows = rows / linear.norm(rows, axis=1, keepdims=True)
     left = linear.svd(rows.T, full_matrices=True)[0]
     return left[:, len(rows) :]
 
 
-def loop_spectrum(forwards: Array, backwards: Array, gradients: Array, rate: Array) -> LoopSpectrum:
+def loop_spectrum(forwards: Array, backwards: Array, gradients: Array, rates: Array) -> LoopSpectrum:
     """The multipliers of a loop.
 
     Args:
         forwards: The derivative of the loop, shape (N, N).
         backwards: That of the loop run backwards.
-        gradients: The gradients of H and the Casimirs where it begins, shape (function, N).
-        rate: The vector field there, shape (N,).
+        gradients: The gradients of H, the Casimirs and other held functions where it begins, shape (function, N).
+        rates: The vector field there, shape (N,), and those of symmetries, shape (field, N).
     """
-    basis = transversal_basis(gradients, rate)
+    rates = np.atleast_2d(rates)
+    basis = transversal_basis(gradients, rates)
     forth, back = (
         linear.matmul(linear.matmul(basis.T, forwards), basis),
         linear.matmul(linear.matmul(basis.T, backwards), basis),
     )
     size = float(linear.norm(forwards, 2))
+    off = linear.matmul(rates, forwards.T) - rates, linear.matmul(gradients, forwards) - gradients
     trivial = max(
-        float(linear.norm(linear.matmul(forwards, rate) - rate) / linear.norm(rate)),
-        float(
-            (linear.norm(linear.matmul(gradients, forwards) - gradients, axis=1) / linear.norm(gradients, axis=1)).max()
-        ),
+        float((linear.norm(moved, axis=1) / linear.norm(kept, axis=1)).max())
+        for moved, kept in zip(off, (rates, gradients), strict=True)
     )
     values, defect = _paired(linear.eigvals(forth + back).astype(np.complex128))
     return LoopSpectrum(values, defect, trivial / size, forth, basis)
@@ -148,7 +148,7 @@ class SymmetricOrbit(ReadOnlyArrays):
             reciprocals in the same order, shape (2m - 2,).  Where the period is 4T and $P^2 = 1$, those over the period
             are their squares.
         pair_defect: A check of the multipliers: how far they are from reciprocal pairs (see
-            `liepoisson.orbits.periodic_orbits`); round-off.
+            `liepoisson.orbits.multipliers`); round-off.
         trivial_defect: Another: how far the flow, H and the Casimirs are from the multiplier 1; round-off.
     """
 

@@ -1,0 +1,285 @@
+r"""Periodic orbits near a guess: with or without symmetry, up to a discrete symmetry or to rotations.
+
+A guess is a state with a period, an orbit that was found, a trajectory that comes back near to itself, or an
+equilibrium, around which there are small orbits for each pair of imaginary eigenvalues $\pm i\omega$ that no other one
+is a multiple of (Lyapunov's centre theorem).
+
+References: [lyapunov1907]; [seydel2010], multiple shooting; [munozalmaraz2003], conservative systems.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from liepoisson.equilibrium.critical_points import HamiltonianFields
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import as_count
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.given import named, sequence
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
+from liepoisson.orbits.level import Level, level_of
+from liepoisson.orbits.multipliers import ComplexArray, kind_of, loop_spectrum
+from liepoisson.orbits.shooting import Flow
+from liepoisson.portable import elementary, linear
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
+
+CLOSES = 1e-12
+"""Largest residual of an orbit, in units of its level."""
+_ISOLATED = 1e-8
+"""The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
+_LARGEST_PART = 12
+"""An orbit is looked for whose period is a part of the one that was found, up to this one."""
+_SAME = 1e-6
+
+_ANGLES = 64
+"""In a turn, of which the best is where Newton's method begins: the others are a tenth of a radian away."""
+
+Momenta: TypeAlias = "Sequence[str | PhaseFunction] | Mapping[str, float]"
+
+
+@explains_its_methods
+@dataclass(frozen=True, eq=False)
+class PeriodicOrbit(ReadOnlyArrays):
+    r"""A periodic orbit of a level, perhaps relative: $\varphi_T(x) = P\,e^{\sum_k\theta_k G_k}x$.
+
+    Example:
+        >>> pendulum = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
+        >>> orbit = lp.orbits.periodic_orbit(pendulum, [1, 0], period=7)
+        >>> round(orbit.period, 9)  # 4 K(sin(1/2))
+        6.699975664
+
+    Attributes:
+        level: The energy and the leaf.
+        start: A state of it, shape (N,).
+        time: T, the time after which it closes up to `symmetry` and rotations.
+        symmetry: P; None for the identity.
+        momenta: The linear integrals that were held, with their values; $G_k$ generates the flow of the k-th.
+        angles: $\theta_k$, shape (k,): how far the orbit has turned after T.
+        n_segments: How many segments it was computed in.
+        residual: The largest gap between them, in units of the level, and deviation from the level, relative.
+        is_isolated: Whether the orbit is alone on its level (and values of the momenta), within what doubles can tell.
+        multipliers: Those of the loop on the level across the flow (and the rotations), the largest first, then their
+            reciprocals in the same order.
+        pair_defect: A check of the multipliers: how far they are from reciprocal pairs; round-off.
+        trivial_defect: Another: how far the flow, H, the Casimirs and the momenta are from the multiplier 1; round-off.
+    """
+
+    level: Level
+    start: Array
+    time: float
+    symmetry: DiscreteSymmetry | None
+    momenta: Mapping[str, float]
+    angles: Array
+    n_segments: int
+    residual: float
+    is_isolated: bool
+    multipliers: ComplexArray
+    pair_defect: float
+    trivial_defect: float
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.level.system
+
+    @property
+    def energy(self) -> float:
+        """The value of H."""
+        return float(self.system.functions.energy(self.start))
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether it closes up to rotations only."""
+        return bool(self.angles.size and np.abs(self.angles).max() > _SAME)
+
+    @property
+    def period(self) -> float:
+        """The time after which it closes up to rotations: T times the number of images of the start under P."""
+        if self.symmetry is None:
+            return self.time
+        x, n = self.symmetry(self.start), 1
+        while np.abs((x - self.start) / self.level.units).max() > _SAME:
+            x, n = self.symmetry(x), n + 1
+        return n * self.time
+
+    @property
+    def rate(self) -> float:
+        r"""$\ln\max|\mu|/T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
+        if kind_of(self.multipliers) in {"neutral", "elliptic"}:
+            return 0.0
+        return float(elementary.log(np.abs(self.multipliers).max())) / self.time
+
+    @property
+    def stability(self) -> str:
+        """The multipliers are off the unit circle ("hyperbolic"), on it ("elliptic"), or both ("mixed").
+
+        "neutral" where there are no multipliers but the trivial ones.
+        """
+        return kind_of(self.multipliers)
+
+    def states(self, n_times: int = 201) -> Array:
+        """States at evenly spaced times over one period, shape (n_times, N)."""
+        from liepoisson.numeric.integrate import integrate
+
+        n_times = as_count(n_times, "n_times", least=2)
+        return integrate(self.system, self.start, times=np.linspace(0.0, self.period, n_times)).state[0].copy()
+
+    def __repr__(self) -> str:
+        big = f", |mu| = {abs(self.multipliers[0]):.6g}" if self.multipliers.size else ""
+        turned = f", turned by {', '.join(f'{a:.6g}' for a in self.angles)}" if self.is_relative else ""
+        alone = "" if self.is_isolated else ", one of a family on its level"
+        return (
+            f"<PeriodicOrbit of {self.system.name!r} on {self.level.text}: period {self.period:.8g}{turned}, "
+            f"{self.stability}{big}{alone}>"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What orbits are looked for, as it was read.
+
+    Attributes:
+        closing: The equations.
+        symmetry: P.
+        momenta: The linear integrals that are held, with their values.
+    """
+
+    closing: Closing
+    symmetry: DiscreteSymmetry | None
+    momenta: Mapping[str, float]
+
+    def loops(
+        self, states: Array, times: Array, angles: Array | None = None, *, n_segments: int | None = None
+    ) -> Loops:
+        """Guesses from states and periods: the states between are those of their orbits.
+
+        Args:
+            states: Shape (n, N).
+            times: Shape (n,).
+            angles: Shape (n, k), by default those by which the states turn towards where their orbits end.
+            n_segments: Of how many segments; by default so many that neighbours grow by no more than `GROWTH` in each.
+        """
+        flow = self.closing.flow
+        angles = self._turned(states, flow.ends(states, times)[0]) if angles is None else angles
+        if n_segments is None:
+            units = self.closing.level.units
+            _, tangents = flow.ends(states, times, np.diag(units))
+            growth = np.abs(tangents / units[:, None]).sum(axis=2).max(initial=1.0)
+            wanted = np.ceil(elementary.log(growth) / np.log(GROWTH)) if np.isfinite(growth) else MOST_SEGMENTS
+            n_segments = int(np.clip(wanted, 1, MOST_SEGMENTS))
+        chain = [states]
+        for i in range(1, n_segments):
+            chain.append(flow.ends(states, times * (i / n_segments))[0])
+        return guessed(np.stack(chain, axis=1), times, angles)
+
+    def _turned(self, states: Array, ends: Array) -> Array:
+        """The angles, of one rotation after the other, by which states come nearest to ends, of 64 in a turn each."""
+        angles = np.zeros((len(states), len(self.closing.rotations)))
+        for k, rotation in enumerate(self.closing.rotations):
+            rate = np.abs(linear.eigvals(rotation)).max(initial=0.0) or 1.0
+            tried = np.repeat(angles[:, None], _ANGLES, axis=1)
+            tried[..., k] = 2 * np.pi / rate * (np.arange(_ANGLES) / _ANGLES - 0.5)
+            turns = self.closing.turn(tried.reshape(-1, angles.shape[1])).reshape(*tried.shape[:2], *rotation.shape)
+            gaps = (linear.einsum("naij,nj->nai", turns, states) - ends[:, None]) / self.closing.level.units
+            nearest = np.argmin(linear.norm(gaps, axis=2), axis=1)
+            angles[:, k] = tried[np.arange(len(states)), nearest, k]
+        return angles
+
+    def described(self, loops: Loops, row: int = 0) -> PeriodicOrbit:
+        """A loop that was found, with its multipliers."""
+        closing, level = self.closing, self.closing.level
+        x, T, angle = loops.state[row], float(loops.time[row]), loops.angle[row]
+        m, flow, turn = len(x), closing.flow, closing.turn(angle[None])[0]
+        _, forth = flow.ends(x, np.full(m, T / m), np.eye(x.shape[1]))
+        after = np.concatenate([x[1:], linear.matmul(turn, x[0])[None]])
+        _, back = flow.ends(after, np.full(m, -T / m), np.eye(x.shape[1]))
+        forwards, backwards = np.eye(x.shape[1]), np.eye(x.shape[1])
+        for i in range(m):
+            forwards, backwards = linear.matmul(forth[i], forwards), linear.matmul(backwards, back[i])
+        undone = linear.inv(turn)
+        rates = np.stack([self.system.vector_field(x[0]), *linear.matmul(closing.rotations, x[0])])
+        functions = {**level.functions, **{name: f for name, (f, _) in closing.held.items()}}
+        gradients = np.stack([f.gradient(x[0]) for f in functions.values()])
+        found = loop_spectrum(linear.matmul(undone, forwards), linear.matmul(backwards, turn), gradients, rates)
+        return PeriodicOrbit(
+            level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
+            bool(loops.regularity[row] > _ISOLATED), found.values, found.pair_defect, found.trivial_defect,
+        )  # fmt: skip
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.closing.level.system
+
+
+def problem_at(
+    system: System,
+    state: Array,
+    *,
+    leaf: Leaf | Mapping[str, float | str] | None = None,
+    energy: float | str | None = None,
+    holds_period: bool = False,
+    momenta: Momenta = (),
+    symmetry: DiscreteSymmetry | None = None,
+    threads: int | None = None,
+) -> Problem:
+    """The problem of a level, by default that of a state.
+
+    Raises:
+        LeafError: the leaf is not regular, or no state has these values.
+        ParameterError: a momentum is no linear integral, or the symmetry does not keep the level.
+    """
+    level = level_of(
+        system,
+        Leaf.through(system, state) if leaf is None else leaf,
+        float(system.functions.energy(state)) if energy is None else energy,
+    )
+    if symmetry is not None and (symmetry.is_reverser or not symmetry.meets(level.values)):
+        raise ParameterError(
+            f"symmetry: wanted one of discrete_symmetries(system) that keeps time and {level.text}; got {symmetry.text}"
+        )
+    held = {name: (function, level.number(name)) for name, function in level.functions.items()}
+    names, rotations = _rotations(system, momenta, state)
+    if holds_period:
+        del held["H"]
+    matrix = np.eye(len(state)) if symmetry is None else symmetry.matrix.astype(np.float64)
+    momentum_values = {name: value for name, (_, value) in names.items()}
+    closing = Closing(level, Flow(system, threads), held | names, matrix, rotations, holds_period)
+    return Problem(closing, symmetry, momentum_values)
+
+
+def _rotations(system: System, momenta: Momenta, state: Array) -> tuple[dict[str, tuple[PhaseFunction, float]], Array]:
+    """The momenta with their values, and the matrices that generate their flows, shape (k, N, N).
+
+    Raises:
+        ParameterError: one of them is not conserved, or its flow is not linear.
+    """
+    values = named(momenta, "momenta")
+    given: Sequence[Any] = tuple(values) if values is not None else sequence(momenta, "momenta", "integrals", '["l3"]')
+    n = len(state)
+    if not given:
+        return {}, np.zeros((0, n, n))
+    functions = [system.functions.of(one) for one in given]
+    found: dict[str, tuple[PhaseFunction, float]] = {}
+    fields = HamiltonianFields(system, functions)
+    at_zero, at_state = fields.derivatives(np.zeros(n)), fields.derivatives(state)
+    for k, (one, function) in enumerate(zip(given, functions, strict=True)):
+        name = one if isinstance(one, str) else str(function.expression)
+        if np.any(at_zero[..., k] != at_state[..., k]) or fields.fields(np.zeros(n))[..., k].any():
+            raise ParameterError(
+                f"momenta: wanted integrals whose flows are linear, such as 'l3'; that of {name} is not"
+            )
+        if not system.is_constant(function.expression):
+            raise ParameterError(f"momenta: wanted integrals; {name} is not constant along orbits of {system.name!r}")
+        found[name] = function, float(function(state) if values is None else values[one])
+    return found, np.moveaxis(at_state, 2, 0).copy()

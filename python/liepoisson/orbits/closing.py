@@ -1,0 +1,263 @@
+r"""Closed orbits by Newton's method: multiple shooting on a level, for many guesses at once.
+
+A loop is a chain of states $x_0, \dots, x_{m-1}$, a time T and angles $\theta_k$ with
+
+$$ \varphi_{T/m}(x_i) = x_{i+1},\quad \varphi_{T/m}(x_{m-1}) = P\,e^{\sum_k\theta_k G_k}x_0,\quad F_j(x_0) = c_j . $$
+
+The $F_j$ are H, the Casimirs and, where asked, further integrals; P is a discrete symmetry, and $G_k$ generates the
+rotations that a linear integral belongs to.  The flow keeps the $F_j$, so there are more equations than are
+independent: with the state held across the flow and the rotations, steps of least squares converge quadratically to a
+loop that is isolated on its level, and nothing has to be unfolded.  The corrections of all states but the first are
+eliminated, so that the linear equations have the size of one state; residuals are those of the short segments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.deadline import checkpoint
+from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.orbits.level import Level
+from liepoisson.orbits.shooting import Flow
+from liepoisson.portable import linear
+
+_MOST_STEPS = 30
+_LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
+"""The longest correction of Newton's method: of a state, in units of the level, and of the time, relative to it."""
+_MEETS, _TRIALS = 1e-4, 12
+"""A guess must have come to this residual, from which on convergence is quadratic, after so many steps."""
+_RANK = 1e-11
+"""Singular values below this, relative to the largest, belong to families: steps do not follow them."""
+GROWTH = 100.0
+"""A segment is so short that neighbours grow by no more than about this along it: a hundredth of a double's digits."""
+MOST_SEGMENTS = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """Guesses, or what became of them.
+
+    Attributes:
+        state: The states where segments begin, shape (n, segment, N).
+        time: Shape (n,).
+        angle: Angles of the rotations by which they close, shape (n, k).
+        residual: The largest gap between segments, in units of the level, and deviation from it, relative; shape (n,).
+        regularity: The smallest singular value of the equations by the largest one, shape (n,): round-off where loops
+            belong to families on their level.
+    """
+
+    state: Array
+    time: Array
+    angle: Array
+    residual: Array
+    regularity: Array
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def of(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Loops:
+        """Some of them."""
+        return Loops(self.state[rows], self.time[rows], self.angle[rows], self.residual[rows], self.regularity[rows])
+
+
+def guessed(state: Array, time: Array, angle: Array) -> Loops:
+    """Guesses, of which nothing is known."""
+    return Loops(state, time, angle, np.full(len(time), np.inf), np.zeros(len(time)))
+
+
+@dataclass(frozen=True, eq=False)
+class Closing:
+    """The equations for closed orbits.
+
+    Attributes:
+        level: The level, which gives the sizes of states.
+        flow: How orbits are followed.
+        held: Functions that have given values, by name: the function and its value.
+        symmetry: P, an orthogonal matrix.
+        rotations: The matrices $G_k$, shape (k, N, N).
+        holds_period: Whether the time is given and does not change: its column is zero, and no step of least norm moves
+            it.
+    """
+
+    level: Level
+    flow: Flow
+    held: Mapping[str, tuple[PhaseFunction, float]]
+    symmetry: Array
+    rotations: Array
+    holds_period: bool = False
+
+    def without(self, name: str) -> Closing:
+        """The same with one function less, as for a family."""
+        return replace(self, held={key: value for key, value in self.held.items() if key != name})
+
+    def turn(self, angle: Array) -> Array:
+        r"""$P\,e^{\sum\theta_k G_k}$, shape (n, N, N)."""
+        n = len(self.symmetry)
+        generator = (
+            linear.einsum("nk,kij->nij", angle, self.rotations) if angle.shape[1] else np.zeros((len(angle), n, n))
+        )
+        return linear.matmul(self.symmetry, exponential(generator))
+
+    def solved(self, guesses: Loops, *, extra: Array | None = None) -> Loops:
+        """What Newton's method makes of guesses; the residual says how well each closes.
+
+        Args:
+            guesses: States, times and angles.
+            extra: A direction in (state, time, angle), in units, along which the first state does not move from the
+                guess, shape (N + 1 + k,): a step along a family is corrected across it.
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
+        x, T, angle = guesses.state.copy(), guesses.time.copy(), guesses.angle.copy()
+        best = guessed(x.copy(), T.copy(), angle.copy())
+        anchors = x[:, 0].copy(), T.copy(), angle.copy()
+        active = np.arange(len(T))
+        for k in range(_MOST_STEPS):
+            checkpoint("Newton's method for closed orbits")
+            here = x[active], T[active], angle[active]
+            found = self.linearised(*here)
+            rows, values = self._equations(found, here, tuple(a[active] for a in anchors), extra)
+            size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), np.abs(found.deviations).max(axis=1, initial=0.0))
+            size[~np.isfinite(size)] = np.inf
+            better = size < best.residual[active]
+            chosen = active[better]
+            best.state[chosen], best.time[chosen], best.angle[chosen] = x[chosen], T[chosen], angle[chosen]
+            best.residual[chosen] = size[better]
+            stalled = ~better & (best.residual[active] < _MEETS)
+            go = np.isfinite(size) & ~stalled & ((k < _TRIALS) | (size < _MEETS)) & (size > 1e-17)
+            matrix = np.where(go[:, None, None], rows, 0.0)
+            sizes = linear.svd(matrix, compute_uv=False)
+            with np.errstate(all="ignore"):
+                best.regularity[chosen] = (sizes[:, -2 if self.holds_period else -1] / sizes[:, 0])[better]
+            step = -linear.einsum("nij,nj->ni", linear.pinv(matrix, rcond=_RANK), np.where(go[:, None], values, 0.0))
+            moves, delay, turned = found.moves(step)
+            with np.errstate(all="ignore"):
+                long = np.maximum(
+                    linear.norm(moves, axis=2).max(axis=1) / _LONGEST_STEP, np.abs(delay) / _LONGEST_DELAY
+                )
+            factor = 1.0 / np.maximum(1.0, np.where(np.isfinite(long), long, 1.0))
+            x[active] += factor[:, None, None] * moves * self.level.units
+            T[active] *= 1.0 + factor * delay
+            angle[active] += factor[:, None] * turned
+            active = active[go & np.isfinite(long) & (T[active] > 0)]
+            if not active.size:
+                break
+        return best
+
+    def linearised(self, x: Array, T: Array, angle: Array) -> Linearised:
+        """The equations at some loops, and their derivatives by all states, times and angles."""
+        n, m, N = x.shape
+        units, level = self.level.units, self.level
+        with np.errstate(all="ignore"):
+            ends, tangents = self.flow.ends(x.reshape(-1, N), np.repeat(T / m, m), np.diag(units))
+            rates = self.flow.system.vector_field(np.where(np.isfinite(ends), ends, 0.0)).reshape(n, m, N) / units
+        ends, tangents = ends.reshape(n, m, N), tangents.reshape(n, m, N, N) / units[:, None]
+        turn = self.turn(angle)
+        last = linear.einsum("nij,nj->ni", turn, x[:, 0])
+        gaps = (ends - np.concatenate([x[:, 1:], last[:, None]], axis=1)) / units
+        along = linear.einsum("kij,nj->nik", self.rotations, last) / units[:, None]
+        deviations, slopes = np.zeros((n, len(self.held))), np.zeros((n, len(self.held), N))
+        for j, (function, value) in enumerate(self.held.values()):
+            gradient = function.gradient(x[:, 0]) * units
+            scale = np.maximum(np.abs(gradient).sum(axis=1), np.finfo(float).tiny)
+            deviations[:, j], slopes[:, j] = (function(x[:, 0]) - value) / scale, gradient / scale[:, None]
+        closing = turn * units / units[:, None]
+        directions = [level.system.vector_field(x[:, 0]), *linear.einsum("kij,nj->kni", self.rotations, x[:, 0])]
+        late = rates * (T / m)[:, None, None]
+        return Linearised(gaps, deviations, slopes, tangents, late, closing, along, np.array(directions) / units)
+
+    def _equations(
+        self, found: Linearised, here: tuple[Array, Array, Array], anchors: tuple[Array, ...], extra: Array | None
+    ) -> tuple[Array, Array]:
+        """All equations for (first state, relative time, angles), shape (n, equation, unknown), and their values."""
+        x, time, angle = here
+        n, N, k = x.shape[0], x.shape[2], angle.shape[1]
+        matrix, late, rest = found.condensed()
+        late = np.zeros_like(late) if self.holds_period else late
+        rows = [np.concatenate([matrix - found.closing, late[..., None], -found.along], axis=2)]
+        rows.append(np.concatenate([found.slopes, np.zeros((n, found.slopes.shape[1], 1 + k))], axis=2))
+        values = [rest, found.deviations]
+        off = (x[:, 0] - anchors[0]) / self.level.units
+        for direction in found.directions:  # held across the flow and the rotations
+            unit = direction / np.maximum(linear.norm(direction, axis=1, keepdims=True), np.finfo(float).tiny)
+            rows.append(np.concatenate([unit, np.zeros((n, 1 + k))], axis=1)[:, None])
+            values.append(linear.einsum("ni,ni->n", unit, off)[:, None])
+        if extra is not None:
+            rows.append(np.broadcast_to(extra, (n, 1, N + 1 + k)))
+            moved = np.concatenate([off, time[:, None] / anchors[1][:, None] - 1.0, angle - anchors[2]], axis=1)
+            values.append(linear.einsum("ni,i->n", moved, extra)[:, None])
+        return np.concatenate(rows, axis=1), np.concatenate(values, axis=1)
+
+    def null_space(self, loops: Loops, n: int) -> Array:
+        """The n directions (state, relative time, angles) in which one loop moves most nearly along loops.
+
+        The equations hold one function less than fixes the loop, so that loops form a curve, or several that cross.
+        """
+        here = loops.state, loops.time, loops.angle
+        rows, _ = self._equations(self.linearised(*here), here, (loops.state[:, 0], loops.time, loops.angle), None)
+        return linear.svd(rows)[2][0, -n:]
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """The equations of loops in units of the level, and their derivatives.
+
+    Attributes:
+        gaps: Ends of segments less the states that they should be, shape (n, segment, N).
+        deviations: Of the held functions from their values, relative, shape (n, function).
+        slopes: Their derivatives, shape (n, function, N).
+        segments: The derivatives of segments, shape (n, segment, N, N).
+        late: Those of ends by the relative time, shape (n, segment, N).
+        closing: The matrix of the closing symmetry, shape (n, N, N).
+        along: How the image of the first state moves with the angles, shape (n, N, k).
+        directions: The vector field and the rotations at the first state, shape (1 + k, n, N).
+    """
+
+    gaps: Array
+    deviations: Array
+    slopes: Array
+    segments: Array
+    late: Array
+    closing: Array
+    along: Array
+    directions: Array
+
+    def condensed(self) -> tuple[Array, Array, Array]:
+        """The derivatives of the last end by the first state and the relative time, and the gap, all others closed."""
+        matrix, late, rest = self.segments[:, 0], self.late[:, 0], self.gaps[:, 0]
+        for i in range(1, self.segments.shape[1]):
+            step = self.segments[:, i]
+            matrix = linear.matmul(step, matrix)
+            late = linear.einsum("nij,nj->ni", step, late) + self.late[:, i]
+            rest = linear.einsum("nij,nj->ni", step, rest) + self.gaps[:, i]
+        return matrix, late, rest
+
+    def moves(self, step: Array) -> tuple[Array, Array, Array]:
+        """The corrections of all states, shape (n, segment, N), of the relative time and of the angles."""
+        n, m, N = self.gaps.shape
+        moves, delay = np.empty((n, m, N)), step[:, N]
+        moves[:, 0] = step[:, :N]
+        for i in range(m - 1):
+            moves[:, i + 1] = linear.einsum("nij,nj->ni", self.segments[:, i], moves[:, i]) + self.gaps[:, i]
+            moves[:, i + 1] += self.late[:, i] * delay[:, None]
+        return moves, delay, step[:, N + 1 :]
+
+
+def exponential(matrices: Array) -> Array:
+    """The exponentials of small matrices, shape (..., N, N): Taylor's series of a part 1/2^k, squared k times."""
+    size = float(np.abs(matrices).sum(axis=-1).max(initial=0.0))
+    halvings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0 else 0
+    small = matrices / 2.0**halvings
+    found = term = np.broadcast_to(np.eye(matrices.shape[-1]), matrices.shape)
+    for k in range(1, 19):  # 2^-18 / 18! is below the round-off
+        term = linear.matmul(term, small) / k
+        found = found + term
+    for _ in range(halvings):
+        found = linear.matmul(found, found)
+    return found

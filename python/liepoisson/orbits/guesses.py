@@ -1,0 +1,371 @@
+"""Where periodic orbits are looked for: what a caller gives, and Newton's method from there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.equilibrium.stability import Equilibrium
+from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.refusals import shown
+from liepoisson.io.display import Found
+from liepoisson.io.tables import Tabular
+from liepoisson.leaf._checks import as_system
+from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+from liepoisson.numeric.integrate import Orbit
+from liepoisson.numeric.run_options import RunOptions
+from liepoisson.numeric.starts import StartsLike, given_starts
+from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at
+from liepoisson.orbits.closing import Loops
+from liepoisson.orbits.level import Level, level_of
+from liepoisson.orbits.multipliers import CUT_SHORT, SymmetricOrbit
+from liepoisson.orbits.shooting import Flow, n_times_of
+from liepoisson.orbits.symmetric_orbits import natural_time
+from liepoisson.portable import linear
+from liepoisson.streams import Purpose, stream
+
+if TYPE_CHECKING:
+    from liepoisson.leaf.leaf import Leaf
+    from liepoisson.model.system import System
+
+Guess: TypeAlias = "StartsLike | PeriodicOrbit | SymmetricOrbit | Orbit"
+"""A state, an orbit that was found, or a trajectory that comes back near to itself."""
+
+_SAME = 1e-6
+_LARGEST_PART = 12
+"""An orbit is looked for whose period is a part of the one that was found, up to this one."""
+_RETURNS, _OTHER_PERIOD = 8, 0.05
+"""How many of the nearest returns of a trajectory are tried, and how much their times differ, relative."""
+_NEAR_PERIOD = 0.2
+"""How much a return's time may differ from a period that is given."""
+_UNITS, _TIMES_PER_UNIT, _GUESSES, _TOGETHER = 30.0, 12.0, 2, 64
+_LOOKS = 1000
+"""Times of a trajectory at which returns are looked for; all pairs of them are compared."""
+
+
+@shows_progress
+def periodic_orbit(
+    system: System,
+    guess: Guess,
+    *,
+    period: float | None = None,
+    leaf: Leaf | Mapping[str, float | str] | None = None,
+    energy: float | str | None = None,
+    hold: str = "energy",
+    momenta: Momenta = (),
+    symmetry: DiscreteSymmetry | None = None,
+    n_segments: int | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> PeriodicOrbit:
+    r"""The periodic orbit near a guess, on a level of H and the Casimirs, by Newton's method on multiple shooting.
+
+    It need not be symmetric.  The state is moved onto the level first.  Least squares take account of the integrals,
+    of the direction of the flow and of rotations, so nothing has to be unfolded.
+
+    Example:
+        >>> system = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2 + q2*sin(q1)/10")
+        >>> orbit = lp.orbits.periodic_orbit(system, [3.1, 0, 0, 0.4], period=6.3, energy="1.1")
+        >>> round(orbit.period, 8), orbit.stability  # the orbit above the saddle
+        (6.26757814, 'hyperbolic')
+
+    Args:
+        system: A system whose parameters are all numbers.
+        guess: A state, by components or by name; or an orbit that was found, perhaps on another level or of another
+            system; or a trajectory, as `integrate` returns it, whose nearest returns to itself are tried.
+        period: The period, about; needed for a state.
+        leaf: A regular leaf, or the values of the Casimirs by name; by default that of the guess.
+        energy: The value of the Hamiltonian; by default that of the guess.
+        hold: "energy", or "period": the orbit of the given period, of whatever energy.
+        momenta: Linear integrals, such as "l3", whose values are held, too, those of the guess or given by name; the
+            orbit then closes up to their rotations: a relative periodic orbit.
+        symmetry: A discrete symmetry up to which the orbit closes after `period`.
+        n_segments: Of how many segments it is made; by default of so many that neighbours grow 100 times in each.
+
+    Returns:
+        The orbit, with its least period.
+
+    Raises:
+        LeafError: the leaf is not regular, or no state of it has this energy.
+        OrbitError: Newton's method does not come to an orbit that closes to 1e-12; the message says how near it came.
+        ParameterError: no period is given, the guess is an equilibrium or at rest, or a value is not as it must be.
+        TimeLimitError: the time limit has passed.
+
+    References: [seydel2010]; [munozalmaraz2003].
+    """
+    run = RunOptions.read(None, threads, time_limit, progress)
+    system = as_system(system)
+    holds_period = _holds_period(hold, energy, period)
+    count = None if n_segments is None else as_count(n_segments, "n_segments", least=1, most=256)
+    if isinstance(guess, Equilibrium):
+        raise ParameterError(
+            "guess: wanted a state on an orbit; got an equilibrium, whose small orbits are those of "
+            "lp.orbits.orbit_family(system, equilibrium)"
+        )
+    with run.deadline.running():
+        states, times, angles = _guesses(system, guess, period)
+        problem = problem_at(
+            system, states[0], leaf=leaf, energy=energy, holds_period=holds_period, momenta=momenta,
+            symmetry=symmetry, threads=run.threads,
+        )  # fmt: skip
+        rest = linear.norm(system.vector_field(states) / problem.closing.level.units, axis=1) * times
+        if not (rest > _SAME).any():
+            raise ParameterError(f"guess: wanted a state on an orbit; got {shown(states[0])}, which is at rest")
+        if not holds_period:
+            states, arrived = problem.closing.level.projected(states, np.eye(states.shape[1]))
+            if not arrived.any():
+                raise LeafError(
+                    f"an orbit must lie on its level; no state of {problem.closing.level.text} was found near the "
+                    f"guess. The energies of the leaf are {problem.closing.level.leaf.energy_range()}."
+                )
+            states, times, angles = states[arrived], times[arrived], angles[arrived]
+        k = len(problem.closing.rotations)
+        loops = problem.closing.solved(
+            problem.loops(states, times, angles if angles.shape[1] == k else None, n_segments=count)
+        )
+        best = int(np.argmin(loops.residual))
+        if not loops.residual[best] <= CLOSES:
+            raise OrbitError(
+                f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to "
+                f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g} on {problem.closing.level.text}. "
+                "Give a nearer guess, or one of lp.orbits.symmetric_periodic_orbits"
+            )
+        run.tell(0.5)
+        return problem.described(shortest(problem, loops.of(np.array([best]))))
+
+
+def _holds_period(hold: object, energy: object, period: object) -> bool:
+    from liepoisson.inputs.refusals import check_choice
+
+    check_choice(hold, "hold", ("energy", "period"), "by default the energy is held")
+    if hold == "period" and (energy is not None or period is None):
+        raise ParameterError('hold="period": wanted the period and no energy; the energy is what is found')
+    return hold == "period"
+
+
+def _guesses(system: System, guess: Any, period: object) -> tuple[Array, Array, Array]:
+    """States, times and angles from which Newton's method begins."""
+    if isinstance(guess, (PeriodicOrbit, SymmetricOrbit)):
+        angles = guess.angles[None] if isinstance(guess, PeriodicOrbit) else np.zeros((1, 0))
+        own = guess.time if isinstance(guess, PeriodicOrbit) else guess.period
+        return guess.start[None], np.array([own if period is None else as_time(period, "period", example=own)]), angles
+    if isinstance(guess, Orbit):
+        states, times = _returns(guess, None if period is None else as_time(period, "period", example=1.0))
+        return states, times, np.zeros((len(times), 0))
+    if period is None:
+        raise ParameterError("period: wanted the time after which the orbit closes, about; got none; write period=6.3")
+    state = given_starts(system, cast("StartsLike", guess), "guess")
+    if state.ndim != 1 and len(state) != 1:
+        raise ParameterError(f"guess: wanted one state; got {len(state)}")
+    return state.reshape(1, -1), np.array([as_time(period, "period", example=6.3)]), np.zeros((1, 0))
+
+
+def _returns(orbit: Orbit, period: float | None) -> tuple[Array, Array]:
+    """The nearest returns of a trajectory to itself: states, and the times after which they come back.
+
+    Raises:
+        ParameterError: there is none, or the orbit has more than one trajectory.
+    """
+    if len(orbit.state) != 1:
+        raise ParameterError(f"guess: wanted one trajectory; got {len(orbit.state)}; take orbit.isel(trajectory=[0])")
+    keep = np.unique(np.linspace(0, len(orbit.time) - 1, min(len(orbit.time), _LOOKS)).astype(int))
+    time, state = orbit.time[keep], orbit.state[0, keep]
+    known = np.isfinite(state).all(axis=1)
+    time, state = time[known], state[known]
+    scale = np.maximum(np.abs(state - state.mean(axis=0)).max(axis=0, initial=0.0), np.finfo(float).tiny)
+    gaps = linear.norm((state[:, None] - state[None]) / scale.max(initial=1.0), axis=2)
+    found: list[tuple[float, float, int]] = []
+    for i in range(len(time) - 2):
+        row = gaps[i, i:]
+        places = 1 + np.nonzero((row[1:-1] <= row[:-2]) & (row[1:-1] < row[2:]))[0]
+        found += [(float(row[k]), abs(float(time[i + k] - time[i])), i) for k in places.tolist()]
+    found = sorted(one for one in found if period is None or abs(one[1] / period - 1) < _NEAR_PERIOD)
+    chosen: list[tuple[float, float, int]] = []
+    for one in found:
+        if all(abs(one[1] / other[1] - 1) > _OTHER_PERIOD for other in chosen):
+            chosen.append(one)
+        if len(chosen) == _RETURNS:
+            break
+    if not chosen:
+        raise ParameterError(
+            "guess: wanted a trajectory that comes back near to itself; this one does not; follow it longer"
+        )
+    return state[[i for _, _, i in chosen]], np.array([T for _, T, _ in chosen])
+
+
+def shortest(problem: Problem, loops: Loops) -> Loops:
+    """The loop whose time is the largest part of that of a loop which also closes, or the loop itself."""
+    closing = problem.closing
+    x, T, angle = loops.state[:, 0], float(loops.time[0]), loops.angle
+    parts = np.arange(2, _LARGEST_PART + 1)
+    ends, _ = closing.flow.ends(np.repeat(x, len(parts), axis=0), T / parts)
+    turns = closing.turn(angle / parts[:, None])
+    gap = np.abs((ends - linear.matmul(turns, x[0])) / closing.level.units).max(axis=1)
+    for n in parts[::-1]:
+        if gap[n - 2] < _SAME:
+            part = closing.solved(problem.loops(x, np.array([T / n]), angle / n))
+            if part.residual[0] <= CLOSES and abs(part.time[0] * n / T - 1) < _SAME:
+                return part
+    return loops
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
+    """Periodic orbits of a level, those with the largest growth rate first.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.orbits.periodic_orbits(system, {}, energy="1/10", n_starts=30)
+        >>> [(round(orbit.period, 3), orbit.stability) for orbit in found[:1]]
+        [(6.794, 'hyperbolic')]
+
+    Attributes:
+        level: The level.
+        found: The orbits; of those with the same period and multipliers, as symmetries map to one another, one.
+        t_end: How long starts were followed.
+        n_starts: How many starts were followed.
+        n_families: How many orbits were left out since they belong to families on the level.
+        is_cut_short: Whether the time limit ended the search.
+    """
+
+    titles = ("period", "rate", "stability", "multipliers", "residual", "pairs")
+
+    level: Level
+    found: tuple[PeriodicOrbit, ...]
+    t_end: float
+    n_starts: int
+    n_families: int
+    is_cut_short: bool = False
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each orbit its period, stability, start and multipliers."""
+        return orbit_columns(self.found, self.level.system.component_names)
+
+    def _head(self) -> str:
+        n = len(self.found)
+        families = f"; {self.n_families} that belong to families are left out" if self.n_families else ""
+        return (
+            f"{n or 'No'} periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on {self.level.text}, "
+            f"found from the returns of {self.n_starts} orbits up to t = {self.t_end:g}{families}"
+            f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
+        )
+
+    def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
+        half = ", ".join(f"{m:.5g}" for m in one.multipliers[: len(one.multipliers) // 2])
+        return (
+            f"{one.period:.8f}",
+            f"{one.rate:.4f}",
+            one.stability,
+            half,
+            f"{one.residual:.0e}",
+            f"{one.pair_defect:.0e}",
+        )
+
+
+@shows_progress
+def periodic_orbits(
+    system: System,
+    leaf: Leaf | Mapping[str, float | str],
+    energy: float | str,
+    *,
+    momenta: Momenta = (),
+    n_starts: int = 200,
+    t_end: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> PeriodicOrbits:
+    r"""Periodic orbits of a level, symmetric or not: the nearest returns of random orbits, improved by Newton's method.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> found = lp.orbits.periodic_orbits(top, {"C1": 1, "C2": "1/2", "C3": 1}, energy="1/2", n_starts=30)
+        >>> len(found) > 3, bool(max(orbit.residual for orbit in found) <= 1e-12)
+        (True, True)
+
+    Args:
+        system: A system whose parameters are all numbers.
+        leaf: A regular leaf, or the values of the Casimirs by name.
+        energy: The value of the Hamiltonian; a text is exact.
+        momenta: Linear integrals that are held, as for `periodic_orbit`.
+        n_starts: How many random states of the level are followed.
+        t_end: How long; by default 30 times $1/\rho(Df)$, with the median of the spectral radius along them.
+        seed: Draws the states.
+
+    Returns:
+        The orbits by decreasing growth rate; that there are no others is not proved.
+
+    Raises:
+        LeafError: the leaf is not regular, or no state of it has this energy.
+        TimeLimitError: the time limit has passed before anything was found.
+    """
+    run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
+    n_starts = as_count(n_starts, "n_starts", least=1)
+    level = level_of(as_system(system), leaf, energy)
+    with run.deadline.running():
+        draw = stream(run.seed, Purpose.PERIODIC_ORBITS)
+        guesses = draw.standard_normal((n_starts, len(level.units))) * level.units
+        states, arrived = level.projected(guesses, np.eye(len(level.units)))
+        if not arrived.any():
+            raise LeafError(
+                f"an orbit must lie on its level; of {n_starts} random states none could be moved to {level.text}. The "
+                f"energies of the leaf are {level.leaf.energy_range()}."
+            )
+        starts = states[arrived]
+        problem = problem_at(level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads)
+        unit = natural_time(level, run.seed)
+        longest = _UNITS * unit if t_end is None else as_time(t_end, "t_end", example=_UNITS * unit)
+        n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
+        grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, run.left)
+        gaps = linear.norm((states - starts[:, None]) / level.units, axis=2)
+        inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
+        rows, places = np.nonzero(inner)
+        best = np.argsort(gaps[rows, places + 1], kind="stable")[: _GUESSES * n_starts]
+        rows, times = rows[best], grid[places[best] + 1]
+        found: list[PeriodicOrbit] = []
+        n_families, cut = 0, False
+        for k in range(0, len(rows), _TOGETHER):
+            some = slice(k, k + _TOGETHER)
+            try:
+                loops = problem.closing.solved(problem.loops(starts[rows[some]], times[some]))
+            except TimeLimitError:
+                cut = True
+                break
+            for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
+                one = problem.described(shortest(problem, loops.of(np.array([j]))))
+                if not one.is_isolated:
+                    n_families += 1
+                elif not any(_is_same(one, other) for other in found):
+                    found.append(one)
+            run.tell(min(1.0, (k + _TOGETHER) / len(rows)))
+    found.sort(key=lambda one: (-round(one.rate, 9), one.period))
+    return PeriodicOrbits(level, tuple(found), float(longest), n_starts, n_families, cut)
+
+
+def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:
+    """The columns of a table of orbits: period, stability, start and multipliers of each."""
+    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+    starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
+    multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
+    return {
+        **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
+        **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
+        **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
+        **{f"multiplier_imaginary_{k}": column for k, column in enumerate(multipliers.imag.T, start=1)},
+    }
+
+
+def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
+    """Whether the periods and multipliers are the same."""
+    near = abs(one.period - other.period) <= _SAME * one.period
+    sums = [np.sum(orbit.multipliers) for orbit in (one, other)]
+    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * _SAME * (abs(sums[0]) + 1))

@@ -1,0 +1,127 @@
+"""Periodic orbits near a guess, and those of a level: closed forms, closing, multipliers, what is refused."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import ellipk
+
+import liepoisson as lp
+
+SADDLE = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2 + q2*sin(q1)/10", name="saddle")
+PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
+TWISTED = lp.Top.twisted_kovalevskaya()
+LEVEL = {"C1": 1, "C2": "1/2", "C3": 1}
+HENON = lp.catalog.system("henon-heiles")
+
+
+@pytest.mark.parametrize("q", [0.1, 1.0, 2.5])
+def test_a_pendulum(q):
+    """T = 4 K(sin(q/2))."""
+    orbit = lp.orbits.periodic_orbit(PENDULUM, [q, 0], period=4 * ellipk(np.sin(q / 2) ** 2) + 0.1)
+    assert orbit.period == pytest.approx(4 * ellipk(np.sin(q / 2) ** 2), rel=1e-13)
+    assert (orbit.stability, orbit.multipliers.size) == ("neutral", 0)
+
+
+def test_the_orbit_above_a_saddle():
+    """Two hundred digits of guesses were not needed: three are; 6.2675781399503 by DOP853 with fsolve."""
+    orbit = lp.orbits.periodic_orbit(SADDLE, [3.1, 0, 0, 0.4], period=6.3, energy="1.1")
+    assert orbit.period == pytest.approx(6.2675781399503, rel=1e-12)
+    assert orbit.residual < 1e-14
+    assert orbit.pair_defect < 1e-12 > orbit.trivial_defect
+
+
+def test_the_number_of_segments_changes_nothing():
+    found = [
+        lp.orbits.periodic_orbit(SADDLE, [3.1, 0, 0, 0.4], period=6.3, energy="1.1", n_segments=n) for n in (1, 3, 8)
+    ]
+    for one in found[1:]:
+        assert one.period == pytest.approx(found[0].period, rel=1e-13)
+        np.testing.assert_allclose(one.multipliers, found[0].multipliers, rtol=1e-9)
+    assert [one.n_segments for one in found] == [1, 3, 8]
+
+
+def test_the_least_period_is_found():
+    once = lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=6.3)
+    again = lp.orbits.periodic_orbit(HENON, once.start, period=3 * once.period)
+    assert again.period == pytest.approx(once.period, rel=1e-12)
+
+
+def test_a_symmetric_orbit_is_the_same_without_its_symmetry():
+    for one in lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=20)[:3]:
+        orbit = lp.orbits.periodic_orbit(HENON, one, energy="1/10")
+        assert orbit.period == pytest.approx(one.period, rel=1e-12)
+        loops = round(one.period / one.return_time)
+        np.testing.assert_allclose(sum(orbit.multipliers), sum(one.multipliers**loops), rtol=1e-9)
+
+
+def test_the_nearest_return_of_a_trajectory():
+    run = lp.integrate(TWISTED, lp.sample_states(TWISTED, 1, seed=2), t_end=100)
+    orbit = lp.orbits.periodic_orbit(TWISTED, run)
+    assert orbit.residual < 1e-12
+    assert np.abs(orbit.states(2)[1] - orbit.start).max() < 1e-11
+    assert len(orbit.multipliers) == 4
+
+
+def test_a_relative_orbit_of_a_symmetric_top():
+    """Between two passages of the least alpha3 the Lagrange top turns about its axis."""
+    top = lp.catalog.system("lagrange")
+    start = lp.sample_states(top, 1, seed=3)[0]
+    orbit = lp.orbits.periodic_orbit(top, start, period=3, momenta=["l3"])
+    assert orbit.is_relative
+    assert orbit.momenta == {"l3": start[2]}
+    run = lp.integrate(top, orbit.start, times=[0, orbit.period]).state[0, 1]
+    turn = np.eye(6)
+    c, s = np.cos(orbit.angles[0]), np.sin(orbit.angles[0])
+    for k in (0, 3):
+        turn[k : k + 2, k : k + 2] = [[c, s], [-s, c]]
+    np.testing.assert_allclose(run, turn @ orbit.start, atol=1e-12)
+    at = lp.integrate(top, start, times=np.linspace(0, 40, 4001)).state[0, :, 5]
+    peaks = np.nonzero((at[1:-1] > at[:-2]) & (at[1:-1] >= at[2:]))[0]
+    assert orbit.period == pytest.approx(np.diff(peaks).mean() / 100, abs=0.01)
+
+
+def test_the_period_can_be_held_instead_of_the_energy():
+    orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=7, hold="period")
+    assert orbit.period == 7
+    assert 4 * ellipk((1 + orbit.energy) / 2) == pytest.approx(7, rel=1e-12)
+
+
+@pytest.mark.thorough
+def test_orbits_of_a_level_are_found_and_are_those_of_another_integrator():
+    found = lp.orbits.periodic_orbits(TWISTED, LEVEL, energy="1/2", n_starts=40)
+    assert len(found) >= 6
+    assert max(one.residual for one in found) <= 1e-12
+    assert max(one.pair_defect for one in found) < 1e-10
+    for one in found[:3]:
+        run = solve_ivp(
+            lambda _, x: TWISTED.vector_field(x), (0, one.period), one.start, method="DOP853", rtol=1e-13, atol=1e-14
+        )
+        largest = np.abs(one.multipliers).max()
+        assert np.abs(run.y[:, -1] - one.start).max() < 1e-10 * (1 + largest)
+    assert list(found.to_dataframe().columns[:2]) == ["period", "rate"]
+
+
+REFUSED = (
+    ({"guess": [1, 0]}, lp.errors.ParameterError, "period: wanted the time after which the orbit closes"),
+    ({"guess": [0, 0], "period": 6}, lp.errors.ParameterError, "at rest"),
+    ({"guess": [1, 0], "period": 0}, lp.errors.ParameterError, "period"),
+    ({"guess": [1, 0], "period": 3}, lp.errors.OrbitError, "an orbit must close"),
+    ({"guess": [1, 0], "period": 7, "hold": "time"}, lp.errors.ParameterError, "hold"),
+    ({"guess": [1, 0], "period": 7, "hold": "period", "energy": 0}, lp.errors.ParameterError, "no energy"),
+    ({"guess": [1, 0], "period": 7, "energy": -3}, lp.errors.LiePoissonError, "energ"),
+    ({"guess": [1, 0], "period": 7, "momenta": ["p1"]}, lp.errors.ParameterError, "momenta"),
+    ({"guess": [[1, 0], [2, 0]], "period": 7}, lp.errors.ParameterError, "one state"),
+    ({"guess": [1, 0, 0], "period": 7}, lp.errors.LiePoissonError, "component"),
+)
+
+
+@pytest.mark.parametrize(("given", "kind", "words"), REFUSED)
+def test_what_is_refused(given, kind, words):
+    with pytest.raises(kind, match=words):
+        lp.orbits.periodic_orbit(PENDULUM, **given)
+
+
+def test_an_equilibrium_is_sent_to_families():
+    rest = lp.phase_space.equilibrium(SADDLE, [np.pi, 0, 0, 0])
+    with pytest.raises(lp.errors.ParameterError, match="orbit_family"):
+        lp.orbits.periodic_orbit(SADDLE, rest, period=6)

@@ -1,0 +1,110 @@
+"""Families of periodic orbits: closed forms along them, bifurcations from the literature, branches, ends."""
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+import liepoisson as lp
+
+PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
+SADDLE = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2 + q2*sin(q1)/10", name="saddle")
+HENON = lp.catalog.system("henon-heiles")
+BRACK = 0.9693090904, 0.9867092353
+"""Where the orbits R5 and L6 leave the straight one, in units of the saddle's energy 1/6 [brack2001]."""
+
+
+@pytest.fixture(scope="module")
+def straight():
+    """The orbit along the axis of Hénon and Heiles's potential, up to the saddle."""
+    start = lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=6.3)
+    return lp.orbits.orbit_family(HENON, start, until=0.1645, longest_step=0.05)
+
+
+def test_the_pendulum_from_its_equilibrium():
+    """T = 4 K(sin(q/2)) with the energy -cos q, from 2 pi on."""
+    rest = lp.phase_space.equilibrium(PENDULUM, [0, 0])
+    family = lp.orbits.orbit_family(PENDULUM, rest, until="4/5")
+    assert family[-1].energy == pytest.approx(0.8, rel=1e-14)
+    assert family.end == "the wanted value"
+    np.testing.assert_allclose(family.period, 4 * ellipk((1 + family.value) / 2), rtol=1e-12)
+    assert family.period[0] == pytest.approx(2 * np.pi, abs=1e-3)
+
+
+def test_the_lyapunov_family_of_a_saddle():
+    """6.2675781399503 at E = 1.1, by DOP853 with fsolve."""
+    rest = lp.phase_space.equilibrium(SADDLE, [np.pi, 0, 0, 0])
+    family = lp.orbits.orbit_family(SADDLE, rest, until=1.1)
+    assert family.period[-1] == pytest.approx(6.2675781399503, rel=1e-12)
+    assert {one.stability for one in family} == {"hyperbolic"}
+    assert len(family.points) == 0
+
+
+@pytest.mark.thorough
+def test_bifurcations_of_henon_and_heiles(straight):
+    branches = [6 * one.orbit.energy for one in straight.points if one.kind == "branch"]
+    np.testing.assert_allclose(branches[:2], BRACK, rtol=3e-10)
+    assert [one.kind for one in straight.points[:2]] == ["double period", "double period"]
+    for one in straight.points[:2]:
+        assert abs(one.orbit.multipliers + 1).max() < 1e-5  # a double one scatters by the root of the round-off
+    assert max(one.residual for one in straight) <= 1e-12
+    assert max(one.pair_defect for one in straight) < 1e-9
+
+
+@pytest.mark.thorough
+def test_branches_have_less_symmetry(straight):
+    """R5 is a rotation, stable where it begins; L6 a libration, unstable; orbits of the double period have it."""
+    first, second = [one for one in straight.points if one.kind == "branch"][:2]
+    rotation = lp.orbits.orbit_family(HENON, first, n_orbits=3, longest_step=0.02)
+    libration = lp.orbits.orbit_family(HENON, second, n_orbits=3, longest_step=0.02)
+    assert rotation[0].stability == "elliptic"
+    assert libration[0].stability == "hyperbolic"
+    for family in (rotation, libration):
+        assert np.abs(family[-1].states(50)[:, 0]).max() > 1e-3  # it leaves the axis x = 0
+        assert family[-1].residual <= 1e-12
+    double = straight.points[0]
+    twice = lp.orbits.orbit_family(HENON, double, n_orbits=3, longest_step=0.02)
+    assert twice[0].period == pytest.approx(2 * double.orbit.period, rel=1e-3)
+    assert abs(twice[-1].period / straight.period[0] - 1) > 0.5
+
+
+def test_a_family_in_a_casimir_leaves_the_energy():
+    top = lp.catalog.system("kovalevskaya")
+    level = {"C1": 0, "C2": 1}
+    one = lp.orbits.symmetric_periodic_orbits(top, level, energy=2, n_starts=20)[0]
+    family = lp.orbits.orbit_family(top, one, along="C1", until=0.05)
+    assert family.value[-1] == pytest.approx(0.05, rel=1e-13)
+    np.testing.assert_allclose([one.energy for one in family], 2, rtol=1e-12)
+    values = [top.functions.casimirs["C2"](one.start) for one in family]
+    np.testing.assert_allclose(values, 1, rtol=1e-12)
+
+
+def test_a_table_has_a_row_for_each_orbit():
+    rest = lp.phase_space.equilibrium(PENDULUM, [0, 0])
+    family = lp.orbits.orbit_family(PENDULUM, rest, n_orbits=4)
+    frame = family.to_dataframe()
+    assert len(frame) == len(family) == 4
+    assert list(frame.columns[:3]) == ["energy", "period", "stability"]
+    assert family.end == "4 orbits"
+    assert repr(family).startswith("4 orbits of a family of")
+
+
+REFUSED = (
+    ({"start": [1, 0]}, "wanted a periodic orbit or an equilibrium"),
+    ({"along": "C7"}, "along"),
+    ({"mode": 1}, "frequenc"),
+    ({"n_orbits": 1}, "n_orbits"),
+    ({"until": "x"}, "until"),
+)
+
+
+@pytest.mark.parametrize(("given", "words"), REFUSED)
+def test_what_is_refused(given, words):
+    rest = lp.phase_space.equilibrium(PENDULUM, [0, 0])
+    with pytest.raises(lp.errors.LiePoissonError, match=words):
+        lp.orbits.orbit_family(PENDULUM, **({"start": rest} | given))
+
+
+def test_a_saddle_has_no_orbits_around_it():
+    top = lp.phase_space.equilibrium(PENDULUM, [np.pi, 0])
+    with pytest.raises(lp.errors.ParameterError, match="wanted one of 0 frequencies"):
+        lp.orbits.orbit_family(PENDULUM, top)
