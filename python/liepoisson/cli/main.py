@@ -55,7 +55,7 @@ COMMANDS = {
     "section": "section",
     "lyapunov": "chaos",
     "decide": "chaos",
-    "equilibria": "equilibria",
+    "equilibria": "orbit",
     "sweep": "sweep",
     "lab": "lab",
     "cite": "literature",
