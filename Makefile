@@ -52,7 +52,7 @@ audit: $(VENV)/.built ## evidence for each method: orders, drift, Poisson maps, 
 
 # Before a change of the package's inside, and after it: `python -m verification.corpus.compare BEFORE results/corpus` prints
 # what differs (verification/corpus/record.py).
-corpus: $(VENV)/.built ## record what the package answers into results/corpus (some four minutes of one core)
+corpus: $(VENV)/.built ## record what the package answers into results/corpus (some six minutes of one core)
 	$(BIN)/python -m verification.corpus.record --out results/corpus
 
 bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (some 40 minutes; leave the machine alone meanwhile)

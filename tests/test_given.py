@@ -257,6 +257,29 @@ STATE = dict(zip(lp.Top.kovalevskaya().component_names, [0.5, -0.25, 1, 0.75, 0.
 SORTED = sorted(STATE)
 
 
+OPTIONS = ("confidence", "degree", "method", "n_starts", "seed", "store", "threads", "time_limit", "tol")
+
+
+@pytest.mark.parametrize("option", OPTIONS)
+def test_an_option_is_read_before_anything_is_computed_or_written(option, monkeypatch, tmp_path):
+    """No trajectory is followed and no file is made, whether the call would need the option or not."""
+
+    def computes(*args, **options):
+        pytest.fail("something was computed before the options were read")
+
+    table = list(rows().items())  # which are computed themselves
+    for name in ("orbits", "sections", "carry_frames", "enclose_flow", "enclose_periodic_orbit"):
+        monkeypatch.setattr(lp._core, name, computes)
+    n_read = 0
+    for _, row in table:
+        if option in inspect.signature(row.function).parameters:
+            with pytest.raises(LiePoissonError, match=option):
+                row.function(**row.arguments | {option: object()})
+            n_read += 1
+    assert n_read
+    assert not list(tmp_path.iterdir())
+
+
 def test_labels_of_many_starts_decide_their_order():
     top = lp.Top.kovalevskaya(epsilon=1)
     plain = np.array([[*STATE.values()], [*STATE.values()][::-1]])

@@ -173,7 +173,7 @@ SAID = {
     "families top.toml --set J1=1 --set J2=1 --set a2=0 --positive J3 --degree 3 --on C1=0": (
         0, "if a3 = 0, J3 - 4 = 0",
     ),
-    "families top.toml --time-limit 1e-9": (1, "incomplete, 1 case is left:"),
+    "families top.toml --time-limit 1e-9": (1, "incomplete, 1 case is left; the time limit ended the search:"),
     "families top.toml --time-limit 1e-9 --format json": (1, '"all parameters"'),
     "inspect twisted-top --set I=2,2,1 --set a=[-1,0,0] --set b=0,0,0 --set epsilon=1/3": (0, "C₁ = |α|² + ⅔ l·β"),
 }  # fmt: skip

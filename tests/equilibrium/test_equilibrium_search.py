@@ -200,3 +200,16 @@ def test_while_the_check_fails_more_starts_are_taken():
     assert more.n_starts > 3
     assert more.euler_found == more.euler_characteristic == 4
     assert not more.proved
+
+
+@pytest.mark.parametrize("n_starts", [20, 50])
+def test_components_that_vanish_are_zero_and_the_verdict_does_not_depend_on_the_starts(n_starts):
+    # the other four components are zero: what is left of them, 1e-323, would make an exact equilibrium an undecided one
+    waves = lp.catalog.system("three-wave")
+    leaf = lp.Leaf.through(waves, lp.sample_states(waves, 1, seed=3)[0])
+    (one,) = lp.equilibria(waves, leaf, n_starts=n_starts)
+    assert np.count_nonzero(one.state) == 2
+    assert (one.family, one.signature, one.nullity) == ("degenerate", (2, 2, 2), 2)
+    kirchhoff = lp.catalog.system("kirchhoff")
+    found = lp.equilibria(kirchhoff, {"C1": -0.6, "C2": 1.0}, n_starts=n_starts)
+    assert all(component == 0 or abs(component) > 1e-300 for e in found for component in e.state)

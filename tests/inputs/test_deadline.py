@@ -1,14 +1,18 @@
 """One deadline for all parts of a call: it returns soon after, with what it has or with a sentence."""
 
+import inspect
+import re
 import time
 from contextlib import suppress
 from itertools import count
+from types import ModuleType
 
+import numpy as np
 import pytest
 
 import liepoisson as lp
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
-from liepoisson.errors import MemoryLimitError, ParameterError, TimeLimitError
+from liepoisson.errors import EnclosureError, MemoryLimitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs import deadline
 from liepoisson.inputs.deadline import Deadline, checkpoint, has_passed
@@ -134,6 +138,96 @@ def test_a_search_returns_what_it_found_before_the_limit(monkeypatch, name):
         numbers.append((found.is_cut_short, len(found)))
     assert numbers[0] == (True, 0)
     assert numbers[-1] == (False, len(whole))
+
+
+MANY = 100_000
+"""Starts, or what else a call is asked for."""
+LONG = {"t_end": 1e7}
+TWISTED, START = lp.Top.twisted_kovalevskaya(), [1, 0, 1, 0, 0, 1, 0, 0, 1]
+ON_LEAF = lp.Leaf.through(TWISTED, START)
+STARTS = lp.sample_states(TWISTED, 2000, seed=1)
+QUARTIC = lp.System(lp.canonical(2), "(p1^2 + p2^2 + q1^2 + q2^2)/2 + q1^4 + q2^4 + q1^4*q2^2", name="quartic")
+ROD = lp.Top.lagrange(transverse=1, axial=1, a3=1)
+TIMES = np.geomspace(10, 1000, 60)
+CURVES = {
+    "time": TIMES, "exponent": np.outer(np.linspace(0.1, 0.2, 50), np.ones(60)) + 0.3 / np.sqrt(TIMES),
+    "n_bootstrap": 10**7,
+}  # fmt: skip
+SYMMETRIC = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 6*l3^2)/2", name="with a circle of equilibria")
+LOOP = {"start": [0, -0.1461901394453099, 0.4201732609406907, 0], "period": 6.794384826845275, "level": {"H": "1/10"}}
+SPHERE = {"level": {"C1": 1}, "box": lp.proofs.Box([-2, -2, -2], [2, 2, 2])}
+COUNTED = {
+    "integrability.galois_obstruction": lambda **limit: OF.galois_obstruction(
+        lp.catalog.system("leibniz-top-4"), most=1000, **limit
+    ),
+    "chaos.alignment": lambda **limit: lp.chaos.alignment(TWISTED, STARTS, n_vectors=9, **LONG, **limit),
+    "chaos.exponents_by_energy": lambda **limit: lp.chaos.exponents_by_energy(
+        QUARTIC, leaf=lp.Leaf(QUARTIC, {}), energies=[0.0, 0.5, 1.0], n_starts=MANY, **LONG, **limit
+    ),
+    "chaos.exponents_by_energy, of a top": lambda **limit: lp.chaos.exponents_by_energy(
+        TWISTED, leaf=ON_LEAF, energies=[1, 2, 3], n_starts=MANY, **LONG, **limit
+    ),
+    "chaos.frequency_drift": lambda **limit: lp.chaos.frequency_drift(
+        TWISTED, STARTS[:10], observable="l3", n_samples=2**18, **LONG, **limit
+    ),
+    "chaos.lyapunov_spectrum": lambda **limit: lp.lyapunov_spectrum(TWISTED, STARTS, n_exponents=9, **LONG, **limit),
+    "chaos.megno": lambda **limit: lp.chaos.megno(TWISTED, STARTS[:100], n_samples=MANY, **LONG, **limit),
+    "fits.finite_time_fit": lambda **limit: lp.fits.finite_time_fit(**CURVES, **limit),
+    "fits.log_fit": lambda **limit: lp.fits.log_fit(**CURVES, **limit),
+    "fits.window_scan": lambda **limit: lp.fits.window_scan(**CURVES, **limit),
+    "fits.window_scan, many windows": lambda **limit: lp.fits.window_scan(
+        **CURVES, windows=[(10 + k / MANY, 1000) for k in range(MANY)], **limit
+    ),
+    "orbits.rod": lambda **limit: lp.orbits.rod(ROD, STARTS[:10], length=1e7, n_points=MANY, **limit),
+    "orbits.symmetric_homoclinic_orbits": lambda **limit: lp.orbits.symmetric_homoclinic_orbits(
+        lp.phase_space.equilibrium(DUFFING, [0, 0]), n_starts=MANY, **limit
+    ),
+    "orbits.symmetric_periodic_orbits": lambda **limit: lp.orbits.symmetric_periodic_orbits(
+        HENON_HEILES, {}, energy="1/10", n_starts=MANY, **limit
+    ),
+    "phase_space.equilibria": lambda **limit: lp.equilibria(LINE, {}, n_starts=MANY, **limit),
+    "phase_space.equilibria, relative": lambda **limit: lp.equilibria(
+        PRECESSIONS, {"C1": "1/5", "C2": 1}, along=("l3",), values={"l3": 0.5}, n_starts=MANY, **limit
+    ),
+    "proofs.enclose_equilibria": lambda **limit: lp.proofs.enclose_equilibria(
+        SYMMETRIC, **SPHERE, max_boxes=10**9, **limit
+    ),
+    "proofs.prove_periodic_orbit": lambda **limit: lp.proofs.prove_periodic_orbit(
+        HENON_HEILES, **LOOP, n_sections=1000, **limit
+    ),
+    "sections.section": lambda **limit: lp.section(TWISTED, STARTS, surface="l3", n_crossings=MANY, **LONG, **limit),
+}
+"""Calls that are asked for far more than there is time for; what comes after a comma is another call of a function."""
+
+
+def functions_with_a_limit_and_a_count():
+    """The names of the public functions that take `time_limit` and a number of things to do, each once."""
+    chapters = {name: module for name in lp.__all__ if isinstance(module := getattr(lp, name), ModuleType)}
+    for chapter, module in chapters.items():
+        for name in () if chapter == "results" else module.__all__:
+            if inspect.isfunction(function := getattr(module, name)):
+                taken = inspect.signature(function).parameters
+                if "time_limit" in taken and any(re.match("n_|max_|most", one) for one in taken):
+                    yield f"{chapter}.{name}"
+
+
+def test_all_functions_with_a_limit_and_a_count_are_in_the_table():
+    assert set(functions_with_a_limit_and_a_count()) == {name.partition(",")[0] for name in COUNTED}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_whatever_is_asked_for_a_call_ends_at_its_limit_and_says_so(name):
+    """Seconds of the process, as those of the clock are also those of other programs; two are for what goes on."""
+    began = time.process_time()
+    try:
+        found = COUNTED[name](time_limit=0.5)
+        said = " ".join([repr(found), str(found), *np.unique(getattr(found, "outcome", "")).tolist()])
+    except (TimeLimitError, EnclosureError) as error:
+        said = str(error)
+    assert time.process_time() - began < 2.5
+    assert "time limit" in said
+    for n in re.findall(r"from up to (\d+)", said):
+        assert int(n) < MANY
 
 
 @pytest.mark.parametrize("t_end", [1e12, 1e300])

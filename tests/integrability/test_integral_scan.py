@@ -168,6 +168,13 @@ def test_what_makes_no_sense_is_refused(options, words):
         scan_integrals(TOP, **options)
 
 
+@pytest.mark.parametrize("option", [{"store": ""}, {"threads": "x"}, {"time_limit": 0}, {"degree": 0}], ids=str)
+def test_options_are_read_before_the_search_is_prepared(monkeypatch, option):
+    monkeypatch.setattr(integral_scan, "_search", lambda *_: pytest.fail("it was prepared"))
+    with pytest.raises(ParameterError, match=next(iter(option))):
+        scan_integrals(TOP, axes=AXES, **option)
+
+
 def test_a_denominator_that_vanishes_is_an_outcome():
     body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2)/(2*I) + l3^2", symbols=["I"])
     scan = scan_integrals(body, axes={"I": [0, 1, "1/2"]}, degree=1)

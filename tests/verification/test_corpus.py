@@ -1,6 +1,7 @@
 """Answers are written down without what changes from run to run, and a difference of one digit is found."""
 
 import json
+import subprocess
 import sys
 import tempfile
 import warnings
@@ -53,3 +54,18 @@ def test_the_exit_status_says_whether_there_is_a_difference(tmp_path, monkeypatc
     assert ("== catalogue: lagrange / values / H\n" in printed) == bool(status)
     assert ("-0.1\n" in printed) == bool(status)
     assert (f"+{new}\n" in printed) == (status == 1 and new is not None)
+
+
+def test_a_question_that_takes_too_long_is_named_and_others_are_answered():
+    script = """
+import json
+from verification.corpus.catalogue import of_system
+asked = ["values", "Lax pair"]
+print(json.dumps([of_system("free-rigid-body", asked, seconds) for seconds in (0.01, 60)]))
+"""
+    done = subprocess.run([sys.executable, "-c", script], cwd=answer.ROOT, capture_output=True, text=True, check=True)
+    short, long = json.loads(done.stdout)
+    assert short.keys() == long.keys() == {"values", "Lax pair"}
+    assert all(str(said).startswith("no answer within") for said in short.values())
+    assert long["values"]["states"]["0"] == [0.125, -0.75, 0.5]
+    assert "free-rigid-body, values: no answer within" in done.stderr

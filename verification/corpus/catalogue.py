@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import multiprocessing
+import resource
+import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cache
+from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
@@ -19,6 +25,11 @@ LONG_PAINLEVE = {"compressible-reduced-mhd", "leibniz-top-4", "twisted-top"}
 NO_LIMIT = 3600.0
 """Seconds, far more than a search takes."""
 NOT_ASKED = "not asked, since it takes long"
+SECONDS = 120.0
+"""Of processors, for each question about a system; none that ends takes half a minute."""
+BYTES = 8 * 2**30
+"""Memory of the process that answers."""
+NO_ANSWER = f"no answer within {SECONDS:g} s of processors and {BYTES / 2**30:g} GB"
 CHARTS = ("EulerChart", "QuaternionChart", "ReducedLagrange", "OrdinaryLagrange")
 
 
@@ -37,30 +48,74 @@ def record() -> dict[str, Any]:
     """All systems."""
     found: dict[str, Any] = {}
     for name in lp.catalog.names():
-        began = time.process_time()
-        found[name] = answer(lambda name=name: of_system(name, lp.catalog.system(name)))
-        print(f"  {name}: {time.process_time() - began:.1f} s", file=sys.stderr, flush=True)
+        began = time.perf_counter()
+        found[name] = of_system(name)
+        print(f"  {name}: {time.perf_counter() - began:.1f} s", file=sys.stderr, flush=True)
     return found
 
 
-def of_system(name: str, system: Any) -> dict[str, Any]:
-    """The answers about one system."""
-    report = lp.inspect(system)
+def of_system(name: str, asked: Sequence[str] = (), seconds: float = SECONDS) -> dict[str, Any]:
+    """The answers about one system, from a process of its own; after a question without an answer from a new one."""
+    context, left = multiprocessing.get_context("spawn"), [*(asked or QUESTIONS)]
+    found: dict[str, Any] = {}
+    while left:
+        here, there = context.Pipe(duplex=False)
+        process = context.Process(target=answer_each, args=(name, tuple(left), seconds, there), daemon=True)
+        process.start()
+        there.close()
+        with here, contextlib.suppress(EOFError):  # of a process that its limits have ended
+            while left:
+                found[left[0]] = here.recv()
+                del left[0]
+        process.join()
+        if left:
+            print(f"  {name}, {left[0]}: {NO_ANSWER}", file=sys.stderr, flush=True)
+            found[left.pop(0)] = NO_ANSWER
+    return found
+
+
+def answer_each(name: str, asked: Sequence[str], seconds: float, there: Connection) -> None:
+    """Answer some questions about a system, one after the other."""
+    resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
+    for question in asked:
+        signal.setitimer(signal.ITIMER_PROF, seconds)  # its signal ends the process
+        said = answer(lambda question=question: QUESTIONS[question](name, system_of(name)))
+        there.send(NO_ANSWER if isinstance(said, dict) and said.get("raises") == "MemoryError" else said)
+
+
+@cache
+def system_of(name: str) -> Any:
+    """The system that all questions of a process are about."""
+    return lp.catalog.system(name)
+
+
+@cache
+def report_of(system: Any) -> Any:
+    """Its report."""
+    return lp.inspect(system)
+
+
+def of_pair(name: str) -> Any:
+    """The Lax pair of the literature, or the refusal."""
     pair = answer(lambda: lp.integrability.known_lax_pair(name))
-    return {
-        "report as text": answer(lambda: str(report)),
-        "report as LaTeX": answer(report.latex),
-        "report as JSON": answer(report.record),
-        "system": answers(texts(name, system)),
-        "values": answers(values(system)),
-        "bracket": answers(bracket(system.bracket)),
-        "integrals": answer(lambda: integrals(system)),
-        "discrete symmetries": answer(lambda: str(lp.systems.discrete_symmetries(system))),
-        "equilibria": answer(lambda: equilibria(system)),
-        "Painlevé test": NOT_ASKED if name in LONG_PAINLEVE else answer(lambda: painleve(system)),
-        "Lax pair": pair if isinstance(pair, dict) else answers(lax_pair(name)),
-        "charts": {chart: answer(lambda chart=chart: in_chart(chart, system)) for chart in CHARTS},
-    }
+    return pair if isinstance(pair, dict) else answers(lax_pair(name))
+
+
+QUESTIONS: dict[str, Callable[[str, Any], Any]] = {
+    "report as text": lambda name, system: str(report_of(system)),
+    "report as LaTeX": lambda name, system: report_of(system).latex(),
+    "report as JSON": lambda name, system: report_of(system).record(),
+    "system": lambda name, system: answers(texts(name, system)),
+    "values": lambda name, system: answers(values(system)),
+    "bracket": lambda name, system: answers(bracket(system.bracket)),
+    "integrals": lambda name, system: integrals(system),
+    "discrete symmetries": lambda name, system: str(lp.systems.discrete_symmetries(system)),
+    "equilibria": lambda name, system: equilibria(system),
+    "Painlevé test": lambda name, system: NOT_ASKED if name in LONG_PAINLEVE else painleve(system),
+    "Lax pair": lambda name, system: of_pair(name),
+    "charts": lambda name, system: {chart: answer(lambda chart=chart: in_chart(chart, system)) for chart in CHARTS},
+}
+"""What is asked of each system."""
 
 
 def texts(name: str, system: Any) -> dict[str, Callable[[], Any]]:

@@ -260,7 +260,7 @@ impl fmt::Display for Error {
             }
             Error::TangentVector { trajectory } => write!(
                 f,
-                "tangent vector of member {trajectory}: wanted finite components, not all zero or negligibly small; \
+                "tangent vector of trajectory {trajectory}: wanted finite components, not all zero or negligibly small; \
                  leave tangent vectors out to have them drawn from the seed"
             ),
             Error::Memory { bytes } => write!(

@@ -236,6 +236,7 @@ def finished(equations: CriticalEquations, x: Array) -> Array:
     """A state after Newton's steps without damping, while each is less than half as long as the one before.
 
     A residual relative to the largest curvature is one to round-off before a direction that is soft has converged.
+    Components that converge to zero end at numbers too small for all of their digits, and are zero.
     """
     step = _undamped(equations, x)
     while np.isfinite(step).all():
@@ -246,7 +247,9 @@ def finished(equations: CriticalEquations, x: Array) -> Array:
         if not norm(following) < norm(step) / 2:
             break
         x, step = trial[0], following
-    return x
+    smallest = np.finfo(float).tiny * (float(norm(x)) + equations.fields.unit)
+    exact = np.where(np.abs(x) < smallest, 0.0, x)
+    return exact if equations.fields.are_defined(exact[None])[0] else x
 
 
 def _undamped(equations: CriticalEquations, x: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 
@@ -43,7 +44,7 @@ class Equilibria(Found["Equilibrium"], Tabular):
         euler_found: The sum over the list that must be equal to it if nothing is missing: $(-1)^{\rm index}$ for
             each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None
             where a degenerate equilibrium has no known share.
-        n_starts: How many starts the search took; 0 if the algebra gave the list.
+        n_starts: How many starts the search took, at most where the time limit ended it; 0 if algebra gave the list.
         is_cut_short: Whether the time limit ended the search.
         n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
@@ -72,14 +73,15 @@ class Equilibria(Found["Equilibrium"], Tabular):
             families = any(e.family not in {"point", "degenerate"} for e in self.found)
             how = "by algebra" if self.n_complex is None else f"by algebra, from {self.n_complex} complex solutions"
             return f"these are all{', with the families that they form' if families else ''} (proved {how})"
-        searched = f"found from {self.n_starts} random starts; that there are no others is not proved"
+        most = "up to " if self.is_cut_short else ""
+        searched = f"found from {most}{self.n_starts} random starts; that there are no others is not proved"
         if self.n_undecided:
             searched += (
                 f"; {self.n_undecided} of them undecided, as the linear equations may become singular within the bound "
                 "on the distance to a zero"
             )
         if self.is_cut_short:
-            return f"{searched}; the time limit ended the search"
+            return searched + CUT_SHORT
         if self.euler_characteristic is None:
             return f"{searched}, and no check is known"
         if self.euler_found is None:

@@ -28,7 +28,7 @@ from liepoisson.equilibrium.second_variation import Accuracy, Symmetries, n_inde
 from liepoisson.equilibrium.stability import Equilibrium, judged
 from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.arrays import Array, norm
-from liepoisson.inputs.deadline import has_passed
+from liepoisson.inputs.deadline import blocks, has_passed
 from liepoisson.leaf.leaf_search import representative
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
@@ -108,10 +108,12 @@ class EquilibriumSearch:
         """Search from this many starts more."""
         origin = self._origin.state
         size = (float(norm(origin)) + self._fields.unit) / np.sqrt(len(origin)) or 1.0
-        starts = self._rng.standard_normal((n_starts, len(origin))) * size
-        starts *= elementary.exp(self._rng.uniform(elementary.log(0.2), elementary.log(5.0), (n_starts, 1)))
-        self.n_starts += n_starts
-        self._add_from(starts)
+        for n in blocks(n_starts):
+            starts = self._rng.standard_normal((n, len(origin))) * size
+            starts *= elementary.exp(self._rng.uniform(elementary.log(0.2), elementary.log(5.0), (n, 1)))
+            self.n_starts += n
+            self._add_from(starts)
+        self.is_cut_short |= has_passed()
 
     def add_from(self, starts: Array) -> None:
         """Search from these states, and add what they lead to."""
@@ -141,9 +143,10 @@ class EquilibriumSearch:
         good = is_critical(self._equations, states, residual)
         states, residual = states[good], residual[good]
         for state in states[np.argsort(residual, kind="stable")]:
+            if has_passed():
+                break
             with suppress(TimeLimitError):  # whether it belongs to a family was not seen
                 self._add(state)
-        self.is_cut_short |= has_passed()
 
     def _add(self, state: Array) -> None:
         if (row := self._known_at(state)) is not None:

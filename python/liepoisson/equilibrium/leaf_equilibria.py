@@ -39,7 +39,14 @@ from liepoisson.equilibrium.equilibrium_list import Equilibria, signed_sum
 from liepoisson.equilibrium.equilibrium_search import EquilibriumSearch, at_rest, is_critical
 from liepoisson.equilibrium.euler_characteristic import euler_characteristic
 from liepoisson.equilibrium.heavy_equilibria import exact_top
-from liepoisson.equilibrium.stability import Equilibrium, analysis, integrals_of, judged, not_tiny
+from liepoisson.equilibrium.stability import (
+    Equilibrium,
+    analysis,
+    integrals_of,
+    judged,
+    not_tiny,
+    with_all_energy,
+)
 from liepoisson.equilibrium.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_number
@@ -131,7 +138,8 @@ def equilibria(
     integrals = integrals_of(system, along)
     wanted = _level(integrals, values, None)
     with as_deadline(time_limit).running():
-        return _equilibria(leaf, integrals, wanted, n_starts=n_starts, most=most, seed=seed)
+        found = _equilibria(leaf.moving, integrals, wanted, n_starts=n_starts, most=most, seed=seed)
+    return replace(found, leaf=leaf, found=tuple(with_all_energy(leaf, one) for one in found.found))
 
 
 def _equilibria(
@@ -246,6 +254,11 @@ def equilibrium_near(
     """
     leaf = not_tiny(Leaf.through(system, guess), "guess")
     integrals = integrals_of(system, along)
+    return with_all_energy(leaf, _near(leaf.moving, integrals, values))
+
+
+def _near(leaf: Leaf, integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None) -> Equilibrium:
+    """The equilibrium near the state of a leaf."""
     view = leaf.in_units()
     functions = view.system.functions
     fields = HamiltonianFields(view.system, [functions.energy, *map(functions.of, integrals.values())])

@@ -191,6 +191,11 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     tol = as_number(tol, "tol", "a finite number >= 0")
     if not 0 <= tol < np.inf:
         raise ParameterError(f"tol: wanted a finite number >= 0; got {tol}; try tol=1e-8")
+    return with_all_energy(leaf, _at_state(leaf.moving, integrals, tol))
+
+
+def _at_state(leaf: Leaf, integrals: Mapping[str, PhaseFunction], tol: float) -> Equilibrium:
+    """The stability of the state of a leaf."""
     units = _units_of_top(leaf)
     view = _in_units(leaf, units)
     fields, y = _fields(view, integrals), leaf.state / view.units
@@ -370,14 +375,15 @@ def _share_of_motion(system: System, integral: PhaseFunction) -> float | None:
     """The number c in $f_K = c f_H$, 0 for a Casimir; None where there is none. Decided at random states."""
     x = generator(0).normal(size=(_TRIED, system.bracket.dimension))
     with np.errstate(all="ignore"):  # a formula may be undefined at some of them; it is not judged there
-        fields = HamiltonianFields(system, [system.functions.energy, integral])
+        energy = system.moving.functions.energy
+        fields = HamiltonianFields(system, [energy, integral])
         both = fields.fields(x)
         size = float(norm(fields.poisson(x)) * norm(integral.gradient(x)))
-    energy, own = both[..., 0].ravel(), both[..., 1].ravel()
+    motion, own = both[..., 0].ravel(), both[..., 1].ravel()
     if norm(own) <= VANISHES * size:
         return 0.0
-    ratio = float(linear.matmul(energy, own) / linear.matmul(energy, energy)) if energy.any() else 0.0
-    return ratio if norm(own - ratio * energy) <= VANISHES * size else None
+    ratio = float(linear.matmul(motion, own) / linear.matmul(motion, motion)) if motion.any() else 0.0
+    return ratio if norm(own - ratio * motion) <= VANISHES * size else None
 
 
 _TRIED = 4
@@ -473,10 +479,26 @@ def _casimir_multipliers(leaf: Leaf, point: CriticalPoint) -> dict[str, float]:
         np.stack([f.gradient(point.x) for f in point.fields.functions], axis=-1), np.array([1.0, *-point.omega])
     )
     gradients = np.stack([functions.of(f).gradient(point.x) for f in leaf.casimir_functions.values()], axis=-1)
+    return dict(zip(leaf.casimir_functions, _coefficients(gradients, slopes).tolist(), strict=True))
+
+
+def _coefficients(gradients: Array, slopes: Array) -> Array:
+    """The numbers before the gradients of Casimirs that make up some slopes."""
     lengths = norm(gradients, axis=0)  # a Casimir is in units of its own
     lengths = np.where(lengths > 0, lengths, 1.0)
-    found = linear.lstsq(gradients / lengths, slopes)[0] / lengths
-    return dict(zip(leaf.casimir_functions, found.tolist(), strict=True))
+    return np.asarray(linear.lstsq(gradients / lengths, slopes)[0] / lengths)
+
+
+def with_all_energy(leaf: Leaf, found: Equilibrium) -> Equilibrium:
+    """An equilibrium of the moving part of H on a leaf, with the energy and the multipliers of H itself."""
+    if leaf.moving is leaf:
+        return found
+    functions, x = leaf.system.functions, found.state
+    slope = functions.energy.gradient(x) - leaf.moving.system.functions.energy.gradient(x)
+    gradients = np.stack([f.gradient(x) for f in functions.casimirs.values()], axis=-1)
+    more = dict(zip(functions.casimirs, _coefficients(gradients, slope).tolist(), strict=True))
+    multipliers = {name: value + more[name] for name, value in found.multipliers.items()}
+    return replace(found, leaf=leaf, energy=float(functions.energy(x)), multipliers=multipliers)
 
 
 def _ordered(values: ComplexArray) -> ComplexArray:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count
 from liepoisson.indicators.estimates import Estimate, as_confidence
 from liepoisson.indicators.mean_error import mean_interval
@@ -118,11 +118,16 @@ class EnergyProfile(Run):
         leaf = DrawnLeaf(self.casimirs, dict(zip(self.energy.tolist(), self.start, strict=True)))
         return own | {"leaf": leaf, "energies": self.energy, "n_starts": self.start.shape[1]}
 
+    @property
+    def _starts(self) -> str:
+        """How many starts there are at each energy, and how many runs failed at all of them together."""
+        failed = int(np.sum(self.outcome != "finished"))
+        return f"{self.exponent.shape[1]} starts" + (f" ({failed} of {self.outcome.size} failed)" if failed else "")
+
     def __str__(self) -> str:
         leaf = ", ".join(f"{name} = {value:.4g}" for name, value in self.casimirs.items())
         lines = [
-            f"{self.system.name}, {leaf}; {self.exponent.shape[1]} starts per energy, t = {self.t_end:g}, "
-            "errors over the starts",
+            f"{self.system.name}, {leaf}; {self._starts} per energy, t = {self.t_end:g}, errors over the starts",
             "  energy  mean exponent      chaotic            undecided",
         ]
         for energy, mean, *shares in zip(self.energy, self.mean, self.chaotic, self.undecided, strict=True):
@@ -131,12 +136,11 @@ class EnergyProfile(Run):
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        n_energies, n = self.exponent.shape
         energies = (
-            f"{counted(n_energies, 'energy', 'energies')} from {self.energy.min():.4g} to {self.energy.max():.4g}"
+            f"{counted(len(self.energy), 'energy', 'energies')} from {self.energy.min():.4g} to {self.energy.max():.4g}"
         )
-        starts, value = counted(n, "start"), typical("exponent", self.exponent.ravel())
-        return f"<EnergyProfile of {self.system.name}: {energies}, {starts} each, {value} at t = {self.t_end:g}>"
+        value = typical("exponent", self.exponent.ravel())
+        return f"<EnergyProfile of {self.system.name}: {energies}, {self._starts} each, {value} at t = {self.t_end:g}>"
 
 
 @shows_progress
@@ -176,8 +180,8 @@ def exponents_by_energy(
         rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.
         confidence: Coverage of the intervals.
-        time_limit: Seconds that it may take.  Each energy has an equal share of what is left, so that each has some;
-            the sampling counts, too, but is not cut.  Energies that come too late have the outcome "time limit".
+        time_limit: Seconds that it may take.  Each energy has an equal share of what is left, so that each has some,
+            the sampling included.  Energies whose states come too late have the outcome "time limit".
 
     Raises:
         LeafError: an energy does not occur on the leaf, or its energy surface has infinite volume.
@@ -205,9 +209,12 @@ def exponents_by_energy(
         own = replace(
             options.part(k / len(values), 1 / len(values)), deadline=Deadline(options.left / (len(values) - k))
         )
-        starts = leaf.sample(n_starts, seed=options.seed, energy=float(energy))
-        drawn[k] = starts
-        decided = decide(system, starts, t_end=t_end, rule=rule, seed=options.seed, **own.inner())
+        try:
+            with own.deadline.running():
+                drawn[k] = leaf.sample(n_starts, seed=options.seed, energy=float(energy))
+        except TimeLimitError:
+            continue
+        decided = decide(system, drawn[k], t_end=t_end, rule=rule, seed=options.seed, **own.inner())
         outcome[k], verdict[k] = decided.outcome, decided.verdict
         exponent[k] = np.where(decided.outcome == "finished", decided.exponent, np.nan)
         if (decided.outcome == "finished").any():

@@ -14,13 +14,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_number
+from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number
 from liepoisson.indicators.estimates import (
     Estimate,
     FiniteTimeFit,
@@ -282,6 +283,7 @@ def finite_time_fit(
     n_bootstrap: int = 1000,
     seed: int = 0,
     confidence: float = 0.95,
+    time_limit: float = TIME_LIMIT,
 ) -> FiniteTimeFit:
     r"""Fit of the mean finite-time exponent to $\lambda + c_1/\sqrt t + c_0/t$, with a bootstrap over trajectories.
 
@@ -306,6 +308,7 @@ def finite_time_fit(
         n_bootstrap: Number of bootstrap replicates.
         seed: Draws the replicates.
         confidence: Coverage of the intervals.
+        time_limit: Seconds that it may take.
 
     Returns:
         The coefficients with standard errors and percentile intervals.
@@ -313,12 +316,14 @@ def finite_time_fit(
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times or window, or fewer than two trajectories that finished.
+        TimeLimitError: the time limit has passed.
 
     References: Tang and Boozer, Physica D 95, 283 (1996); Thiffeault and Morrison (2001), figure of the exponents.
     """
     time = _checked_time(time)
     window = last_decade(time) if window is None else window
-    return window_scan(time, exponent, windows=[window], n_bootstrap=n_bootstrap, seed=seed, confidence=confidence)[0]
+    options: dict[str, Any] = {"n_bootstrap": n_bootstrap, "seed": seed, "confidence": confidence}
+    return window_scan(time, exponent, windows=[window], time_limit=time_limit, **options)[0]
 
 
 @explains_its_arguments
@@ -330,6 +335,7 @@ def window_scan(
     n_bootstrap: int = 1000,
     seed: int = 0,
     confidence: float = 0.95,
+    time_limit: float = TIME_LIMIT,
 ) -> tuple[FiniteTimeFit, ...]:
     """`finite_time_fit` over many windows, by default over `window_grid`; all share the bootstrap replicates.
 
@@ -340,17 +346,29 @@ def window_scan(
         >>> [(fit.window, round(fit.lambda_, 3)) for fit in fits]
         [((20.0, 200.0), 0.129), ((50.0, 500.0), 0.128)]
 
+    Args:
+        time: Sample times, shape (time,), positive and increasing.
+        exponent: Finite-time exponents, shape (trajectory, time), in inverse time.
+        windows: First and last times, at least 5 sample times in each.
+        n_bootstrap: Number of bootstrap replicates.
+        seed: Draws the replicates.
+        confidence: Coverage of the intervals.
+        time_limit: Seconds that it may take.
+
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times, a bad window or none, or fewer than two trajectories that finished.
+        TimeLimitError: the time limit has passed.
     """
+    deadline, resampling = as_deadline(time_limit), Resampling(n_bootstrap, confidence, seed)
     time = as_array(time, "time")
     wanted = window_grid(time) if windows is None else _checked_windows(windows, "windows")
     if not wanted:
         raise ParameterError("windows: wanted at least one (start, end); got none; leave it out to take window_grid")
-    reduction = EnsembleReduction(time, windows=wanted)
-    reduction.add(exponent)
-    return reduction.finite_time_fits(Resampling(n_bootstrap, confidence, seed))
+    with deadline.running():
+        reduction = EnsembleReduction(time, windows=wanted)
+        reduction.add(exponent)
+        return reduction.finite_time_fits(resampling)
 
 
 @explains_its_arguments
@@ -362,6 +380,7 @@ def log_fit(
     n_bootstrap: int = 1000,
     seed: int = 0,
     confidence: float = 0.95,
+    time_limit: float = TIME_LIMIT,
 ) -> LogFit:
     r"""Fit of the mean exponent to $t\,\langle\lambda(t)\rangle = A + B\ln t$, plain and with a linear term.
 
@@ -374,15 +393,27 @@ def log_fit(
         >>> round(fit.B, 2), fit.floor_is_zero
         (1.0, True)
 
+    Args:
+        time: Sample times, shape (time,), positive and increasing.
+        exponent: Finite-time exponents, shape (trajectory, time), in inverse time.
+        window: First and last time used; by default the last decade of the sample times.
+        n_bootstrap: Number of bootstrap replicates.
+        seed: Draws the replicates.
+        confidence: Coverage of the intervals.
+        time_limit: Seconds that it may take.
+
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times or window, or fewer than two trajectories that finished.
+        TimeLimitError: the time limit has passed.
     """
+    deadline, resampling = as_deadline(time_limit), Resampling(n_bootstrap, confidence, seed)
     time = _checked_time(time)
     window = last_decade(time) if window is None else window
-    reduction = EnsembleReduction(time, log_windows=[window])
-    reduction.add(exponent)
-    return reduction.log_fits(Resampling(n_bootstrap, confidence, seed))[0]
+    with deadline.running():
+        reduction = EnsembleReduction(time, log_windows=[window])
+        reduction.add(exponent)
+        return reduction.log_fits(resampling)[0]
 
 
 @explains_its_arguments
@@ -479,6 +510,7 @@ _SLACK = 1e-9
 
 def _projector(law: _Law, window: Window, time: FloatArray) -> FloatArray:
     """The matrix, shape (coefficient, time), that takes a curve to its least-squares coefficients."""
+    checkpoint("fitting the windows")
     inside = _inside(window, time)
     n_times = int(np.count_nonzero(inside))
     if window[0] < time[0] * (1 - _SLACK) or window[1] > time[-1] * (1 + _SLACK):

@@ -149,11 +149,14 @@ class Spectrum(IntegratedRun):
         return f"<Spectrum of {self.system.name}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
 
 
-def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
-    """Standard errors of the means of rates, shape (trajectory, time, k); NaN for trajectories that did not finish."""
-    error = np.full((len(rates), rates.shape[2]), np.nan)
+def _errors(growth: Array, t_end: float, finished: NDArray[np.bool_]) -> Array:
+    """Standard errors of mean rates, from the growth in equal parts of the time, shape (trajectory, time, k).
+
+    NaN for trajectories that did not finish.
+    """
+    error = np.full((len(growth), growth.shape[2]), np.nan)
     if finished.any():
-        error[finished] = mean_error(rates[finished])
+        error[finished] = mean_error(growth[finished] * growth.shape[1] / t_end)
     return error
 
 
@@ -230,7 +233,7 @@ def lyapunov_spectrum(
     frames = TangentFrames(system, starts, options, units=units.of_frames(), n_vectors=n_exponents)
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
-        structure = poisson_structure(system, start, frames.unit)
+        structure = poisson_structure(system, start, frames.unit, options.deadline)
     else:
         check_kind(structure, PoissonStructure, "structure", "a PoissonStructure", "leave it out")
         fits = structure.shape == (len(start),)
@@ -251,7 +254,8 @@ def lyapunov_spectrum(
     if vectors is not None:
         vectors.keep(carried)
         vectors.settle(clock.carry(frames, before, transient / before, per_row=before, keep=True))
-    rates = growth * n_times / t_end
+    exponent = np.cumsum(growth, axis=1)
+    exponent /= time[:, None]
     return Spectrum(
         **options.given(system, start, frames.field),
         **options.drawn,
@@ -260,8 +264,8 @@ def lyapunov_spectrum(
         t_end=t_end,
         time=time,
         time_scale=scale,
-        exponent=np.cumsum(growth, axis=1) / time[:, None],
-        error=_errors(rates, finished),
+        exponent=exponent,
+        error=_errors(growth, t_end, finished),
         structure=structure,
         largest_ratio=frames.largest_ratio,
         outcome=frames.outcome,

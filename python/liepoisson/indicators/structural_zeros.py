@@ -31,6 +31,7 @@ from liepoisson.compile.field import Field, PiecesField
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
@@ -105,11 +106,13 @@ def _as_labels(values: Any, name: str, kind: type[np.int64] | type[np.bool_]) ->
     return given.astype(kind)
 
 
-def poisson_structure(system: Any, states: Array, units: Array | None = None) -> PoissonStructure | None:
+def poisson_structure(
+    system: Any, states: Array, units: Array | None = None, deadline: Deadline | None = None
+) -> PoissonStructure | None:
     """The structure at each start, shape (trajectory, component); None for a system without a Poisson tensor.
 
     Ranks are those in the units of the components, shape (trajectory, component), by default 1.  Where the start or a
-    gradient there is not finite, corank and number of zeros are 0.
+    gradient there is not finite, and where the deadline comes first, corank and number of zeros are 0.
     """
     if not has_functions(system):
         return None
@@ -123,14 +126,19 @@ def poisson_structure(system: Any, states: Array, units: Array | None = None) ->
     tensors = _in_units(functions, states, unit)
     good = np.isfinite(states).all(axis=1) & np.isfinite(gradients).all(axis=(1, 2))
     good &= np.isfinite(tensors).all(axis=(1, 2))
-    tensors = tensors[good]
     n_zeros, corank = np.zeros(len(states), dtype=np.int64), np.zeros(len(states), dtype=np.int64)
-    corank[good] = n - np.array([_rank(tensor) for tensor in tensors], dtype=np.int64)
+    is_regular = np.zeros(len(states), dtype=bool)
     least = n - max((_rank(tensor) for tensor in _generic_tensors(functions, unit[good])), default=0)
-    for k, tensor, gradient in zip(np.flatnonzero(good), tensors, gradients[good], strict=True):
-        known = np.concatenate([gradient, _null_space(tensor, least)], axis=1) if corank[k] == least else gradient
+    for k in np.flatnonzero(good):
+        if deadline is not None and not deadline.lasts():
+            break
+        tensor, known = tensors[k], gradients[k]
+        corank[k] = n - _rank(tensor)
+        is_regular[k] = corank[k] == least
+        if is_regular[k]:
+            known = np.concatenate([known, _null_space(tensor, least)], axis=1)
         n_zeros[k] = _n_zeros(tensor, known)
-    return PoissonStructure(n_zeros, corank, good & (corank == least))
+    return PoissonStructure(n_zeros, corank, is_regular)
 
 
 def keeps_volume(field: Field, states: Array, *, time: float, method: Method) -> bool:

@@ -13,6 +13,12 @@ from contextvars import ContextVar
 
 from liepoisson.errors import TimeLimitError
 
+BLOCK = 2048
+"""Starts that a search works on together, before it looks at the clock again."""
+
+CUT_SHORT = "; the time limit ended the search"
+"""What the text of a result ends with, whose search was ended so."""
+
 _current: ContextVar[Deadline | None] = ContextVar("deadline of the call", default=None)
 
 
@@ -51,6 +57,14 @@ def has_passed() -> bool:
     """Whether the deadline of the call has passed; not where it has none."""
     deadline = _current.get()
     return deadline is not None and not deadline.lasts()
+
+
+def blocks(n: int) -> Generator[int]:
+    """The sizes of the blocks that make up n starts; no more of them once the deadline of the call has passed."""
+    for done in range(0, n, BLOCK):
+        if has_passed():
+            return
+        yield min(BLOCK, n - done)
 
 
 def checkpoint(step: str) -> None:

@@ -30,7 +30,7 @@ from liepoisson.errors import TimeLimitError
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.derivation import Derivation, Exponents, Grading, of_degree
 from liepoisson.integrability.level import Level
-from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
+from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow, State
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -96,11 +96,13 @@ class Candidates:
         values: Coefficients of cofactors, among them all that occur, but for those in `left`.
         left: Cases that were not decided, as conditions.
         n_cases: Number of cases that were looked at.
+        is_cut_short: Whether the time limit ended the splitting.
     """
 
     values: tuple[Values, ...]
     left: tuple[str, ...]
     n_cases: int
+    is_cut_short: bool
 
 
 class CofactorCases(CaseSplitting):
@@ -130,14 +132,14 @@ class CofactorCases(CaseSplitting):
     def candidates(self, block: Sequence[Exponents]) -> Candidates:
         """The cofactors of polynomials with the monomials of a block; what is not decided by the deadline is left."""
         if not self.monomials:
-            return Candidates(((),), (), 1)
+            return Candidates(((),), (), 1, False)
         every = Case(nonzero=self.assumed)
         try:
             stack = [State(every, self._rows(block), 0)]
         except TimeLimitError:
-            return Candidates((), (self._text(every),), 0)
+            return Candidates((), (self._text(every),), 0, True)
         values: list[Values] = []
-        left: list[Case] = []
+        left = Cases()
         n_cases = 0
         while stack:
             state = stack.pop()
@@ -157,16 +159,17 @@ class CofactorCases(CaseSplitting):
                 if points is None and self._has_none(state.case, block):
                     continue
             except NotDecidedError:
-                left.append(state.case)
+                left.leave(state.case)
                 continue
             except TimeLimitError:
-                left += [s.case for s in (state, *stack)]
+                left.leave(*(s.case for s in (state, *stack)))
                 break
             if points is None:
-                left.append(state.case)
+                left.leave(state.case)
             else:
                 values += points
-        return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, left)), n_cases)
+        texts = tuple(map(self._text, left.left))
+        return Candidates(tuple(dict.fromkeys(values)), texts, n_cases, left.is_cut_short)
 
     def _rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
         rows: dict[Exponents, SparseRow] = {}

@@ -9,7 +9,8 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from dataclasses import field as dataclass_field
 from math import lcm
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -18,8 +19,9 @@ from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.refusals import shown
-from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
+from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, over, rational_integrals
 from liepoisson.integrability.derivation import (
     Exponents,
@@ -108,6 +110,7 @@ class DarbouxPolynomials:
         n_blocks: Number of blocks, between which the equations do not mix.
         n_cases: Number of cases into which the cofactors were divided.
         left: Cases that were not decided, as conditions on the coefficients of cofactors; empty if all are found.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -116,7 +119,7 @@ class DarbouxPolynomials:
     weights: tuple[int, ...]
     on: tuple[Expr, ...]
     field: Field
-    known: dict[str, Expr] = field(hash=False)
+    known: dict[str, Expr] = dataclass_field(hash=False)
     found: tuple[DarbouxPolynomial, ...]
     rational_integrals: tuple[RationalIntegral, ...]
     cofactor_monomials: tuple[Expr, ...]
@@ -124,6 +127,7 @@ class DarbouxPolynomials:
     n_blocks: int
     n_cases: int
     left: tuple[str, ...]
+    is_cut_short: bool = False
 
     @property
     def complete(self) -> bool:
@@ -144,7 +148,7 @@ class DarbouxPolynomials:
 
     def __repr__(self) -> str:
         n = len(self.found)
-        state = "complete" if self.complete else "incomplete"
+        state = "complete" if self.complete else "incomplete" + CUT_SHORT * self.is_cut_short
         return f"<DarbouxPolynomials of {self.system.name}: {n} among {self.scope} {_WORDS[self.field]}, {state}>"
 
     def __str__(self) -> str:
@@ -162,7 +166,8 @@ class DarbouxPolynomials:
         cofactors = ", ".join(Formula(m).plain for m in self.cofactor_monomials) or "0"
         effort = f"({self.n_monomials} monomials in {blocks}; cofactors with {cofactors}; {self.n_cases} cases)"
         if self.left:
-            return [f"incomplete {effort}, these cofactors k are left:", *(f"  {text}" for text in self.left)]
+            left = f"these cofactors k are left{CUT_SHORT * self.is_cut_short}"
+            return [f"incomplete {effort}, {left}:", *(f"  {text}" for text in self.left)]
         others = "these and the known integrals" if self.found else "the known integrals"
         such = " with such a cofactor" if self.on else ""
         return [
@@ -245,7 +250,8 @@ def darboux_polynomials(
     listen = progress or (lambda _: None)
     cases = CofactorCases(derivation, level, monomials, field)
     with deadline.running():
-        values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
+        candidates = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
+    values = [one.values for one in candidates]
     numbers = square_root_field(v for of_block in values for one in of_block for v in one)
     equations = tuple(zero for zero in problem.zeros if zero)
     search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
@@ -276,23 +282,23 @@ def darboux_polynomials(
         cofactor_monomials=tuple(derivation.expression({m: derivation.field.one}) for m in monomials),
         n_monomials=size,
         n_blocks=len(ordered),
-        n_cases=n_cases,
-        left=left,
+        n_cases=sum(one.n_cases for one in candidates),
+        left=tuple(dict.fromkeys(text for one in candidates for text in one.left)),
+        is_cut_short=any(one.is_cut_short for one in candidates),
     )
 
 
 def _cofactors(
     cases: CofactorCases, blocks: Sequence[Sequence[Exponents]], listen: Callable[[float], Any]
-) -> tuple[list[tuple[Values, ...]], tuple[str, ...], int]:
-    """The cofactors that may occur in each block, the cases that were not decided, and the number of cases."""
+) -> list[Candidates]:
+    """The cofactors that may occur in each block, with the cases that were not decided."""
     found: list[Candidates] = []
     done, total = 0, sum(len(block) ** 2 for block in blocks)
     for block in blocks:
         found.append(cases.candidates(sorted(block, key=order, reverse=True)))
         done += len(block) ** 2
         listen(done / total)
-    left = dict.fromkeys(text for one in found for text in one.left)
-    return [one.values for one in found], tuple(left), sum(one.n_cases for one in found)
+    return found
 
 
 def _tidied(polynomial: Polynomial, field: Coefficients) -> Polynomial:

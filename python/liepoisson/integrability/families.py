@@ -17,6 +17,7 @@ from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import counted
 from liepoisson.integrability.derivation import Derivation, Exponents, in_blocks, n_monomials, of_degree
@@ -140,6 +141,7 @@ class IntegrableFamilies:
         left: Cases that were not decided, as conditions; empty if the answer is complete.
         n_closed: Number of cases in which it was proved that there is none.
         casimirs: The cases in which the bracket has more Casimirs up to the degree, which do not count.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -152,6 +154,7 @@ class IntegrableFamilies:
     left: tuple[str, ...]
     n_closed: int
     casimirs: tuple[FurtherCasimirs, ...] = ()
+    is_cut_short: bool = False
 
     @property
     def complete(self) -> bool:
@@ -159,7 +162,7 @@ class IntegrableFamilies:
         return not self.left
 
     def __repr__(self) -> str:
-        state = "complete" if self.complete else f"incomplete: {_counted(len(self.left))} left"
+        state = "complete" if self.complete else f"incomplete: {self._what_is_left}"
         cases = counted(len(self.cases), "case")
         return f"<IntegrableFamilies of {self.system.name}, degree {self.degree}: {cases}, {state}>"
 
@@ -178,13 +181,13 @@ class IntegrableFamilies:
         if self.complete:
             lines.append(f"and in no other case: proved ({self.n_closed} cases without)")
         else:
-            lines += [f"incomplete, {_counted(len(self.left))} left:", *(f"  {text}" for text in self.left)]
+            lines += [f"incomplete, {self._what_is_left}:", *(f"  {text}" for text in self.left)]
         lines += [f"more Casimirs, which do not count, if {case}" for case in self.casimirs]
         return "\n".join(lines)
 
-
-def _counted(n: int) -> str:
-    return "1 case is" if n == 1 else f"{n} cases are"
+    @property
+    def _what_is_left(self) -> str:
+        return f"{counted(len(self.left), 'case is', 'cases are')} left" + CUT_SHORT * self.is_cut_short
 
 
 @shows_progress
@@ -276,6 +279,7 @@ def integrable_families(
         cases=tuple(members.described(case, splitting, matrix) for case in cases.found),
         left=tuple(dict.fromkeys(_words(case, splitting, matrix) for case in cases.left)),
         n_closed=cases.n_closed,
+        is_cut_short=cases.is_cut_short and bool(cases.left),
         casimirs=tuple(
             FurtherCasimirs(
                 tuple(matrix.sympy(q) for q in splitting.conditions(case)), tuple(_casimirs_of(system, case, matrix))

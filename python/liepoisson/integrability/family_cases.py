@@ -61,6 +61,7 @@ class FamilyCases:
         with_casimirs: Cases whose bracket has more Casimirs, up to the degree.
         left: Cases that were not decided.
         n_closed: Number of cases without further integrals.
+        is_cut_short: Whether the time limit ended a search, and cases were left.
     """
 
     splitting: CaseSplitting
@@ -74,6 +75,7 @@ class FamilyCases:
     with_casimirs: list[Case] = field(default_factory=list[Case])
     left: list[Case] = field(default_factory=list[Case])
     n_closed: int = 0
+    is_cut_short: bool = False
 
     def search(
         self,
@@ -100,6 +102,7 @@ class FamilyCases:
         self.splitting.settle(cases)
         self.left += cases.left
         self.n_closed += cases.n_closed
+        self.is_cut_short |= cases.is_cut_short
         without: list[tuple[Case, dict[Label, int]]] = []
         for case in cases.found:
             if any(case is other for other in whole):

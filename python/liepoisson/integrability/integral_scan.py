@@ -180,6 +180,7 @@ def scan_integrals(
         KeyboardInterrupt: Ctrl-C; what is stored stays.
     """
     d, deadline, n_at_once = as_count(degree, "degree", least=1), as_deadline(time_limit), as_threads(threads)
+    _check_store(store)
     chosen = equations_of(system, on)
     search, names = _search(system, d, chosen)
     grid = _axes(axes, names)
@@ -294,10 +295,13 @@ def _described(search: PointSearch) -> str:
     return sha256(repr(search).encode()).hexdigest()
 
 
-@contextmanager
-def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
+def _check_store(store: Any) -> None:
     if store is not None and (not isinstance(store, (str, PathLike)) or not str(store)):  # "" is the working folder
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}; write for example 'scan'")
+
+
+@contextmanager
+def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
     path = None if store is None else Path(cast("str", store))
     with nullcontext() if path is None else exclusive(path):
         yield None if path is None else ScanStore(path, description, fresh=fresh)

@@ -119,11 +119,18 @@ class Cases:
         found: Cases with more solutions than in general; as far as is seen none lies in the closure of another.
         left: Cases that were not decided.
         n_closed: Number of cases in which there are no further solutions.
+        is_cut_short: Whether the time limit ended a search, and cases were left.
     """
 
     found: list[Case] = field(default_factory=list)
     left: list[Case] = field(default_factory=list)
     n_closed: int = 0
+    is_cut_short: bool = False
+
+    def leave(self, *cases: Case) -> None:
+        """Keep cases that were not decided, and whether that is for want of time."""
+        self.left += cases
+        self.is_cut_short |= has_passed()
 
 
 class CaseSplitting:
@@ -176,12 +183,12 @@ class CaseSplitting:
             state = stack.pop()
             n_cases += 1
             if n_cases > MOST_CASES or has_passed():
-                into.left += [self._left(s) for s in (state, *stack)]
+                into.leave(*(self._left(s) for s in (state, *stack)))
                 return
             try:
                 further = self._impose(state)
             except NotDecidedError:
-                into.left.append(self._left(state))
+                into.leave(self._left(state))
                 continue
             if further is not None:
                 stack += further
@@ -195,7 +202,7 @@ class CaseSplitting:
             try:
                 self._eliminate(state, n_columns - n_known)
             except TimeLimitError:
-                into.left += [self._left(s) for s in (state, *stack)]
+                into.leave(*(self._left(s) for s in (state, *stack)))
                 return
             if state.rank >= n_columns - n_known:
                 into.n_closed += 1
@@ -205,7 +212,7 @@ class CaseSplitting:
                 try:
                     stack += self._split(state)
                 except NotDecidedError:
-                    into.left.append(state.case)
+                    into.leave(state.case)
 
     def closure(self, case: Case) -> list[Case]:
         """The cases into which the conditions of a case fall, without what does not vanish in it.

@@ -20,6 +20,7 @@ from liepoisson.integrability.search_problem import (
     zeros_on_level,
 )
 from liepoisson.report.printing import Formula
+from liepoisson.structure.casimir_part import normal_form
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -208,7 +209,7 @@ def first_integrals(
     zeros, size_asked = zeros_on_level(system, on), SizeAsked.of(degree, weight)
     if weight is None and degree is not None:  # before anything is written out
         size_asked.n_up_to_degree(len(system.variables), MOST_MONOMIALS)
-    used = _of_degree(given, size_asked.value)
+    used = _of_degree(_with_low_hamiltonian(system, given), size_asked.value)
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
     slopes: list[Expr] = []
     if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
@@ -246,6 +247,28 @@ def first_integrals(
         parameters=tuple(str(s) for s in derivation.field.parameters if s.is_Symbol),
         counts=tuple(search.counts),
     )
+
+
+def _with_low_hamiltonian(system: System, known: Mapping[str, Expr]) -> dict[str, Expr]:
+    """The known integrals, with what is left of H modulo known Casimirs where that has a lower degree."""
+    casimirs = {*system.bracket.casimirs()}
+    if system.hamiltonian not in known.values() or not casimirs <= {*known.values()}:
+        return dict(known)
+    low, part = normal_form(system.bracket, system.hamiltonian)
+    if low == 0 or not part.weights or not _is_of_lower_degree(low, system):
+        return dict(known)
+    return {name: low if f == system.hamiltonian else f for name, f in known.items()}
+
+
+def _is_of_lower_degree(low: Expr, system: System) -> bool:
+    """Whether a polynomial has a lower degree than H."""
+    from sympy import Poly
+
+    functions: list[Any] = [low, system.hamiltonian]
+    if not all(f.is_polynomial(*system.variables) for f in functions):
+        return False
+    first, second = (Poly(f, *system.variables).total_degree() for f in functions)
+    return first < second
 
 
 def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:

@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import level_of_the_caller
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf.leaf_in_units import LeafInUnits, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import energy_scale, representative
@@ -117,6 +118,7 @@ class _Chain:
 
         Move along the tangent space, come back along the old normals, and check that the way back exists.
         """
+        checkpoint("sampling a leaf")
         normals = self._normals(x)
         noise = size * rng.standard_normal(x.shape)
         there = noise - _along(normals, noise)
@@ -357,6 +359,7 @@ def _reaches_far(equations: Equations, size: float, rng: Random) -> bool:
 
 def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str:
     """What is wrong with a set of infinite volume."""
+    at = "" if shell is None else f" at the energy {shell.energy + leaf.still_energy:.6g}"
     advice = (
         "Give an energy, if the energy bounds the set."
         if shell is None
@@ -364,7 +367,7 @@ def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str
         "start from them."
     )
     return (
-        f"the set to sample on {leaf!r}{'' if shell is None else f' at the energy {shell.energy:.6g}'} is not bounded, "
+        f"the set to sample on {leaf!r}{at} is not bounded, "
         f"so that its Liouville volume is infinite and no state is typical. {advice}"
     )
 

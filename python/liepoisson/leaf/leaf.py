@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,11 +29,13 @@ from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach, mixi
 from liepoisson.leaf.leaf_stratum import Place, open_place, place_of
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.portable import linear
+from liepoisson.structure.casimir_part import difference
 from liepoisson.structure.casimirs import shortage
 
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.algebra.exact_numbers import Exact
     from liepoisson.model.system import System
 
 
@@ -75,7 +78,9 @@ class Leaf:
         if not place.is_known:
             raise LeafError(_unknown(system, place))
         values = _values(system, casimirs, place)
-        self._set(system, place, values, find_state(system, place, values))
+        moving = system.moving
+        own = place if moving is system else open_place(moving)
+        self._set(system, place, values, find_state(moving, own, values))
 
     @classmethod
     def through(cls, system: System, state: ArrayLike) -> Leaf:
@@ -113,6 +118,43 @@ class Leaf:
         self.place: Place = place
         self.state: Array = read_only(state)
         self._values = values
+
+    @cached_property
+    def moving(self) -> Leaf:
+        """The leaf of the system without what in H is a function of the Casimirs; the leaf itself if nothing is.
+
+        It has the same states and the same motion on them, with other energies, see `moving_energy`.
+        """
+        system = self.system.moving
+        if system is self.system or not self.rank:
+            return self
+        leaf = type(self).__new__(type(self))
+        leaf._set(
+            system, open_place(system) if self.is_regular else place_of(system, self.state), self._values, self.state
+        )
+        leaf.still_energy = self.still_energy
+        return leaf
+
+    @cached_property
+    def still_energy(self) -> float:
+        """What is added to energies of the moving part: the function of the Casimirs in H, on this leaf."""
+        return float(cast("Any", self._still))
+
+    @cached_property
+    def _still(self) -> Exact:
+        part = self.system.casimir_part
+        if part.moving is None or not self.rank:
+            return Fraction(0)
+        functions = self.system.functions.casimirs
+        values = self._values if self.is_regular else [float(f(self.state)) for f in functions.values()]
+        other = 0.0 if part.other is None else float(self.system.functions.of(part.other)(self.state))
+        return part.value([Fraction(float(c)) for c in values], other)
+
+    def moving_energy(self, energy: float) -> float:
+        """The energy of the moving part of H where H has this one."""
+        if self.moving is self:
+            return energy
+        return float(cast("Any", difference(Fraction(energy), self._still)))
 
     @property
     def rank(self) -> int:
@@ -164,8 +206,10 @@ class Leaf:
         return Equations(pinned, functions, self._values, mixing)
 
     def in_units(self, energy: float | str | None = None) -> LeafInUnits:
-        """The leaf in coordinates in which its states, perhaps those of an energy, are of order one."""
-        return self._in_units if energy is None else self._divided(as_energy(energy))
+        """The moving leaf in coordinates in which its states, perhaps those of an energy of H, are of order one."""
+        if energy is None:
+            return self.moving._in_units
+        return self.moving._divided(self.moving_energy(as_energy(energy)))
 
     @cached_property
     def _in_units(self) -> LeafInUnits:
@@ -173,7 +217,7 @@ class Leaf:
 
     def _divided(self, energy: float | None) -> LeafInUnits:
         units = scaling(self.system, self.place.casimirs, self._values, energy, self.state)
-        return LeafInUnits(repr(self), self.system, self.rank, self.state, self.constraints, units)
+        return LeafInUnits(repr(self), self.system, self.rank, self.state, self.constraints, units, self.still_energy)
 
     def residual(self, states: ArrayLike) -> Array:
         r"""The largest relative violation of the equations, shape (...).
@@ -223,6 +267,10 @@ class Leaf:
                 nearby; the message gives the residuals, or the range of the energy if one outside was asked for.
             ShapeError: the last axis of `states` is not N.
         """
+        if self.moving is not self:
+            surface = None if surface is None else self.system.functions.of(surface)
+            level = None if energy is None else self.moving_energy(as_energy(energy))
+            return self.moving.project(states, energy=level, surface=surface)
         states, view = self._points(states), self.in_units(energy)
         equations = view.constraints(energy, surface)
         found, residual = approach(equations, states.reshape(-1, states.shape[-1]) / view.units)
@@ -235,7 +283,8 @@ class Leaf:
         """The equations of the leaf, and those of the energy surface and of a surface f = 0."""
         equations, functions = self.equations, self.system.functions
         if energy is not None:
-            equations = equations.with_function(functions.energy, as_energy(energy))
+            moving = self.moving.system.functions.energy
+            equations = equations.with_function(moving, self.moving_energy(as_energy(energy)))
         if surface is not None:
             equations = equations.with_function(functions.of(surface), 0.0)
         return equations
@@ -255,7 +304,8 @@ class Leaf:
         projector = linear.matmul(basis, np.swapaxes(basis, -1, -2))
         if not energy:
             return projector
-        slope = linear.einsum("...ij,...j->...i", projector, self.system.functions.energy.gradient(states))
+        moving = self.moving.system.functions.energy
+        slope = linear.einsum("...ij,...j->...i", projector, moving.gradient(states))
         length = linear.norm(slope, axis=-1, keepdims=True)
         normal = np.divide(slope, length, out=np.zeros_like(slope), where=length > 0)
         return projector - normal[..., :, None] * normal[..., None, :]
@@ -301,7 +351,8 @@ class Leaf:
     def _energy_range(self) -> tuple[float, float]:
         from liepoisson.leaf.leaf_search import energy_range
 
-        return energy_range(self)
+        lowest, highest = energy_range(self.moving)
+        return (lowest, highest) if self.moving is self else (lowest + self.still_energy, highest + self.still_energy)
 
     def sample(
         self, n_starts: int, *, seed: int = 0, energy: float | None = None, energy_below: float | None = None
@@ -329,7 +380,11 @@ class Leaf:
         """
         from liepoisson.leaf.leaf_sampling import sample_leaf
 
-        return sample_leaf(self, n_starts, seed=seed, energy=energy, energy_below=energy_below)
+        level, below = (
+            None if value is None else self.moving_energy(as_energy(value, name))
+            for name, value in (("energy", energy), ("energy_below", energy_below))
+        )
+        return sample_leaf(self.moving, n_starts, seed=seed, energy=level, energy_below=below)
 
     def _points(self, x: ArrayLike) -> Array:
         bracket = self.system.bracket

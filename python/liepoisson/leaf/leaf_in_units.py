@@ -33,23 +33,24 @@ from numpy.typing import ArrayLike
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.linear_algebra import nullspace
-from liepoisson.algebra.rational_polynomials import RationalPolynomial, powers_of
+from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
 from liepoisson.leaf.leaf_projection import Equations
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import elementary, linear
-from liepoisson.streams import generator
+from liepoisson.structure.casimir_part import ORDINARY
 
 if TYPE_CHECKING:
     from flint import arb
     from sympy import Expr, Symbol
 
+    from liepoisson.algebra.rational_polynomials import RationalPolynomial
     from liepoisson.model.system import System
     from liepoisson.structure.bracket import Bracket
 
-ORDINARY, FAR = 16.0, 1024.0
-"""Fields whose sizes differ by less than the first are in one unit; a length within the second of 1 is ordinary."""
+FAR = 1024.0
+"""A length within this factor of 1 is ordinary; fields whose sizes differ by less than `ORDINARY` are in one unit."""
 
 _IMPOSSIBLE, _LARGE, _BALANCED, _CANCELLED, _UNDETERMINED = 100.0, 4.0, 1.0, 0.05, 1e-3
 """Weights: of terms that are too small for the value, of terms that are larger than the others, of terms that are
@@ -64,9 +65,6 @@ _LONGEST = 300.0
 
 _MOST_TERMS = 2000
 """A function with more terms is not looked at."""
-
-_STILL = 1e-10
-"""A vector field is zero if it is below this fraction of the sizes of its factors, at a random state."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ def scaling(
     """A unit for each coordinate, shape (N,): one number for each field.
 
     Args:
-        system: A system whose parameters are all numbers.
+        system: A system whose parameters are all numbers, with no function of the Casimirs in H (`System.moving`).
         casimirs: The functions that are constant on the leaf.
         values: Their values.
         energy: The energy that the states are to have, if any.
@@ -103,7 +101,7 @@ def scaling(
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
         problem.add(_sizes(function, groups), value, weight=_IMPOSSIBLE)
-    problem.add(_moving(system, casimirs, groups), energy or 0.0, weight=_BALANCED)
+    problem.add(_sizes(system.functions.energy, groups), energy or 0.0, weight=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
@@ -221,34 +219,6 @@ def _sizes_of_terms(terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[
     if not classes or not all(0 < size < np.inf for size in classes.values()):
         return None
     return _Sizes(np.array([*classes], dtype=float), elementary.log2([*classes.values()]), is_sum_of_squares)
-
-
-def _moving(system: System, casimirs: Mapping[str, PhaseFunction], groups: tuple[int, ...]) -> _Sizes | None:
-    """The terms of H without those that move nothing, such as a large multiple of a Casimir."""
-    sizes = _sizes(system.functions.energy, groups)
-    if sizes is None:
-        return None
-    constant = [_sizes(function, groups) for function in casimirs.values()]
-    degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
-    kept = [tuple(row) not in degrees or _moves(system, row, groups) for row in sizes.degrees.tolist()]
-    return replace(sizes, degrees=sizes.degrees[kept], logarithms=sizes.logarithms[kept]) if any(kept) else None
-
-
-def _moves(system: System, degree: list[float], groups: tuple[int, ...]) -> bool:
-    """Whether the terms of H of this degree in the fields have a vector field."""
-    energy = system.functions.energy
-    if energy.polynomial is not None:
-        own = {p: c for p, c in powers_of(energy.polynomial, len(groups)) if list(_degree(p, groups)) == degree}
-        part = system.functions.of_polynomial(RationalPolynomial.of_powers(own))
-    else:
-        from sympy import Poly
-
-        terms = cast("Any", Poly(energy.expression, *energy.variables)).terms()
-        of_degree = {m: c for m, c in terms if list(_degree(m, groups)) == degree}
-        part = system.functions.of(cast("Any", Poly(of_degree, *energy.variables)).as_expr())
-    state = generator(0).standard_normal(len(groups))
-    slope, poisson = part.gradient(state), system.functions.poisson_tensor(state)
-    return bool(linear.norm(linear.matmul(poisson, slope)) > _STILL * linear.norm(poisson) * linear.norm(slope))
 
 
 _MOST = 100
@@ -396,6 +366,7 @@ class LeafInUnits:
         own_state: The state of the leaf, not divided.
         equations_for: The equations of the leaf, of an energy surface on it and of a surface f = 0, not divided.
         units: A positive number for each coordinate, shape (N,); those of one field are equal.
+        still_energy: What was taken out of H on this leaf.
     """
 
     itself: str
@@ -404,6 +375,7 @@ class LeafInUnits:
     own_state: Array
     equations_for: Callable[[float | None, str | Expr | PhaseFunction | None], Equations]
     units: Array
+    still_energy: float = 0.0
 
     @cached_property
     def system(self) -> SystemInUnits:

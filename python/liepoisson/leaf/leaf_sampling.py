@@ -17,6 +17,7 @@ import numpy as np
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, check_memory
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf._checks import as_energy
 from liepoisson.leaf.chain_sampling import infinite_volume, sample_by_chains
 from liepoisson.leaf.leaf_search import check_energy_in_reach
@@ -33,7 +34,7 @@ _TRIAL_BLOCKS = 16
 
 
 def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:
-    """Random states on a leaf; see `Leaf.sample`."""
+    """Random states on a leaf whose Hamiltonian is all moving, see `Leaf.moving`; see `Leaf.sample`."""
     n_starts, seed = as_count(n_starts, "n_starts"), as_seed(seed)
     check_memory(8 * n_starts * len(leaf.state), "n_starts")
     shell = _shell(energy, energy_below)
@@ -56,6 +57,7 @@ def _independent(leaf: Leaf, draw: Draw, n: int, seed: int, shell: Shell | None)
     """States by rejection, block by block; the first ones do not depend on n."""
     kept, count, block = [np.zeros((0, len(leaf.state)))], 0, 0
     while count < n:
+        checkpoint("sampling a leaf")
         rng = stream(seed, Purpose.LEAF, block)
         kept.append(draw(rng, _PROPOSALS))
         count, block = count + len(kept[-1]), block + 1

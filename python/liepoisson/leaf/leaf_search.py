@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from liepoisson.algebra.rational_polynomials import powers_of
 from liepoisson.errors import LeafError
 from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf._checks import formulas
 from liepoisson.leaf.leaf_in_units import LeafInUnits, equations_in_units, scaling, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
@@ -125,9 +126,11 @@ def representative(leaf: Leaf) -> Leaf:
     if not leaf.is_regular:
         return leaf
     try:
-        return type(leaf)(leaf.system, leaf.casimirs)
+        found = type(leaf)(leaf.system, leaf.casimirs)
     except LeafError:
         return leaf
+    found.still_energy = leaf.still_energy
+    return found
 
 
 def _refuse_impossible(system: System, place: Place, values: Array) -> None:
@@ -189,9 +192,11 @@ def check_energy_in_reach(leaf: Leaf, energy: float, *, is_filled: bool = False)
     Raises:
         LeafError: it is out of reach.
     """
+    leaf, energy = leaf.moving, leaf.moving_energy(energy)
     lowest, highest = leaf.energy_range()
     slack = _ROUND_OFF * energy_scale(leaf.in_units(), lowest) if np.isfinite(lowest) else 0.0
     if energy < lowest - slack or (not is_filled and energy > highest + slack):
+        lowest, highest, energy = (value + leaf.still_energy for value in (lowest, highest, energy))
         asked = f"{'at most ' if is_filled else ''}{energy:.6g}"
         raise LeafError(
             f"states on {leaf!r} were wanted. On this leaf the energy lies between {lowest:.6g} and {highest:.6g}; "
@@ -232,6 +237,7 @@ def _lowest(leaf: LeafInUnits, sign: float) -> float:
     deep = _DEEP * (float(np.median(np.abs(lowest))) or np.inf)
     active, start = np.arange(len(x)), time.process_time()
     for _ in range(_STEPS):
+        checkpoint("the range of the energy")
         moved, reached = _descend(leaf, x[active], lowest[active], sign)
         gain = lowest[active] - reached
         x[active], lowest[active] = moved, reached

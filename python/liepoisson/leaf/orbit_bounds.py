@@ -2,9 +2,10 @@ r"""How far a top can get from the origin: bounds of $|\ell|, |\alpha|, |\beta|,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,11 +19,13 @@ from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.portable import elementary, linear
+from liepoisson.structure.casimir_part import difference, normal_form
 
 if TYPE_CHECKING:
     from liepoisson.compile.field import TopField
     from liepoisson.leaf.leaf import Leaf
     from liepoisson.model.system import System
+    from liepoisson.model.top_parameters import TopParameters
 
 _LEAST, _LARGEST = 1e-140, 1e150
 """Vectors of a state that do not vanish have lengths between these: then their squares are normal doubles."""
@@ -114,13 +117,33 @@ def bounds(
     if energy is None or leaf is None:
         raise ParameterError("which leaf and energy is meant must be said; give a state, or both leaf= and energy=.")
     if (casimirs := named(leaf, "leaf")) is None:
-        return _bounds(field, *_of_leaf(cast("Leaf", leaf), field), as_energy(energy))
+        first, w = _of_leaf(cast("Leaf", leaf), field)
+        values = [float(f(cast("Leaf", leaf).state)) for f in system.functions.casimirs.values()]
+        return _bounds(field, first, w, _energy_of_top(system, parameters, values, as_energy(energy)))
     if not parameters.has_bracket(system.bracket):
         raise ParameterError(
             "leaf: values of Casimirs are those of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; "
             f"{system.name!r} has the equations of a top, but the bracket {system.bracket}. Give a Leaf, or a state."
         )
-    return _bounds(field, *_given(casimirs, field), as_energy(energy))
+    first, w = _given(casimirs, field)
+    values = [as_number(casimirs[name], name, "a finite number") for name in ("C1", "C2", "C3")]
+    return _bounds(field, first, w, _energy_of_top(system, parameters, values, as_energy(energy)))
+
+
+def _energy_of_top(system: System, top: TopParameters, casimirs: Sequence[float], energy: float) -> float:
+    """The energy of the top where H, which may have a function of the Casimirs besides, has this value."""
+    from sympy import expand
+
+    more = expand(system.hamiltonian - top.hamiltonian(*system.bracket.fields.values()))
+    if more == 0:
+        return energy
+    left, part = normal_form(system.bracket, more)
+    if left != 0:
+        raise ParameterError(
+            f"energy: wanted a system whose H is the energy of the top and a polynomial in the Casimirs; "
+            f"{system.name!r} has {system.hamiltonian}. Give a state."
+        )
+    return float(cast("Any", difference(Fraction(energy), part.value(list(map(Fraction, casimirs))))))
 
 
 @np.errstate(over="ignore", invalid="ignore")

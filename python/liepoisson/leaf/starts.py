@@ -19,6 +19,7 @@ from liepoisson.leaf._checks import as_energy, as_system, by_name, example_of_va
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_in_units import unit_groups
 from liepoisson.leaf.leaf_projection import Equations
+from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.portable import linear
 
@@ -117,6 +118,7 @@ def find(
 ) -> Start:
     """`find_start`, with "--" before the names of the arguments in messages where they are options."""
     as_system(system)
+    seed = as_seed(seed)
     wanted = leaf if isinstance(leaf, Leaf) else _read_values(system, leaf, prefix) if leaf is not None else None
     value = None if energy is None else as_energy(energy, f"{prefix}energy")
     if start is not None and guess is not None:

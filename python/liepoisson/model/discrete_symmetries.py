@@ -71,7 +71,7 @@ class DiscreteSymmetry:
         reverses_time: Whether orbits are run through backwards, $f(Sx) = -Sf(x)$.
         bracket: "Poisson", "anti-Poisson" or "neither".
         invariants: The factor of H and of each Casimir, by name: 1 if $C\circ S = C$, -1 if $C\circ S = -C$, 0 if it
-            becomes another function.
+            becomes another function.  That of H is 1, too, if only a function of the Casimirs in H changes.
     """
 
     system: System
@@ -314,6 +314,9 @@ def _described(system: System, pair: SignedPermutation, reverses: bool) -> Discr
         )
     )
     factors = {name: _factor(f, f.subs(images, simultaneous=True)) for name, f in _levels(system).items()}
+    if not factors["H"] and system.moving is not system:
+        moving: Any = system.moving.hamiltonian
+        factors["H"] = max(_factor(moving, moving.subs(images, simultaneous=True)), 0)
     return DiscreteSymmetry(
         system, pair.permutation, pair.signs, reverses, _KIND[_factor_of_bracket(system, pair)], factors
     )

@@ -66,9 +66,8 @@ class PhaseFunction:
     """
 
     def __init__(self, system: System, expression: str | Expr | PhaseFunction) -> None:
-        if not is_expression(expression):
-            expression = system.expression(expression)
-        free = {symbol for symbol in expression.free_symbols if symbol not in system.variables}
+        read = cast("Expr", expression) if is_expression(expression) else system.expression(expression)
+        free = {symbol for symbol in read.free_symbols if symbol not in system.variables}
         if free:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(
@@ -76,7 +75,7 @@ class PhaseFunction:
             )
         self._polynomial: RationalPolynomial | None = None
         self._pair: tuple[RationalPolynomial, RationalPolynomial] | None = None
-        self._given: Callable[[], Expr] = partial(_itself, expression)
+        self._given: Callable[[], Expr] = partial(_itself, read)
         self._components = system.component_names
         self._n = len(self._components)
         self._system = system

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from liepoisson.model.phase_functions import PhaseFunction, PhaseFunctions
     from liepoisson.model.polynomial_view import PolynomialView
     from liepoisson.model.top_parameters import TopParameters
+    from liepoisson.structure.casimir_part import CasimirPart
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -481,6 +482,33 @@ class System:
         return {name: function for name, function in read.items() if has_partial_functions(function)}
 
     @cached_property
+    def casimir_part(self) -> CasimirPart:
+        """What in the Hamiltonian is a function of the Casimirs, which moves nothing."""
+        from liepoisson.structure.casimir_part import CasimirPart, casimir_part
+
+        if len(self.component_names) != self.bracket.dimension:  # coordinates found by quadrature are none of a leaf
+            return CasimirPart(None, {}, None)
+        return casimir_part(self.bracket, self.polynomial_hamiltonian or self.hamiltonian)
+
+    @cached_property
+    def moving(self) -> System:
+        """The system without `casimir_part` in its Hamiltonian; the system itself where there is none.
+
+        The equations are the same, and on a leaf the energies differ by a number: what searches for states and orbits
+        look at.
+        """
+        from liepoisson.model.hamiltonian import symbols_in
+        from liepoisson.structure.casimir_part import CasimirPart
+
+        energy: Any = self.casimir_part.moving
+        if energy is None:
+            return self
+        symbols = () if isinstance(energy, str) else symbols_in(energy, self.component_names)
+        found = System(self.bracket, energy, name=self.name, symbols=symbols, integrals=self.integrals)
+        found.casimir_part = CasimirPart(None, {}, None)
+        return found
+
+    @cached_property
     def functions(self) -> PhaseFunctions:
         """Energy, Casimirs, Poisson tensor and any other function on phase space, as functions of arrays."""
         from liepoisson.model.phase_functions import PhaseFunctions
@@ -581,7 +609,7 @@ class System:
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: everything but what is made again when it is asked for."""
-        return {name: value for name, value in self.__dict__.items() if name != "functions"}
+        return {name: value for name, value in self.__dict__.items() if name not in {"functions", "moving"}}
 
     def __str__(self) -> str:
         """The bracket, the Hamiltonian, the equations and the invariants; `inspect` has the full report."""

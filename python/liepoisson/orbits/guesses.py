@@ -14,6 +14,7 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitEr
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
@@ -25,7 +26,7 @@ from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at
 from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import CUT_SHORT, SymmetricOrbit
+from liepoisson.orbits.multipliers import SymmetricOrbit
 from liepoisson.orbits.shooting import Flow, n_times_of
 from liepoisson.orbits.symmetric_orbits import natural_time
 from liepoisson.portable import linear

@@ -19,7 +19,7 @@ from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import has_passed
+from liepoisson.inputs.deadline import blocks, has_passed
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.homoclinic_orbits import (
     AMPLITUDE,
@@ -33,7 +33,7 @@ from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis, n_times_of
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
 from liepoisson.portable import elementary, linear
-from liepoisson.streams import Purpose, stream
+from liepoisson.streams import Purpose, Random, stream
 
 if TYPE_CHECKING:
     from liepoisson.equilibrium.stability import Equilibrium
@@ -128,14 +128,17 @@ def symmetric_homoclinic_orbits(
     usual = float((elementary.log(1 / AMPLITUDE) + _EXCURSION) / space.rate)
     longest = usual if t_end is None else as_time(t_end, "t_end", example=usual)
     search = _Search(space, Flow(level.system, run.threads), float(longest))
-    amplitudes = search.drawn(n_starts, run.seed)
+    draw = stream(run.seed, Purpose.HOMOCLINIC_ORBITS)
     solved: list[Solution] = []
+    n_done = 0
     with run.deadline.running():
-        left = max(run.deadline.left, LEAST_LEFT)
-        guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts, left)
-        for k, one in enumerate(chosen):
-            run.tell(0.2 + 0.7 * k / len(chosen))
-            solved += [(one, *found) for found in search.solved(one, *guesses[k])]
+        for n in blocks(n_starts):
+            amplitudes, left = search.drawn(n, draw), max(run.deadline.left, LEAST_LEFT)
+            guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n, left)
+            for k, one in enumerate(chosen):
+                run.tell((0.9 * n_done + n * (0.2 + 0.7 * k / len(chosen))) / n_starts)
+                solved += [(one, *found) for found in search.solved(one, *guesses[k])]
+            n_done += n
         is_cut_short = has_passed()
     path = _points_of(origin, space)
     found = [
@@ -143,7 +146,7 @@ def symmetric_homoclinic_orbits(
         for one in _distinct(level, solved, np.array(group_of_level(level)), path)
     ]
     found.sort(key=lambda one: one.time)
-    return HomoclinicOrbits(origin, tuple(found), tuple(chosen), float(longest), n_starts, is_cut_short)
+    return HomoclinicOrbits(origin, tuple(found), tuple(chosen), float(longest), n_done, is_cut_short)
 
 
 class _Search:
@@ -155,10 +158,9 @@ class _Search:
         # one loop multiplies amplitudes by at most this; at an equilibrium the flow covers all amplitudes
         self.factor = float(np.abs(linear.eigvals(space.matrix)).max()) if space.loop_time else 1.0
 
-    def drawn(self, n: int, seed: int) -> Array:
+    def drawn(self, n: int, draw: Random) -> Array:
         """Random amplitudes of the size that is searched, up to what one loop makes of it, shape (n, k)."""
         k = self.space.basis.shape[1]
-        draw = stream(seed, Purpose.HOMOCLINIC_ORBITS)
         direction = draw.standard_normal((n, k))
         direction /= linear.norm(direction, axis=1, keepdims=True)
         return self.size * direction * elementary.power(self.factor, draw.random((n, 1)))

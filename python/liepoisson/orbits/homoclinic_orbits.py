@@ -20,10 +20,11 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import CUT_SHORT, HYPERBOLIC, SymmetricOrbit, transversal_basis
+from liepoisson.orbits.multipliers import HYPERBOLIC, SymmetricOrbit, transversal_basis
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
@@ -253,7 +254,7 @@ class HomoclinicOrbits(Found[HomoclinicOrbit], Tabular):
         found: The orbits; of those that symmetries of the system take to one another, one.
         reversers: The reversers in whose fixed sets midpoints were looked for.
         t_end: The longest half flight that was looked for.
-        n_starts: How many starts there were.
+        n_starts: How many starts were taken, at most where the time limit ended the search.
         is_cut_short: Whether the time limit ended the search.
     """
 
@@ -285,7 +286,8 @@ class HomoclinicOrbits(Found[HomoclinicOrbit], Tabular):
         what = "an equilibrium" if not hasattr(self.origin, "period") else "a periodic orbit"
         return (
             f"{n or 'No'} symmetric homoclinic orbit{'' if n == 1 else 's'} to {what} of "
-            f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from {self.n_starts} "
+            f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from "
+            f"{'up to ' if self.is_cut_short else ''}{self.n_starts} "
             f"starts{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 

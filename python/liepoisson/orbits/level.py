@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -19,6 +20,7 @@ from liepoisson.leaf._checks import are_equal, as_energy, as_system, by_name
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import linear
+from liepoisson.structure.casimir_part import difference
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -47,8 +49,16 @@ class Level(ReadOnlyArrays):
 
     @property
     def functions(self) -> dict[str, PhaseFunction]:
-        """H and the Casimirs, by name."""
-        return {"H": self.system.functions.energy, **self.system.functions.casimirs}
+        """The moving part of H, see `System.moving`, and the Casimirs, by name."""
+        return {"H": self.system.moving.functions.energy, **self.system.functions.casimirs}
+
+    @cached_property
+    def constants(self) -> Mapping[str, Exact]:
+        """The exact values of `functions`."""
+        part, casimirs = self.system.casimir_part, [self.values[name] for name in self.system.functions.casimirs]
+        other = 0.0 if part.other is None else float(self.system.functions.of(part.other)(self.leaf.state))
+        still = part.value(casimirs, other)
+        return self.values if still == 0 else {**self.values, "H": difference(self.values["H"], still)}
 
     def number(self, name: str) -> float:
         """The value of H or of a Casimir as a double."""
@@ -66,7 +76,8 @@ class Level(ReadOnlyArrays):
 
     def deviations(self, states: Array) -> Array:
         """How far H and the Casimirs are from their values, shape (..., function)."""
-        return np.stack([f(states) - self.number(name) for name, f in self.functions.items()], axis=-1)
+        wanted = [float(cast("Any", to_sympy(value))) for value in self.constants.values()]
+        return np.stack([f(states) - c for f, c in zip(self.functions.values(), wanted, strict=True)], axis=-1)
 
     def gradients(self, states: Array) -> Array:
         """The gradients of H and the Casimirs, shape (..., function, N)."""

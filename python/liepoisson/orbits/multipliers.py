@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.orbits.level import Level
@@ -118,7 +119,6 @@ def kind_of(values: ComplexArray) -> str:
 
 
 _CLOSED = 1e-9
-CUT_SHORT = "; the time limit ended the search"
 
 
 @explains_its_methods
@@ -242,7 +242,7 @@ class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
         found: The orbits; of those that symmetries of the system take to one another, one.
         reversers: The reversers that were used.
         t_end: The longest segment that was looked for.
-        n_starts: How many starts there were for each pair of reversers.
+        n_starts: How many starts were taken for each pair of reversers, at most where the time limit ended the search.
         n_families: How many segments were left out since they have a further multiplier 1, and so are most likely not
             isolated on the level.
         is_cut_short: Whether the time limit ended the search.
@@ -277,8 +277,9 @@ class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
         families = f"; {self.n_families} segments that belong to families are left out" if self.n_families else ""
         return (
             f"{n or 'No'} symmetric periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on "
-            f"{self.level.text}, with segments up to {self.t_end:g}, found from {self.n_starts} starts for each pair "
-            f"of {len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}"
+            f"{self.level.text}, with segments up to {self.t_end:g}, found from "
+            f"{'up to ' if self.is_cut_short else ''}{self.n_starts} starts for each pair of "
+            f"{len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}"
             f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 

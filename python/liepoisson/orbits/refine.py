@@ -99,7 +99,7 @@ def solved_segment(orbit: SymmetricOrbit, digits: int) -> tuple[list[Ball], list
     flow, functions = PreciseFlow(system, digits), level_functions(level)
     basis, mirror = exact_matrix(fixed_basis(orbit.first)), exact_matrix(mirror_basis(orbit.last))
     x, time = [as_ball(float(v)) for v in orbit.start], as_ball(float(orbit.time))
-    wanted = [as_ball(value) for value in level.values.values()]
+    wanted = [as_ball(value) for value in level.constants.values()]
     moved = 1.0
     for _ in range(_MOST_STEPS):
         end, tangents = flow.end(x, time, basis)
@@ -248,7 +248,7 @@ class _Start:
         self.orbit, self.flow = orbit, flow
         level = origin.level
         self.functions: Polynomials = level_functions(level)
-        self.wanted = [as_ball(value) for value in level.values.values()]
+        self.wanted = [as_ball(value) for value in level.constants.values()]
         self.state, _, T, _ = solved_segment(origin, digits)
         n = flow.n
         closing = exact_columns(linear.matmul(origin.last.matrix, origin.first.matrix).T)

@@ -18,7 +18,7 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import checkpoint, has_passed
+from liepoisson.inputs.deadline import blocks, checkpoint, has_passed
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal
@@ -30,7 +30,7 @@ from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit, SymmetricOrbits, loop_spectrum
 from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis, n_times_of
 from liepoisson.portable import linear
-from liepoisson.streams import Purpose, stream
+from liepoisson.streams import Purpose, Random, stream
 
 if TYPE_CHECKING:
     from liepoisson.leaf.leaf import Leaf
@@ -119,15 +119,7 @@ def symmetric_periodic_orbits(
     level = level_of(system, leaf, energy)
     chosen = reversers_of(level, reversers)
     flow = Flow(level.system, run.threads)
-    starts = [_starts(level, one, n_starts, seed, k) for k, one in enumerate(chosen)]
-    if not any(len(x) for x in starts):
-        raise LeafError(
-            f"a symmetric orbit must meet a fixed set; none of {len(chosen)} was found to have states on {level.text}. "
-            f"The energies of the leaf are {level.leaf.energy_range()}."
-        )
-    every = np.concatenate(starts)
-    if not level.is_regular_at(every).any():
-        raise LeafError(f"H and the Casimirs must be independent on {level.text}; their gradients are dependent there.")
+    draws = [stream(seed, Purpose.SYMMETRIC_ORBITS, k) for k in range(len(chosen))]
     unit = natural_time(level, seed)
     natural = _NATURAL_TIMES * unit
     longest = natural if t_end is None else as_time(t_end, "t_end", example=natural)
@@ -135,21 +127,36 @@ def symmetric_periodic_orbits(
     n_families = 0
     pairs = list(combinations_with_replacement(range(len(chosen)), 2))
     n_times = max(16, n_times_of(_TIMES_PER_UNIT * longest, unit))
+    n_done, meets, is_regular = 0, False, False
     with run.deadline.running():
-        for k, (i, j) in enumerate(pairs):
-            if has_passed():
-                break
-            run.tell(0.9 * k / len(pairs))
-            if len(starts[i]):
-                shooting = Shooting(level, chosen[i], chosen[j], flow)
-                left = max(run.deadline.left, LEAST_LEFT)
-                guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n_starts, left)
-                solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
-                isolated = solved.of(solved.regularity > _SINGULAR)
-                n_families += len(solved) - len(isolated)
-                segments = zip(isolated.start, isolated.time, strict=True)
-                found += [(chosen[i], chosen[j], x, float(T)) for x, T in segments]
+        for n in blocks(n_starts):
+            starts = [_starts(level, one, n, draw) for one, draw in zip(chosen, draws, strict=True)]
+            meets |= any(len(x) for x in starts)
+            n_done += n
+            if not level.is_regular_at(np.concatenate(starts)).any():
+                continue
+            is_regular = True
+            for k, (i, j) in enumerate(pairs):
+                if has_passed():
+                    break
+                run.tell(0.9 * (n_done - n + n * k / len(pairs)) / n_starts)
+                if len(starts[i]):
+                    shooting = Shooting(level, chosen[i], chosen[j], flow)
+                    left = max(run.deadline.left, LEAST_LEFT)
+                    guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n, left)
+                    solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
+                    isolated = solved.of(solved.regularity > _SINGULAR)
+                    n_families += len(solved) - len(isolated)
+                    segments = zip(isolated.start, isolated.time, strict=True)
+                    found += [(chosen[i], chosen[j], x, float(T)) for x, T in segments]
         is_cut_short = has_passed()
+    if not (meets or is_cut_short):
+        raise LeafError(
+            f"a symmetric orbit must meet a fixed set; none of {len(chosen)} was found to have states on {level.text}. "
+            f"The energies of the leaf are {level.leaf.energy_range()}."
+        )
+    if not (is_regular or is_cut_short):
+        raise LeafError(f"H and the Casimirs must be independent on {level.text}; their gradients are dependent there.")
     group = group_of_level(level)
     shortest = _shortest(level, flow, chosen, _distinct(level, found, group))
     named = [_named_image(level, flow, one, chosen, group) for one in _distinct(level, shortest, group)]
@@ -157,7 +164,7 @@ def symmetric_periodic_orbits(
     alone = [one for one in orbits if not _is_of_family(one)]
     alone.sort(key=lambda one: (-round(one.rate, 9), one.period))
     n_families += len(orbits) - len(alone)
-    return SymmetricOrbits(level, tuple(alone), tuple(chosen), float(longest), n_starts, n_families, is_cut_short)
+    return SymmetricOrbits(level, tuple(alone), tuple(chosen), float(longest), n_done, n_families, is_cut_short)
 
 
 def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) -> list[DiscreteSymmetry]:
@@ -219,10 +226,9 @@ def _median_time(system: System, states: Array) -> float:
     return 1 / median if median > 0 else np.inf
 
 
-def _starts(level: Level, reverser: DiscreteSymmetry, n_starts: int, seed: int, number: int) -> Array:
+def _starts(level: Level, reverser: DiscreteSymmetry, n_starts: int, draw: Random) -> Array:
     """Random states in the fixed set, on the level."""
     basis = fixed_basis(reverser)
-    draw = stream(seed, Purpose.SYMMETRIC_ORBITS, number)
     guesses = linear.matmul(draw.standard_normal((n_starts, basis.shape[1])), basis.T) * level.units
     states, arrived = level.projected(guesses, basis)
     return states[arrived]

@@ -119,7 +119,7 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     from liepoisson.model.system_text import formula_text
     from liepoisson.poincare.surfaces import as_leaf, good_surface
 
-    as_leaf(leaf)
+    leaf = as_leaf(leaf).moving
     system, top = leaf.system, leaf.system.top_parameters
     names = system.component_names
     if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:

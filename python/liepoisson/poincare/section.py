@@ -19,7 +19,7 @@ from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller,
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, names_along, recorded
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.run import IntegratedRun, outcome_names
+from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, component_names, core_field
@@ -212,7 +212,7 @@ class Section(IntegratedRun):
         return self.state[first:end]
 
     def __repr__(self) -> str:
-        n, of = counted(len(self.time), "crossing"), counted(self.n_trajectories, "trajectory", "trajectories")
+        n, of = counted(len(self.time), "crossing"), trajectories(self.outcome)
         gap = f", not followed in {as_percent(self.unresolved_share)} of the time" if self.unresolved_share else ""
         short = f", {self.n_short} ended by t = {self.t_end:g} before {self.n_crossings}" if self.n_short else ""
         return f"<Section {self.surface} = 0 of {self.system.name}: {n} of {of}{short}{gap}>"

@@ -78,8 +78,9 @@ def why_constant(system: Any, function: str | Expr) -> str | None:
     """
     if not has_bracket(system):
         return None
-    n = system.bracket.dimension
-    if n < len(system.component_names) and system.expression(function).free_symbols & {*system.variables[n:]}:
+    whole: Any = system
+    n = whole.bracket.dimension
+    if n < len(whole.component_names) and system.expression(function).free_symbols & {*whole.variables[n:]}:
         return None
     if system.is_casimir(function):
         occurs = system.expression(function).free_symbols

@@ -66,7 +66,8 @@ class SectionPlane:
 
     def __init__(self, system: System, states: Array, surface: Any) -> None:
         self.system, self.states = system, states
-        self.surface, self.energy = system.functions.of(surface), system.functions.energy
+        self.surface = system.functions.of(surface)
+        self.energy = system.moving.functions.energy
         self._tensor = system.functions.poisson_tensor(states)
         self._flows = [self._flow(function) for function in (self.energy, self.surface)]
         self._known: dict[Any, tuple[Array, Array]] = {}

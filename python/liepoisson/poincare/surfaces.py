@@ -177,7 +177,8 @@ def section_starts(
     n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
     check_choice(direction, "direction", (-1, 0, 1))
     check_that_it_varies(as_leaf(leaf).system, as_formula(surface, "surface"))
-    view = leaf.in_units(as_energy(energy))
+    leaf, energy = _in_motion(leaf, energy)
+    view = leaf.in_units(energy)
     equations = view.constraints(energy, surface)
     if spread:
         guesses = _many_guesses(view, n_starts, seed)
@@ -209,9 +210,16 @@ def section_starts(
     if not converged:
         check_energy_in_reach(leaf, energy)
     raise LeafError(
-        f"{n_starts} states with {surface} = 0 and energy {energy:.6g} were wanted on {leaf!r}; Newton's method "
-        f"converged from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. {_TRY}"
+        f"{n_starts} states with {surface} = 0 and energy {energy + leaf.still_energy:.6g} were wanted on {leaf!r}; "
+        f"Newton's method converged from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. "
+        f"{_TRY}"
     )
+
+
+def _in_motion(leaf: Leaf, energy: float) -> tuple[Leaf, float]:
+    """A leaf and an energy without what in H is a function of the Casimirs."""
+    value = as_energy(energy)
+    return as_leaf(leaf).moving, leaf.moving_energy(value)
 
 
 def _rates(leaf: LeafInUnits, surface: str | Expr, states: Array) -> Array:
@@ -299,7 +307,8 @@ def section_state(
     from liepoisson.leaf.leaf import are_on
 
     check_that_it_varies(as_leaf(leaf).system, as_formula(surface, "surface"))
-    view = leaf.in_units(as_energy(energy))
+    leaf, energy = _in_motion(leaf, energy)
+    view = leaf.in_units(energy)
     functions, equations = view.system.functions, view.constraints(energy, surface)
     given = by_name(coordinates, "coordinates", "values of functions of the state", '{"l3": 0.2}')
     values = {name: as_number(value, f"coordinates {name}", "a finite number") for name, value in given.items()}
@@ -313,9 +322,9 @@ def section_state(
     if not good.size:
         check_energy_in_reach(leaf, energy)
         raise LeafError(
-            f"a state with {_shown(values)}, {surface} = 0 and energy {energy:.6g} was wanted on {leaf!r}; the "
-            f"least residual reached from {len(guesses)} {'guess' if len(guesses) == 1 else 'guesses'} is "
-            f"{np.nanmin(residual):.1e}. Try other values, or a guess near the state."
+            f"a state with {_shown(values)}, {surface} = 0 and energy {energy + leaf.still_energy:.6g} was wanted on "
+            f"{leaf!r}; the least residual reached from {len(guesses)} {'guess' if len(guesses) == 1 else 'guesses'} "
+            f"is {np.nanmin(residual):.1e}. Try other values, or a guess near the state."
         )
     return states[good[0]] * view.units
 

@@ -15,11 +15,12 @@ import numpy as np
 
 from liepoisson.equilibrium.leaf_equilibria import equilibria
 from liepoisson.errors import EnclosureError, LeafError, OrbitError, ParameterError
-from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.formula.scalars import as_count, as_number, as_threads
 from liepoisson.inputs.calls import explains_its_methods, shows_progress
 from liepoisson.io.files import write_json
 from liepoisson.leaf._checks import as_system
 from liepoisson.numeric.run_options import part_of
+from liepoisson.numeric.sampling import as_seed
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import reversers_of, symmetric_periodic_orbits
@@ -131,7 +132,7 @@ def find_certificate(
     """
     system, radius = as_system(system), _positive(radius, "radius")
     kappa = _positive(kappa, "kappa")
-    n_starts = as_count(n_starts, "n_starts", least=1)
+    n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
     if kappa <= 1:
         raise ParameterError(f"kappa: wanted a number above 1; got {kappa:g}; try 1.3")
     field = polynomial_field(system)

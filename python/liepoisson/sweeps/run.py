@@ -98,11 +98,11 @@ def sweep(
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience)
-    if sum(option is not None for option in (scheduler, processes, threads)) > 1:
-        raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     for name, count in (("processes", processes), ("threads", threads)):
         if count is not None:
             as_count(count, name, least=1, most=MOST_THREADS, hint="try 2")
+    if sum(option is not None for option in (scheduler, processes, threads)) > 1:
+        raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     _check_code(spec, allow_code=allow_code)
     family = as_family(spec.system)
     if spec.quantity not in QUANTITIES:

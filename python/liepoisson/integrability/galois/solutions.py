@@ -32,6 +32,7 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_data_set, is_named, listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.report.printing import Formula
+from liepoisson.structure.casimir_part import normal_form
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -504,7 +505,7 @@ class _Restricted:
         full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in equations]
         first = [next(i for i, entry in enumerate(v) if entry) for v in plane.basis]
         self.rates = [full[i] / v[i] for i, v in zip(first, plane.basis, strict=True)]
-        known: list[Any] = [system.hamiltonian, *system.bracket.casimirs()]
+        known: list[Any] = [normal_form(system.bracket, system.hamiltonian)[0], *system.bracket.casimirs()]
         functions = [f for f in known if f.is_polynomial(*system.variables)]
         self.integrals = [g for f in functions if (g := f.subs(at, simultaneous=True).expand()).free_symbols]
         self.fixed = [c for c, rate in zip(self.coordinates, self.rates, strict=True) if rate == 0]

@@ -17,6 +17,7 @@ from liepoisson.algebra.sparse_polynomials import rational_to_sympy, whole_expre
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT, Deadline
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.ansatz import Ansatz
 from liepoisson.integrability.lax.pair import LaxPair
@@ -27,7 +28,6 @@ from liepoisson.report.printing import Formula
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.inputs.deadline import Deadline
     from liepoisson.model.system import System
 
 
@@ -92,6 +92,7 @@ class LaxFamilies:
         positive: Parameters that are positive, by assumption.
         complete: Whether it is proved that there are no others.
         n_undecided: Cases that were not decided.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -102,10 +103,11 @@ class LaxFamilies:
     positive: tuple[str, ...]
     complete: bool
     n_undecided: int
+    is_cut_short: bool = False
 
     def __repr__(self) -> str:
         n = len(self.families)
-        state = "" if self.complete else ", incomplete"
+        state = "" if self.complete else ", incomplete" + CUT_SHORT * self.is_cut_short
         cases = f"{n} case{'s' * (n != 1)}"
         return f"<LaxFamilies of {self.system.name}: {cases} of degree up to {self.degree}, form {self.form}{state}>"
 
@@ -119,7 +121,8 @@ class LaxFamilies:
             lines.append(f"assumed: {', '.join(assumed)}")
         lines += [str(family) for family in self.families]
         proved = "for no other real parameters is there one: proved"
-        lines.append(proved if self.complete else f"not proved that these are all: {self.n_undecided} cases left")
+        left = f"not proved that these are all: {self.n_undecided} cases left{CUT_SHORT * self.is_cut_short}"
+        lines.append(proved if self.complete else left)
         return "\n".join(lines)
 
 
@@ -170,15 +173,18 @@ def lax_families(
     ansatz = Ansatz(system, form, symbols)
     splitting = _Splitting(ansatz, names, nonzero, positive, most)
     families: list[LaxFamily] = []
-    n_undecided, n = 0, len(ansatz.partners)
+    n_undecided, n, is_cut_short = 0, len(ansatz.partners), False
     for first in range(n):
         cases = splitting.cases(first, deadline)
         n_undecided += len(cases.left)
+        is_cut_short |= cases.is_cut_short
         families += [splitting.family(case, first) for case in cases.found]
         if progress:
             progress((first + 1) / n)
     assumed = tuple(splitting.expression(q) for q in splitting.assumed)
-    return LaxFamilies(system, form, most, tuple(families), assumed, tuple(positive), not n_undecided, n_undecided)
+    return LaxFamilies(
+        system, form, most, tuple(families), assumed, tuple(positive), not n_undecided, n_undecided, is_cut_short
+    )
 
 
 class _Splitting:

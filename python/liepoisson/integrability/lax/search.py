@@ -33,12 +33,12 @@ from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.algebra.sparse_polynomials import value_at
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import CUT_SHORT, Deadline
 from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 
 if TYPE_CHECKING:
-    from liepoisson.inputs.deadline import Deadline
     from liepoisson.model.system import System
 
 MOST_DEGREE = 8
@@ -65,6 +65,7 @@ class LaxSearch:
             with one B, their multiples by powers of z, and, where there are families, their other members.
         n_families: Families of B, in which components are free.
         n_undecided: Cases that were not decided, or in which B is not rational.
+        is_cut_short: Whether the time limit ended the search.
     """
 
     system: System
@@ -74,11 +75,12 @@ class LaxSearch:
     complete: bool
     n_families: int
     n_undecided: int
+    is_cut_short: bool = False
 
     def __repr__(self) -> str:
         n = len(self.pairs)
         found = f"{n} Lax pair{'s' * (n != 1)}" if n else "no Lax pair"
-        state = "" if self.complete else ", incomplete"
+        state = "" if self.complete else ", incomplete" + CUT_SHORT * self.is_cut_short
         return f"<LaxSearch of {self.system.name}: {found} of degree up to {self.degree}, form {self.form}{state}>"
 
     def __str__(self) -> str:
@@ -89,7 +91,8 @@ class LaxSearch:
         proved = "there are no others of this form: proved" if self.pairs else "there is none of this form: proved"
         if self.n_families:
             proved = f"all B of this form are these and the members of {self.n_families} families: proved"
-        lines.append(proved if self.complete else f"not proved that these are all: {self.n_undecided} cases left")
+        left = f"not proved that these are all: {self.n_undecided} cases left{CUT_SHORT * self.is_cut_short}"
+        lines.append(proved if self.complete else left)
         return "\n".join(lines)
 
 
@@ -133,19 +136,19 @@ def search_lax_pairs(
     pairs: list[LaxPair] = []
     trivial = trivial_vectors(ansatz)
     known: dict[tuple[Fraction, ...], list[tuple[int, Vector]]] = {}
-    n_undecided, n_families = 0, 0
+    n_undecided, n_families, is_cut_short = 0, 0, False
     for d in range(1, most + 1):
         if d > 1 and not deadline.lasts():
-            n_undecided += 1
+            n_undecided, is_cut_short = n_undecided + 1, True
             break
-        found = list(_partners(ansatz, d, len(trivial), deadline))
+        found, is_cut_short = _partners(ansatz, d, len(trivial), deadline)
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)
         for b in dict.fromkeys(one.components for one in found if one is not None):
             pairs += pairs_with(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial]))
         if progress:
             progress(d / most)
-    return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided)
+    return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided, is_cut_short)
 
 
 @dataclass(frozen=True)
@@ -156,9 +159,11 @@ class _Partner:
     is_free: bool
 
 
-def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -> Iterator[_Partner | None]:
-    """The B for which there are solutions of this degree; None for each case that is not decided."""
+def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -> tuple[list[_Partner | None], bool]:
+    """The B for which there are solutions of this degree, None for each case not decided, and if time ran out."""
     n = len(ansatz.partners)
+    found: list[_Partner | None] = []
+    is_cut_short = False
     for first in range(n):  # the first component that is not zero
         free = n - first - 1
         context = rational_context([f"b{k}" for k in range(first + 1, n)] or ["unused"])
@@ -167,8 +172,10 @@ def _partners(ansatz: Ansatz, degree: int, n_trivial: int, deadline: Deadline) -
         for case in cases.found:
             b = member(case, free)
             is_free = len(case.solved) < free
-            yield None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free)
-        yield from [None] * len(cases.left)
+            found.append(None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free))
+        found += [None] * len(cases.left)
+        is_cut_short |= cases.is_cut_short
+    return found, is_cut_short
 
 
 def split(

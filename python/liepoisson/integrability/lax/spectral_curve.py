@@ -25,6 +25,7 @@ from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
+from liepoisson.numeric.sampling import as_seed
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -173,7 +174,7 @@ def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | Non
         raise ParameterError(
             "spectral: wanted a Lax pair with a spectral parameter, whose eigenvalues are a curve; got none"
         )
-    values, numbers = _values(pair, point, seed)
+    values, numbers = _values(pair, point, as_seed(seed))
     matrix: Any = pair.L.xreplace(numbers).expand()
     arithmetic = EntryArithmetic(list(matrix))
     rows = [[arithmetic.read(e) for e in row] for row in matrix.tolist()]
