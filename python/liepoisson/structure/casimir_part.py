@@ -86,7 +86,7 @@ def normal_form(bracket: Bracket, function: Expr) -> tuple[Expr, CasimirPart]:
     """A function modulo polynomials in the Casimirs, the same for all that differ by one; and what was taken out."""
     terms, rest = _read(bracket, function)
     left, weights = _without(bracket, terms, always=True)
-    form = sum(rest, start=_expression(left, bracket)) if weights else function
+    form = cast("Expr", sum(rest, start=_expression(left, bracket))) if weights else function
     return form, CasimirPart(form, weights, None)
 
 
@@ -171,7 +171,7 @@ def _sharing(products: Mapping[tuple[int, ...], Expanded]) -> list[list[tuple[in
             else:
                 monomials, names = monomials | own, others + names
         groups = [*apart, (monomials, names)]
-    return [names for monomials, names in sorted(groups, key=lambda group: group[0] == {()})]
+    return [names for _, names in sorted(groups, key=lambda group: group[0] == {()})]
 
 
 def _reduced(
