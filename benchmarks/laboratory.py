@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,6 @@ def main() -> None:
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, "LIEPOISSON_SIMD": "scalar"})
     import liepoisson as lp
     from liepoisson.compile.field import record_of
-    from liepoisson.laboratory.description import record_of_functions
     from liepoisson.numeric.sampling import sample_tangents
     from liepoisson.numeric.systems import as_field
 
@@ -46,7 +46,7 @@ def main() -> None:
             json.dumps(
                 {
                     "field": record_of(as_field(top)),
-                    "surface": record_of_functions(surface),
+                    "surface": asdict(surface),
                     "start": starts[0].tolist(),
                     "starts": starts.tolist(),
                     "tangents": np.asarray(tangents).tolist(),

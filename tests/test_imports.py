@@ -42,7 +42,8 @@ for arguments in {calls}:
         main()
     except SystemExit as end:
         assert not end.code, (arguments, end.code)
-    others = [name for name in COMMANDS if name not in CALLED and f"liepoisson.cli.{{name}}" in sys.modules]
+    called = {{COMMANDS[name] for name in CALLED}}
+    others = [m for m in {{*COMMANDS.values()}} - called if f"liepoisson.cli.{{m}}" in sys.modules]
     print("LOADED", *others, *(name for name in HEAVY if name in sys.modules))
 sys.exit()
 """

@@ -3,7 +3,7 @@
 import pytest
 
 from liepoisson import catalog
-from liepoisson.cli.catalog import short_source
+from liepoisson.cli.literature import short_source
 
 
 def test_every_system_has_its_line(command):

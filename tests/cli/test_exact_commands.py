@@ -1,7 +1,6 @@
 """What the exact commands print, for people and for programs.
 
-They are in liepoisson.cli.inspect, liepoisson.cli.integrals, liepoisson.cli.integrable, liepoisson.cli.families,
-liepoisson.cli.darboux and liepoisson.cli.painleve.
+They are in liepoisson.cli.exact and liepoisson.cli.proofs.
 """
 
 import io
@@ -12,7 +11,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.cli.inspect import terminal_style
+from liepoisson.cli.exact import terminal_style
 from liepoisson.formula.styles import PLAIN, UNICODE
 
 OF, SYSTEM = lp.integrability, lp.catalog.system

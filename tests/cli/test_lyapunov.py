@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.cli.lyapunov import summary
+from liepoisson.cli.chaos import summary
 
 
 def test_mean_and_quantiles_are_those_of_the_runs(command):

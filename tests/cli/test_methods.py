@@ -6,7 +6,7 @@ import typing
 
 import pytest
 
-from liepoisson.cli.lyapunov import lyapunov
+from liepoisson.cli.chaos import lyapunov
 from liepoisson.cli.options import flat
 from liepoisson.cli.orbit import orbit
 from liepoisson.cli.runs import DEFAULT_STEP, named_method

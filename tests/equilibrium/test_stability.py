@@ -12,7 +12,7 @@ import liepoisson as lp
 from liepoisson.equilibrium.linearisation import definite_combination
 from liepoisson.equilibrium.sleeping import sleeping_top
 from liepoisson.errors import ParameterError
-from liepoisson.plot.equilibria import sleeping_diagram
+from liepoisson.plot.rigid_body import sleeping_diagram
 
 TENTHS = st.integers(-30, 30).map(lambda n: Fraction(n, 10))
 

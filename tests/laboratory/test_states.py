@@ -13,7 +13,7 @@ import liepoisson as lp
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError, UnknownNameError
 from liepoisson.laboratory import states
 from liepoisson.laboratory.pages import page_of
-from liepoisson.laboratory.states import Addresses, parts_of
+from liepoisson.laboratory.states import Addresses
 from liepoisson.laboratory.tops import presets
 
 WEB = Path(__file__).resolve().parents[2] / "web" / "src"
@@ -22,13 +22,13 @@ START = (1.0, 0.2, 0.0, 0.0, 0.6, 0.8)
 
 @pytest.fixture(scope="module")
 def tops():
-    return Addresses(parts_of(None))
+    return Addresses.of(None)
 
 
 @pytest.fixture(scope="module")
 def kirchhoff():
     record = page_of(lp.catalog.system("kirchhoff"), start=START, surfaces=["dot(m, p) - 1/2"]).record
-    return Addresses(parts_of(record), record["id"])
+    return Addresses.of(record)
 
 
 WHOLE_TOP = (

@@ -174,7 +174,7 @@ def test_an_orbit_of_a_sweep_is_viewed_at_its_point():
     axes = {"epsilon": [0, 1 / 3], "energy": [0.5, 9]}
     sweep = lp.sweep(**TWISTED, axes=axes, starts={"C3": 1}, n_starts=3, t_end=20)
     for point, (epsilon, energy) in enumerate(sweep.points):
-        widget = lp.view(sweep, point=point, member=2)
+        widget = lp.view(sweep, point=point, trajectory=2)
         system, start = widget.system, np.array(widget.start)
         assert float(system.epsilon) == epsilon
         assert lp.integrate(system, start, times=[0, 1]).invariants["H"][0, 0] == pytest.approx(energy, abs=1e-11)

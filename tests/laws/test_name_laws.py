@@ -18,8 +18,8 @@ from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
 from liepoisson.sweeps.family import FileFamily
 from liepoisson.sweeps.identity import system_record
+from liepoisson.sweeps.points import evaluate_targets
 from liepoisson.sweeps.spec import Axis, Starts, SweepSpec
-from liepoisson.sweeps.targets import evaluate_targets
 
 HARMLESS = "harmless"
 QUICK = ("e", "lambda", "arcsin", "__debug__", "_c0")

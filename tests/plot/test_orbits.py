@@ -109,7 +109,7 @@ def test_an_orbit_has_its_invariants_whichever_trajectory_is_drawn():
 def test_mistakes_are_refused(run):
     with pytest.raises(ShapeError, match="Take those of one trajectory"):
         orbit(run, invariants={"H": np.ones((1, 201))})
-    with pytest.raises(ParameterError, match="trajectory must be from 0 to 0; got 1"):
+    with pytest.raises(ParameterError, match="trajectory: wanted a whole number from 0 to 0; got 1"):
         orbit(run, trajectory=1)
     run.state[0, 1:] = np.nan
     with pytest.raises(ParameterError, match="at least two states"):

@@ -6,8 +6,8 @@ from matplotlib.colors import to_rgb
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.plot.rod import rod as draw_rod
-from liepoisson.plot.rod import tube
+from liepoisson.plot.rigid_body import rod as draw_rod
+from liepoisson.plot.rigid_body import tube
 from liepoisson.plot.style import ANGULAR_MOMENTUM, SECOND_FIELD
 
 LAGRANGE = lp.Top.twisted_lagrange(axial="2/3")

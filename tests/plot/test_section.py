@@ -194,8 +194,8 @@ def test_coordinates_that_are_not_there_are_refused(points):
     [
         ({"trajectories": [8]}, "from 0 to 7"),
         ({"trajectories": [1.5]}, "from 0 to 7"),
-        ({"sign": 7}, "sign must be"),
-        ({"size": -1}, "size must be"),
+        ({"sign": 7}, "sign: wanted"),
+        ({"size": -1}, "size: wanted"),
         ({"colour": "nocolour"}, "colour must be"),
         ({"colour": ()}, "colour must be"),
     ],

@@ -6,7 +6,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.indicators.spectrum import lyapunov_spectrum
-from liepoisson.plot.spectrum import spectrum as draw
+from liepoisson.plot.indicators import spectrum as draw
 
 TOP = lp.Top.twisted_kovalevskaya()
 

@@ -13,7 +13,6 @@ from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
 from liepoisson.report.lines import (
-    Conditions,
     Equation,
     Name,
     Statement,
@@ -200,13 +199,13 @@ L3 = Formula(sp.Symbol("l3"), {}, {"l3": ("l", "3")})
             ("l -> s^(-1)*l", "l → s⁻¹ l", None),
             ("epsilon = 0", "ε = 0", r"\epsilon = 0"),
             ("alpha -> s*alpha takes epsilon to s^2*epsilon", "α → s α takes ε to s² ε", None))),
-        *((Conditions(locus, are_vectors=True), plain, unicode, latex) for locus, plain, unicode, latex in (
+        *((Statement(str(locus), *KNOWN), plain, unicode, latex) for locus, plain, unicode, latex in (
             (Locus(zero=("beta",), nonzero=(("alpha",),)), "beta = 0, alpha != 0", "β = 0, α ≠ 0",
              r"\boldsymbol{\beta} = 0, \boldsymbol{\alpha} \neq 0"),
             (Locus(not_parallel=(PAIR,)), "alpha x beta != 0", "α × β ≠ 0", None),
             (Locus(parallel=(PAIR,), nonzero=(PAIR,)), "alpha x beta = 0, (alpha, beta) != 0", "α × β = 0, (α, β) ≠ 0",
              None))),
-        (Conditions(Locus(zero=("p_theta",), nonzero=(("q1",),)), are_vectors=False), "p_theta = 0, q1 != 0",
+        (Statement("p_theta = 0, q1 != 0", frozenset(), frozenset({"p_theta", "q1"})), "p_theta = 0, q1 != 0",
          "p_θ = 0, q₁ ≠ 0", r"p_{\theta} = 0, q_1 \neq 0"),
         *((Name(name), None, unicode, latex) for name, unicode, latex in (
             ("C1", "C₁", "C_1"),

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.sweeps.errors import SweepError
+from liepoisson.sweeps.execute import SweepError
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import Axis
 

@@ -7,10 +7,10 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
-from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.identity import digest_of
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import Axis
+from liepoisson.sweeps.store import OtherSweepError
 
 GIVEN = {
     "system": "twisted-top",

@@ -8,11 +8,10 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import LiePoissonError, ParameterError, SystemFileError, UnknownNameError
 from liepoisson.sweeps.family import as_family
-from liepoisson.sweeps.lattice import Lattice
+from liepoisson.sweeps.points import Lattice, evaluate_targets
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
 from liepoisson.sweeps.spec_file import read_sweep_file
-from liepoisson.sweeps.targets import evaluate_targets
 
 AXES = (Axis("epsilon", (0.0, 1.0)),)
 TOP = {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}

@@ -9,9 +9,8 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.sweeps.family import as_family
-from liepoisson.sweeps.lattice import Lattice
+from liepoisson.sweeps.points import Lattice, evaluate_targets
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
-from liepoisson.sweeps.targets import evaluate_targets
 
 KOVALEVSKAYA = {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}
 

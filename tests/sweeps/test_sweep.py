@@ -7,7 +7,7 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.indicators.mean_error import wilson_interval
 from liepoisson.numeric.sampling import sample_tangents
-from liepoisson.sweeps.lattice import Cell, split
+from liepoisson.sweeps.points import Cell, split
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import DEFAULT_METHOD, Axis, Refinement, Starts
 

@@ -19,7 +19,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.compile.field import TapeField, TapeFunction, record_of
-from liepoisson.laboratory.description import description_of, record_of_functions
+from liepoisson.laboratory.description import description_of
 from liepoisson.numeric.systems import as_field
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -106,7 +106,7 @@ def section_case(name, system, tape, starts, *, end, direction, rate, kept_slope
     return {
         "name": name,
         "field": record_of(as_field(system)),
-        "surface": record_of_functions(tape),
+        "surface": asdict(tape),
         "starts": np.asarray(starts).tolist(),
         "end": end,
         "direction": direction,
@@ -138,7 +138,7 @@ def value_case(name, functions, states, values):
     terms = len(functions.instructions) + 1
     return {
         "name": name,
-        "functions": record_of_functions(functions),
+        "functions": asdict(functions),
         "states": states.tolist(),
         "values": values.tolist(),
         "bounds": [UNITS * EPSILON * terms * max(1.0, float(np.abs(row).max())) for row in values],
@@ -178,7 +178,7 @@ def projection_case(name, top):
     tape = top.function_tape(*(top.invariants[key] for key in ("H", *leaf.casimirs)))
     return {
         "name": name,
-        "functions": record_of_functions(tape),
+        "functions": asdict(tape),
         "start": start.tolist(),
         "values": [energy, *leaf.casimirs.values()],
         "units": view.units.tolist(),

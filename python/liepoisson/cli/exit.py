@@ -1,7 +1,5 @@
 """How the command ends, whatever happens: the one place that turns errors into a sentence and an exit code.
 
-Done: 0.  Refused or failed, or its output was closed: 2, with one sentence on standard error and no traceback.  130:
-Ctrl-C.  141: who read the output has gone.  143: SIGTERM, where a command has something to close.
 `LIEPOISSON_TRACEBACK=1` shows where an error comes from that is none of the expected ones.
 """
 
@@ -20,13 +18,9 @@ from typing import Any, Self
 
 from liepoisson.errors import LiePoissonError
 
-REFUSED = 2
-INTERRUPTED = 130
-"""Exit code of a command that Ctrl-C has ended."""
-TERMINATED = 143
-"""Exit code of a command that the signal SIGTERM has ended."""
-BROKEN_PIPE = 141
-"""Exit code of a command whose output nobody reads any more: that of a program which the signal SIGPIPE has ended."""
+REFUSED, INTERRUPTED, BROKEN_PIPE, TERMINATED = 2, 130, 141, 143
+"""Exit codes: refused, failed, or its output was closed, with one sentence on standard error; ended by Ctrl-C; as
+nobody reads the output any more (by SIGPIPE); and by SIGTERM, where a command has something to close."""
 
 TRACEBACK = "LIEPOISSON_TRACEBACK"
 UNEXPECTED = "this is a mistake in liepoisson"

@@ -64,7 +64,11 @@ def _page(
 ) -> Page:
     from liepoisson.laboratory.pages import page_of, page_of_tops
 
-    result = _result(saved) if saved is not None else None
+    result: Any = None
+    if saved is not None:
+        from liepoisson.saved.rerun import load
+
+        result = load(saved)
     if result is not None and where.is_given:
         raise ParameterError("--with and --start, --guess, --leaf, --energy exclude each other: the file has a start.")
     if name is None:
@@ -80,12 +84,6 @@ def _page(
         return page_of(system, result=result, surfaces=surfaces)
     begin = find_start(system, where, seed)
     return page_of(system, start=begin.state, surfaces=surfaces)
-
-
-def _result(path: str) -> Any:
-    from liepoisson.saved.rerun import load
-
-    return load(path)
 
 
 def _serve(page: Page, *, opens: bool) -> None:

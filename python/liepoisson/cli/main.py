@@ -30,12 +30,7 @@ def _heard() -> Generator[None]:
 
 
 def main() -> None:
-    """Run the command line and leave the process with its exit code.
-
-    0: done.  1: a claim about the system that was inspected is false, or a sweep or the cases of a family are not
-    complete.  2: refused or failed, with the reason on standard error and no traceback.  130: interrupted by Ctrl-C.
-    141: who read the output has gone.
-    """
+    """Run the command line and leave the process with its exit code (`liepoisson.cli`)."""
     end(_run)
 
 
@@ -49,26 +44,26 @@ def _run() -> None:
         get_command(application(asked_command(sys.argv[1:]))).main(prog_name="liepoisson")
 
 
-COMMANDS = (
-    "reproduce",
-    "inspect",
-    "integrals",
-    "integrable",
-    "families",
-    "darboux",
-    "painleve",
-    "prove",
-    "catalog",
-    "orbit",
-    "section",
-    "lyapunov",
-    "decide",
-    "equilibria",
-    "sweep",
-    "lab",
-    "cite",
-)
-"""In the order of the help; each is a function in the module of its name."""
+COMMANDS = {
+    "reproduce": "reproduce",
+    "inspect": "exact",
+    "integrals": "exact",
+    "integrable": "proofs",
+    "families": "exact",
+    "darboux": "exact",
+    "painleve": "proofs",
+    "prove": "proofs",
+    "catalog": "literature",
+    "orbit": "orbit",
+    "section": "section",
+    "lyapunov": "chaos",
+    "decide": "chaos",
+    "equilibria": "orbit",
+    "sweep": "sweep",
+    "lab": "lab",
+    "cite": "literature",
+}
+"""The module of each, in the order of the help."""
 
 
 def asked_command(arguments: Sequence[str]) -> str | None:
@@ -148,7 +143,7 @@ def application(only: str | None = None) -> typer.Typer:
 
     app.callback()(options)
     for name in COMMANDS if only is None else (only,):
-        app.command(cls=Command)(flat(getattr(import_module(f"liepoisson.cli.{name}"), name)))
+        app.command(cls=Command)(flat(getattr(import_module(f"liepoisson.cli.{COMMANDS[name]}"), name)))
     return app
 
 

@@ -48,32 +48,19 @@ def file_stem(name: str) -> str:
 
 
 def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDINGS) -> Path | None:
-    """The path that --out names, refused before the run and not after it.
-
-    Raises:
-        ParameterError: it names no file, or one of another kind.
-        OutputError: it is a folder, or lies in one that cannot be written to.
-    """
+    """The path that --out names, refused before the run and not after it."""
     return None if out is None else checked_file(out, "--out", endings, example)
 
 
 def write_result(result: Any, path: Path) -> Path:
-    """Write what a command found: all of it to .nc, or the table with the columns of `to_dataframe()` to .csv.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Write what a command found: all of it to .nc, or the table with the columns of `to_dataframe()` to .csv."""
     return result.save(path) if path.suffix == ".nc" else result.to_csv(path)
 
 
 def result_files(files: Files, system: System, values: Sequence[str], what: str) -> tuple[Path | None, Path | None]:
     """What the result and the figure of a command are called, as `data_file` and `figure_stem` say.
 
-    Args:
-        files: The options.
-        system: The system of the command.
-        values: Values of its parameters, as they were typed, which are no part of the names of files.
-        what: The end of the name where none is given: "orbit".
+    Where no name is given it is that of the system, without the values that were set, and `what`: "orbit".
     """
     stem = f"{name_of_files(system, values)}-{what}"
     return data_file(files.out, f"{stem}.nc"), figure_stem(files.plot, files.figure, stem)
@@ -85,12 +72,7 @@ def name_of_files(system: System, values: Sequence[str]) -> str:
 
 
 def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
-    """What the figure is called, with an ending unless all formats are wanted; None where none is wanted.
-
-    Raises:
-        ParameterError: --figure names no file, or one of another kind.
-        OutputError: it is a folder, or lies in one that cannot be written to.
-    """
+    """What the figure is called, with an ending unless all formats are wanted; None where none is wanted."""
     if figure is None and not plot:
         return None
     if figure is None:
@@ -157,11 +139,7 @@ def _check_folder(path: Path) -> None:
 
 
 def announce(text: str, files: Sequence[Path | None]) -> None:
-    """Print what is known before a run; where files are wanted, the run goes on though nobody reads it.
-
-    Raises:
-        BrokenPipeError: nobody reads it, and no file is wanted.
-    """
+    """Print what is known before a run; where files are wanted, the run goes on though nobody reads it."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
@@ -170,11 +148,7 @@ def announce(text: str, files: Sequence[Path | None]) -> None:
 
 
 def write_figure(figure: Figure, stem: Path) -> list[Path]:
-    """Write a figure in the format that its name ends in, or in all of them.
-
-    Raises:
-        OutputError: a file cannot be written.
-    """
+    """Write a figure in the format that its name ends in, or in all of them."""
     from liepoisson.plot.style import FORMATS, save_figure
 
     return list(save_figure(figure, stem, formats=(stem.suffix[1:],) if stem.suffix else FORMATS))

@@ -70,13 +70,7 @@ def progress_bar(*, quiet: bool = False) -> Generator[Progress | None]:
 
 @contextmanager
 def listening(activity: str, total: float = 1.0, *, quiet: bool) -> Generator[Callable[[float], None] | None]:
-    """The same for one activity: a listener for the fraction of it that is done.
-
-    Args:
-        activity: What is done, in words.
-        total: The whole of it, for the rate; 1 where only a fraction is known.
-        quiet: Whether nobody listens.
-    """
+    """A listener for the fraction done of one activity, of which `total` is the whole, for the rate; 1: it has none."""
     with progress_bar(quiet=quiet) as bar:
         yield None if bar is None else lambda done: bar(activity, done * total, total)
 

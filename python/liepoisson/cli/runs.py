@@ -120,17 +120,7 @@ class Limits:
 
 
 def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
-    """The method of this name with the options that were given; None stands for an option that was not.
-
-    Args:
-        name: Its name.
-        unit: Natural unit of time of the orbits, of which a default step is a tenth.
-        **options: Those of the command.
-
-    Raises:
-        UnknownNameError: no method has this name.
-        ParameterError: an option is not one of this method, or outside its range.
-    """
+    """The method of this name with the options that were given; a default step is a tenth of the `unit` of time."""
     if name not in METHODS:
         hint = did_you_mean(name, METHODS).strip() or "Try taylor."
         raise UnknownNameError(f"--method must be one of {', '.join(METHODS)}; got {name!r:.60}. {hint}")
@@ -149,22 +139,14 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
 
 
 def check_limits(*, seed: int = 0, time_limit: float = TIME_LIMIT, threads: int | None = None) -> None:
-    """Refuse a seed, a number of threads or a time limit that no run can have.
-
-    Raises:
-        ParameterError: one of them is out of its range.
-    """
+    """Refuse a seed, a number of threads or a time limit that no run can have."""
     as_count(seed, "--seed", most=2**128 - 1)
     as_time_limit(time_limit, "--time-limit")
     as_threads(threads, "--threads")
 
 
 def check_end_time(t_end: float | None, *, forwards: bool = True) -> None:
-    """Refuse an end time that is not finite and positive, or not 0 if not `forwards`; None stands for the default.
-
-    Raises:
-        ParameterError: it is none.
-    """
+    """Refuse an end time that is not finite and positive, or not 0 if not `forwards`; None stands for the default."""
     if t_end is None or (math.isfinite(t_end) and (t_end > 0 or (t_end < 0 and not forwards))):
         return
     wanted = "a positive finite time" if forwards else "a finite time other than 0"
@@ -181,13 +163,7 @@ def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:
 
 @contextmanager
 def running(activity: str, total: float, *, quiet: bool) -> Generator[Callable[[float], None] | None]:
-    """The block of a run, with a listener for its progress; Ctrl-C ends the command and says that nothing was written.
-
-    Args:
-        activity: What is done, in words.
-        total: Trajectories times their time, for the rate.
-        quiet: Whether nobody listens.
-    """
+    """The block of a run, with a listener for its progress; Ctrl-C ends the command: nothing is written."""
     try:
         with listening(activity, total, quiet=quiet) as listen:
             yield listen
@@ -221,14 +197,7 @@ def write_and_print(
 
 
 def check_that_some_finished(outcome: NDArray[Any]) -> None:
-    """End the command where no run finished, with the reason on standard error.
-
-    Args:
-        outcome: How each run ended, shape (trajectory,).
-
-    Raises:
-        Exit: no run finished.
-    """
+    """End the command where no run finished, with the reason on standard error."""
     names = sorted({str(name) for name in outcome})
     if "finished" in names:
         return

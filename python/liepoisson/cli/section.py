@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from liepoisson.poincare.section import Section
     from liepoisson.poincare.section_sheets import SectionAxes
 
-    FloatArray: TypeAlias = NDArray[np.float64]
 
 NO_CROSSING = 1
 N_STARTS, N_CROSSINGS = 24, 500
@@ -93,6 +92,7 @@ def section(
     """
     from liepoisson.poincare.section import section as find_crossings
     from liepoisson.poincare.section_arguments import check_that_it_varies
+    from liepoisson.poincare.surfaces import section_starts
 
     chosen, alone = read_numeric_system(system, common.values), bool(where.start)
     _check_counts(starts, crossings, alone=alone)
@@ -109,7 +109,13 @@ def section(
     check_that_it_varies(chosen, cut)
     announce("\n".join(head_lines(chosen, begin, cut, reason, direction, alone=alone)), (data, stem))
     n = N_STARTS if starts is None else starts
-    states = begin.state[None] if alone else _starts(begin, cut, n, seed, direction)
+    states = (
+        begin.state[None]
+        if alone
+        else section_starts(
+            begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
+        )
+    )
     if t_end is None:
         t_end = _TIME * crossings * unit_of_time(chosen, states)
     if not alone:
@@ -293,11 +299,3 @@ def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None
         return SectionAxes(x or across, y or up)
     found = figure_axes(run)
     return found if not (x or y) else SectionAxes(x or found.x, y or found.y)
-
-
-def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> FloatArray:
-    from liepoisson.poincare.surfaces import section_starts
-
-    return section_starts(
-        begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
-    )

@@ -29,9 +29,6 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
     """The system of a command that computes with numbers; its name says which parameters were set.
 
     Integrals that are not constant with what was set are left out.
-
-    Raises:
-        ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
     file = with_settings(read_file(argument), settings)
     from liepoisson.algebra.exact_numbers import as_float, is_zero
@@ -61,13 +58,7 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
 
 
 def find_start(system: System, where: Where, seed: int = 0) -> Start:
-    """The start that the options ask for, as `liepoisson.phase_space.find_start` finds it.
-
-    Raises:
-        ParameterError: options that contradict each other or cannot be read.
-        ShapeError: a state or a vector has another number of components.
-        LeafError: no real state has these Casimirs and this energy, or the given start does not.
-    """
+    """The start that the options ask for, as `liepoisson.phase_space.find_start` finds it."""
     from liepoisson.leaf.starts import find
 
     component = system.component_names[0]
@@ -84,17 +75,11 @@ def find_start(system: System, where: Where, seed: int = 0) -> Start:
 
 @dataclass(frozen=True)
 class Starts:
-    """Where the orbits of a command begin.
+    """Where the orbits of a command begin."""
 
-    Attributes:
-        states: Shape (trajectory, component).
-        words: What they are: "64 random starts (unit-vectors, seed 0)".
-        begin: The start whose leaf and energy they share; None if they are spread over phase space.
-    """
-
-    states: Array
-    words: str
-    begin: Start | None
+    states: Array  # shape (trajectory, component)
+    words: str  # what they are: "64 random starts (unit-vectors, seed 0)"
+    begin: Start | None  # the start whose leaf and energy they share; None if they are spread over phase space
 
     def lines(self, system: System) -> list[str]:
         """What the commands print about them before the run."""
@@ -106,12 +91,7 @@ class Starts:
 def find_starts(
     system: System, where: Where, *, starts: int | None, default: int, ensemble: str | None = None, seed: int = 0
 ) -> Starts:
-    """One orbit with --start; with --guess, --leaf or --energy random starts there; else trajectories of an ensemble.
-
-    Raises:
-        ParameterError: options that contradict each other or cannot be read.
-        LeafError: the leaf has no state of this energy, or no finite volume to draw from.
-    """
+    """One orbit with --start; with --guess, --leaf or --energy random starts there; else those of an ensemble."""
     if starts is not None and where.start:
         raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
     n = default if starts is None else starts
@@ -151,11 +131,7 @@ def split_at_commas(texts: Sequence[str]) -> list[str]:
 
 
 def assignments(words: Sequence[str], option: str, example: str, noun: str) -> dict[str, str]:
-    """Texts of the form name=value.
-
-    Raises:
-        ParameterError: a word is not of this form, or a name comes twice.
-    """
+    """Texts of the form name=value."""
     found: dict[str, str] = {}
     for word in words:
         name, sign, value = (part.strip() for part in word.rpartition("="))

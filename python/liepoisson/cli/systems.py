@@ -18,27 +18,12 @@ _MOST_SHOWN = 60
 
 
 def read_system(argument: str, settings: Sequence[str] = ()) -> System:
-    """The system that a command is about.
-
-    Args:
-        argument: What the user wrote for SYSTEM.
-        settings: "name=value" for parameters and symbols of the file; vectors with commas.
-
-    Raises:
-        UnknownNameError: it is neither a file nor a name of the catalog.
-        SystemFileError: the file does not describe a system.
-        ParameterError: a setting is not "name=value" with a number, or has another shape than the parameter.
-    """
+    """The system that a command is about: the argument SYSTEM with "name=value" for parameters, vectors with commas."""
     return with_settings(read_file(argument), settings).system()
 
 
 def read_file(argument: str) -> SystemFile:
-    """The system file that an argument names: a path if it looks like one or exists, else a name of the catalog.
-
-    Raises:
-        UnknownNameError: it is neither.
-        SystemFileError: the file does not describe a system.
-    """
+    """The system file that an argument names: a path if it looks like one or exists, else a name of the catalog."""
     from liepoisson.model.system_file_reader import read_system_file
 
     if argument.endswith(".toml") or "/" in argument or "\\" in argument or Path(argument).is_file():
@@ -49,11 +34,7 @@ def read_file(argument: str) -> SystemFile:
 
 
 def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
-    """The file, under its own name, with other values for some parameters, and with values for symbols that had none.
-
-    Raises:
-        ParameterError: a name that the file does not have, or a value of another shape.
-    """
+    """The file, under its own name, with other values for some parameters, and values for symbols that had none."""
     title, given = file.name, set[str]()
     for setting in settings:
         name, value = _read_setting(setting, file)
@@ -70,11 +51,7 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
 
 
 def with_symbols(file: SystemFile, names: Sequence[str]) -> SystemFile:
-    """The file with symbols for some parameters that have values, vectors by their components.
-
-    Raises:
-        ParameterError: a name that has no value, or that of a matrix.
-    """
+    """The file with symbols for some parameters that have values, vectors by their components."""
     values, declared = dict(file.parameters), list(file.symbols)
     for name in names:
         shape = file.scope.shapes.get(name, ())

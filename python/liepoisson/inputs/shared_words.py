@@ -29,6 +29,7 @@ ARGUMENTS = {
     ),
     "arithmetic": '"intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.',
     "precision": "Bits of the balls, 53 to 10,000.",
+    "ax": "Axes to draw into, by default those of a new figure.",
     "progress": "Called with the fraction that is done; by default a bar in a notebook and on a terminal.",
 }
 """What functions say about arguments that they do not describe themselves."""

@@ -7,7 +7,7 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from functools import cache
 from importlib.resources import files
@@ -22,8 +22,7 @@ from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import sequence
 from liepoisson.io.files import write_atomically
-from liepoisson.laboratory.description import description_of, picture_of, record_of_functions
-from liepoisson.laboratory.saved import saved_of
+from liepoisson.laboratory.description import description_of, picture_of, saved_of
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
 
 if TYPE_CHECKING:
@@ -248,7 +247,7 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
             f"surfaces: {system.name!r:.60} has a field alone and reads no formulas; got {next(iter(listed))!r:.60}. "
             "Leave them out: each component is a surface."
         )
-    record = record_of_functions(system.function_tape(*listed.values()))
+    record = asdict(system.function_tape(*listed.values()))
     return {"names": _shortened(list(listed)), "functions": record}, first
 
 
@@ -310,9 +309,14 @@ def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
         from liepoisson.numeric.sampling import sample_states
 
         return sample_states(system, 1, seed=0)[0]
-    state = as_array(start, "start", component_names(system, n))
-    if state.shape != (n,):
-        raise ShapeError(f"start must have {n} components, those of {system.name!r:.60}; got shape {state.shape}.")
+    return checked_start(start, component_names(system, n))
+
+
+def checked_start(start: ArrayLike, components: Sequence[str]) -> Array:
+    """A start as the page shows it, shape (component,)."""
+    state = as_array(start, "start", components)
+    if state.shape != (len(components),):
+        raise ShapeError(f"start must have {len(components)} components, as the system has; got shape {state.shape}.")
     if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:
         raise ParameterError(f"start must have numbers up to {LARGEST:g}, as the page shows them. Rescale the system.")
     return state

@@ -19,7 +19,8 @@ import numpy as np
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.given import by_name, listed, named
-from liepoisson.laboratory.pages import LARGEST, exact_text, shortest
+from liepoisson.inputs.refusals import check_choice
+from liepoisson.laboratory.pages import checked_start, exact_text, shortest
 from liepoisson.laboratory.tops import PARAMETERS, presets
 
 State = dict[str, Any]
@@ -41,31 +42,34 @@ HORIZON = 1e4
 time."""
 
 
+_LONGEST = 16_000
+"""Characters of an address, as the page has it (`systems/url.ts`)."""
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?|[+-]?\d+/\d+")
+
+
 @dataclass(frozen=True)
-class Parts:
-    """What the states of one page can have.
+class Addresses:
+    """The states that one page can have, and their addresses, read and written."""
 
-    Attributes:
-        components: Names of the components of the system.
-        surfaces: Names of what can be a surface of section.
-        views: Names of its views.
-        horizon: The last time of the page.
-        is_top: Whether it is the page of tops.
-    """
+    components: tuple[str, ...]  # names of the components of the system
+    surfaces: tuple[str, ...]  # names of what can be a surface of section
+    views: tuple[str, ...]  # names of its views
+    horizon: float  # the last time of the page
+    system: str = ""  # the short hash of the system that it carries; "" for the page of tops
 
-    components: tuple[str, ...]
-    surfaces: tuple[str, ...]
-    views: tuple[str, ...]
-    horizon: float
-    is_top: bool
+    @classmethod
+    def of(cls, record: Mapping[str, Any] | None) -> Addresses:
+        """Those of the page that carries this description of a system; of that of tops where there is none."""
+        if record is None:
+            return cls(COMPONENTS, COMPONENTS, VIEWS_OF_TOPS, HORIZON)
+        components = tuple(record["components"])
+        listed = tuple(record["surfaces"]["names"]) if record["surfaces"] else ()
+        horizon = HORIZON * float(record["unit"])
+        return cls(components, (*components, *listed), _views(record), horizon, str(record["id"]))
 
     def checked(self, state: Any) -> State:
-        """Parts of a state, each as the page can be told it.
-
-        Raises:
-            UnknownNameError: a part, component, surface, view or theme is not one of this page.
-            ParameterError, ShapeError: a value cannot be.
-        """
+        """Parts of a state, each as the page can be told it."""
         state = by_name(state, "state", "parts", "{'time': 5}")
         checks = _checks(self)
         for name in state:
@@ -74,15 +78,49 @@ class Parts:
                 raise UnknownNameError(f"a state has no part {name!r:.40}. {hint}It has {', '.join(checks)}.")
         return {name: check(state[name]) for name, check in checks.items() if name in state}
 
+    def read(self, address: str) -> State:
+        """The state of an address: what it says, and no more."""
+        parts = _parts(address)
+        if parts.pop("v", "") != "1" or parts.pop("system", "") != self.system:
+            raise ParameterError(f"address must be one of the page that is shown; got {address!r:.80}. Copy it again.")
+        codecs = _codecs(self)
+        if unknown := sorted(set(parts) - set(codecs)):
+            raise ParameterError(f"address has an unknown part, {unknown[0]!r:.40}; it has {', '.join(codecs)}.")
+        state: State = {}
+        for name in sorted(parts, key=lambda name: name != "preset"):
+            try:
+                state |= codecs[name][0](parts[name])
+            except (ValueError, ArithmeticError, LookupError) as error:
+                raise ParameterError(f"address: {name} cannot be {parts[name]!r:.80}: {error}") from error
+        if {"top", "start"} & set(parts) and not self.system:
+            state["preset"] = None  # as the page says it
+        return self.checked(state)
 
-def parts_of(record: Mapping[str, Any] | None) -> Parts:
-    """Of the page that carries this description of a system; of that of tops where there is none."""
-    if record is None:
-        return Parts(COMPONENTS, COMPONENTS, VIEWS_OF_TOPS, HORIZON, is_top=True)
-    components = tuple(record["components"])
-    listed = tuple(record["surfaces"]["names"]) if record["surfaces"] else ()
-    horizon = HORIZON * float(record["unit"])
-    return Parts(components, (*components, *listed), _views(record), horizon, is_top=False)
+    def write(self, state: Mapping[str, Any]) -> str:
+        """The address of a checked state."""
+        query = {"v": "1"} | ({"system": self.system} if self.system else {})
+        # a preset has parameters and a start of its own
+        left_out = ("top", "start") if state.get("preset") else ()
+        written = {name: write(dict(state)) for name, (_, write) in _codecs(self).items() if name not in left_out}
+        return urlencode(query | {name: text for name, text in written.items() if text is not None}, safe=",/")
+
+    def changed(self, state: State, changes: Mapping[str, Any]) -> State:
+        """The state with some of its parts changed; another orbit begins at time 0."""
+        found = self.checked(changes)
+        if "parameters" in found:
+            found |= _completed(state.get("parameters", {}), found.pop("parameters"))
+        if found.get("preset"):
+            found = {**_begun(found["preset"]), **found}
+        same = all(found[part] == state.get(part) for part in ("start", "parameters") if part in found)
+        if not same:
+            found = {"time": 0.0, **({} if self.system else {"preset": None}), **found}
+        changed = {**state, **found}
+        if "direction" in changed and "surface" not in changed:
+            raise ParameterError(
+                "direction is that in which orbits cross a surface, which must be named with it; got it alone. Write "
+                f"{{'surface': {self.surfaces[0]!r}, 'direction': -1}}."
+            )
+        return changed
 
 
 def _views(record: Mapping[str, Any]) -> tuple[str, ...]:
@@ -97,7 +135,7 @@ def _views(record: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(view for view in VIEWS_OF_SYSTEMS if has[view])
 
 
-def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
+def _checks(page: Addresses) -> dict[str, Callable[[Any], Any]]:
     """For each part of a state, what makes it a value that can be written."""
 
     def several(what: str, least: int, most: int) -> Callable[[Any], tuple[str, ...]]:
@@ -110,17 +148,8 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
 
         return check
 
-    def start(values: Any) -> tuple[float, ...]:
-        state = as_array(values, "start", page.components)
-        if state.shape != (len(page.components),):
-            raise ShapeError(f"start must have {len(page.components)} components; got shape {state.shape}.")
-        if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:
-            raise ParameterError(f"start must have numbers up to {LARGEST:g}, as the page shows them.")
-        return tuple(float(value) + 0.0 for value in state)
-
     def direction(sign: Any) -> int:
-        if isinstance(sign, bool) or not isinstance(sign, int | float | np.number) or sign not in (-1, 0, 1):
-            raise ParameterError(f"direction must be -1, 0 or 1; got {sign!r:.40}.")
+        check_choice(sign, "direction", (-1, 0, 1))
         return int(sign)
 
     keys = [preset["key"] for preset in presets()]
@@ -129,7 +158,7 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
         "parameters": _parameters,
     }
     shared: dict[str, Callable[[Any], Any]] = {
-        "start": start,
+        "start": lambda values: tuple(float(value) + 0.0 for value in checked_start(values, page.components)),
         "surface": _one_of("surface", page.surfaces),
         "direction": direction,
         "axes": several("axes", 2, 2),
@@ -139,7 +168,7 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
         "time": _within("time", 0, page.horizon),
         "speed": _within("speed", *SPEEDS),
     }
-    if not page.is_top:
+    if page.system:
         return shared | {"projection": several("projection", 2, 3), "series": several("series", 0, MOST_SERIES)}
     return of_tops | shared | {"shadow": _yes_or_no}
 
@@ -201,78 +230,6 @@ def _within(what: str, least: float, most: float) -> Callable[[Any], float]:
     return check
 
 
-_LONGEST = 16_000
-"""Characters of an address, as the page has it (`systems/url.ts`)."""
-
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?|[+-]?\d+/\d+")
-
-
-@dataclass(frozen=True)
-class Addresses:
-    """Reads and writes the addresses of one page.
-
-    Attributes:
-        parts: What its states can have.
-        system: The short hash of the system that it carries; "" for the page of tops.
-    """
-
-    parts: Parts
-    system: str = ""
-
-    def read(self, address: str) -> State:
-        """The state of an address: what it says, and no more.
-
-        Raises:
-            ParameterError: it is no address of this page.
-        """
-        parts = _parts(address)
-        if parts.pop("v", "") != "1" or parts.pop("system", "") != self.system:
-            raise ParameterError(f"address must be one of the page that is shown; got {address!r:.80}. Copy it again.")
-        codecs = _codecs(self)
-        if unknown := sorted(set(parts) - set(codecs)):
-            raise ParameterError(f"address has an unknown part, {unknown[0]!r:.40}; it has {', '.join(codecs)}.")
-        state: State = {}
-        for name in sorted(parts, key=lambda name: name != "preset"):
-            try:
-                state |= codecs[name][0](parts[name])
-            except (ValueError, ArithmeticError, LookupError) as error:
-                raise ParameterError(f"address: {name} cannot be {parts[name]!r:.80}: {error}") from error
-        if {"top", "start"} & set(parts) and not self.system:
-            state["preset"] = None  # as the page says it
-        return self.parts.checked(state)
-
-    def write(self, state: Mapping[str, Any]) -> str:
-        """The address of a checked state."""
-        query = {"v": "1"} | ({"system": self.system} if self.system else {})
-        # a preset has parameters and a start of its own
-        left_out = ("top", "start") if state.get("preset") else ()
-        written = {name: write(dict(state)) for name, (_, write) in _codecs(self).items() if name not in left_out}
-        return urlencode(query | {name: text for name, text in written.items() if text is not None}, safe=",/")
-
-    def changed(self, state: State, changes: Mapping[str, Any]) -> State:
-        """The state with some of its parts changed; another orbit begins at time 0.
-
-        Raises:
-            UnknownNameError: a part, component, surface, view or theme is not one of this page.
-            ParameterError, ShapeError: a value cannot be.
-        """
-        found = self.parts.checked(changes)
-        if "parameters" in found:
-            found |= _completed(state.get("parameters", {}), found.pop("parameters"))
-        if found.get("preset"):
-            found = {**_begun(found["preset"]), **found}
-        same = all(found[part] == state.get(part) for part in ("start", "parameters") if part in found)
-        if not same:
-            found = {"time": 0.0, **({} if self.system else {"preset": None}), **found}
-        changed = {**state, **found}
-        if "direction" in changed and "surface" not in changed:
-            raise ParameterError(
-                "direction is that in which orbits cross a surface, which must be named with it; got it alone. Write "
-                f"{{'surface': {self.parts.surfaces[0]!r}, 'direction': -1}}."
-            )
-        return changed
-
-
 def _completed(known: Mapping[str, str], changes: Mapping[str, str]) -> State:
     """All parameters of a top after a change of some; none where nothing is said of them."""
     texts = {**known, **changes}
@@ -307,7 +264,7 @@ def _same(name: str, read: Callable[[str], Any] = str, write: Callable[[Any], st
 
 def _codecs(page: Addresses) -> dict[str, Codec]:
     """How each part of an address is read and written, in the order in which they are written."""
-    components, surfaces = page.parts.components, page.parts.surfaces
+    components, surfaces = page.components, page.surfaces
 
     def placed(names: Sequence[str]) -> tuple[Callable[[str], str], Callable[[str], str]]:
         """Names as the page of a system has them, by their places from 1; that of tops by themselves."""
@@ -342,7 +299,11 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
     if page.system:
         own = {"view": _same("view"), "space": several("projection", 3), "series": several("series")}
         return shared | own | {"tol": _same("tol", _number, shortest)}
-    parameters = _same("parameters", lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)), _joined_texts)
+    parameters = _same(
+        "parameters",
+        lambda text: dict(zip(PARAMETERS, text.split(","), strict=True)),
+        lambda texts: ",".join(texts.values()),
+    )
     return {
         "preset": (_preset, lambda state: state.get("preset")),
         "top": parameters,
@@ -355,10 +316,6 @@ def _codecs(page: Addresses) -> dict[str, Codec]:
 
 def _joined(values: Sequence[float]) -> str:
     return ",".join(map(shortest, values))
-
-
-def _joined_texts(values: Mapping[str, str]) -> str:
-    return ",".join(values.values())
 
 
 def _preset(key: str) -> State:

@@ -51,17 +51,11 @@ def presets() -> list[dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Family:
-    """Tops that have invariants of their own.
+    """Tops that have invariants of their own."""
 
-    Attributes:
-        name: How the family is called.
-        top: A trajectory with its parameters left open; it knows the invariants.
-        conditions: What vanishes for the trajectories.
-    """
-
-    name: str
-    top: Top
-    conditions: tuple[str, ...]
+    name: str  # how the family is called
+    top: Top  # a trajectory with its parameters left open; it knows the invariants
+    conditions: tuple[str, ...]  # what vanishes for the trajectories
 
 
 def families() -> list[Family]:

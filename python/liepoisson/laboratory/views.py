@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.errors import MissingPackageError, ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name
+from liepoisson.inputs.refusals import check_choice
 from liepoisson.laboratory.pages import Page, page_of
-from liepoisson.laboratory.saved import checked_trajectory
 from liepoisson.laboratory.states import HORIZON
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.poincare.section import Section
@@ -21,9 +22,9 @@ from liepoisson.sweeps.result import Sweep
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from liepoisson.inputs.arrays import Array
     from liepoisson.laboratory.widget import View
 
-PANELS = ("two", "all")
 HEIGHTS = {"two": 460, "all": 820}
 """Pixels, for each choice of panels."""
 
@@ -79,8 +80,7 @@ def view(
     """
     if not isinstance(playing, bool | np.bool_):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"playing must be True or False; got {playing!r:.40}.")
-    if panels not in PANELS:
-        raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
+    check_choice(panels, "panels", tuple(HEIGHTS))
     begin = {} if state is None else by_name(state, "state", "parts", "{'time': 5}")
     page, system = _page(shown, start, surfaces, trajectory, point)
     if isinstance(shown, Rod):
@@ -124,7 +124,7 @@ def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | N
 
 def _of_rod(rod: Rod, trajectory: int) -> Page:
     starts = rod.attitude.orbit.start[:, : len(rod.system.component_names)]
-    page = page_of(rod.system, start=starts[checked_trajectory(trajectory, len(starts))])
+    page = page_of(rod.system, start=starts[as_count(trajectory, "trajectory", most=len(starts) - 1)])
     if page.record is not None:
         raise ParameterError(
             f"the page draws the rods of tops with parameters that are fractions or decimals; {rod.system.name!r:.60} "
@@ -134,16 +134,36 @@ def _of_rod(rod: Rod, trajectory: int) -> Page:
 
 
 def _of_sweep(sweep: Sweep, trajectory: int, point: int | None) -> tuple[Page, Any]:
-    from liepoisson.sweeps.points import orbit_at, point_in_words
-
     n = len(sweep.points)
     chosen = 0 if point is None and n == 1 else point
     if isinstance(chosen, bool) or not isinstance(chosen, int | np.integer) or not 0 <= chosen < n:
-        first, last = (point_in_words(sweep, k) for k in (0, n - 1))
+        first, last = (_in_words(sweep, k) for k in (0, n - 1))
         raise ParameterError(
             "a sweep is viewed at one of its points, as each has a system and starts of its own; "
             f"got point={point!r:.40}. Say which: from point=0 ({first}) to point={n - 1} ({last})."
         )
-    member = checked_trajectory(trajectory, sweep.spec.n_starts)
-    system, start = orbit_at(sweep, int(chosen), member)
+    member = as_count(trajectory, "trajectory", most=sweep.spec.n_starts - 1)
+    system, start = _orbit_at(sweep, int(chosen), member)
     return page_of(system, start=start), system
+
+
+def _orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
+    """The system of a point, and where one of its orbits starts, shape (component,): the numbers of the sweep."""
+    from liepoisson.sweeps.points import evaluate_targets
+    from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, system_and_starts
+
+    spec = sweep.spec
+    if int(sweep.outcome_code[point, member]) in (NO_START, NO_SYSTEM, FAILED):
+        raise ParameterError(
+            f"orbit {member} of point {point} ({_in_words(sweep, point)}) cannot be computed again: "
+            f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
+        )
+    targets = evaluate_targets(spec, sweep.system, sweep.points[[point]])
+    system, states = system_and_starts(Piece(0, spec, sweep.system, targets))
+    return system, states[member]
+
+
+def _in_words(sweep: Sweep, point: int) -> str:
+    """The values of the axes at a point."""
+    pairs = zip(sweep.spec.axes, sweep.points[point], strict=True)
+    return ", ".join(f"{axis.name} = {value:.6g}" for axis, value in pairs)

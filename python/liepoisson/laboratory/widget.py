@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from typing import Any, cast
 
@@ -12,8 +12,9 @@ import anywidget
 import traitlets
 
 from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.formula.scalars import as_count
 from liepoisson.laboratory.pages import Page, as_data
-from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State, parts_of
+from liepoisson.laboratory.states import LONGEST_MESSAGE, Addresses, State
 from liepoisson.model.tops import Top
 
 _PLACE = 'const PAGE = "";'
@@ -21,6 +22,9 @@ _PLACE = 'const PAGE = "";'
 
 _FROM_PAGE = ("address", "playing", "message")
 """What the page says; everything else goes to it only."""
+
+checked_height = partial(as_count, name="height", least=100, most=4000, hint="these are pixels")
+"""Pixels that a cell can have."""
 
 
 @cache
@@ -66,12 +70,12 @@ class View(anywidget.AnyWidget):
         self, page: Page, system: Any, *, state: Mapping[str, Any], playing: bool, height: int, panels: str
     ) -> None:
         record = page.record
-        self._addresses = Addresses(parts_of(record), "" if record is None else str(record["id"]))
+        self._addresses = Addresses.of(record)
         self._shown = system
         address = page.address
         if record is not None:
             begins = {"start": [float(text) for text in record["start"]]}
-            address = self._addresses.write(self._addresses.parts.checked(begins))
+            address = self._addresses.write(self._addresses.checked(begins))
         self._known: State = self._addresses.read(address)
         self._known = self._addresses.changed(self._known, state)
         super().__init__(
@@ -123,11 +127,11 @@ class View(anywidget.AnyWidget):
 
     @traitlets.validate("start")
     def _valid_start(self, proposal: dict[str, Any]) -> Any:
-        return self._addresses.parts.checked({"start": proposal["value"]})["start"]
+        return self._addresses.checked({"start": proposal["value"]})["start"]
 
     @traitlets.validate("time")
     def _valid_time(self, proposal: dict[str, Any]) -> Any:
-        return self._addresses.parts.checked({"time": proposal["value"]})["time"]
+        return self._addresses.checked({"time": proposal["value"]})["time"]
 
     @traitlets.validate("height")
     def _valid_height(self, proposal: dict[str, Any]) -> int:
@@ -151,14 +155,3 @@ class View(anywidget.AnyWidget):
 
 def _shortened(message: str) -> str:
     return message if len(message) <= LONGEST_MESSAGE else f"{message[: LONGEST_MESSAGE - 1]}…"
-
-
-def checked_height(height: Any) -> int:
-    """Pixels that a cell can have.
-
-    Raises:
-        ParameterError: the number is no whole one, or not from 100 to 4000.
-    """
-    if isinstance(height, bool) or not isinstance(height, int) or not 100 <= height <= 4000:
-        raise ParameterError(f"height must be a whole number of pixels from 100 to 4000; got {height!r:.40}.")
-    return height

@@ -1,14 +1,12 @@
 """Figures of results.  They see result objects and Datasets only, and import matplotlib when they draw."""
 
 from liepoisson._lazy import unknown
-from liepoisson.plot.equilibria import sleeping_diagram
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
-from liepoisson.plot.indicators import indicators
+from liepoisson.plot.indicators import indicators, spectrum
 from liepoisson.plot.orbits import orbit
 from liepoisson.plot.results import draw, profile
-from liepoisson.plot.rod import rod
+from liepoisson.plot.rigid_body import rod, sleeping_diagram
 from liepoisson.plot.section import section
-from liepoisson.plot.spectrum import spectrum
 from liepoisson.plot.style import house_style, save_figure
 from liepoisson.plot.sweep import sweep
 

@@ -61,7 +61,6 @@ def convergence(
         label: Name of the ensemble in the legend.
         colour: Of the curve, by default the next of the cycle.
         confidence: Pointwise coverage of the dark band.
-        ax: Axes to draw into, by default those of a new figure.
 
     Returns:
         The axes, with a logarithmic time axis.
@@ -117,16 +116,16 @@ def _mean_of(growth: GrowthLike, confidence: float) -> MeanCurve:
     return mean_curve(growth.time, growth.exponent, confidence=confidence)
 
 
-def draw_fit(ax: Axes, fit: FiniteTimeFit | LogFit, time: FloatArray, *, colour: str = INK) -> None:
+def draw_fit(ax: Axes, fit: FiniteTimeFit | LogFit, time: FloatArray) -> None:
     """A fitted law: solid inside its window, dotted where it is continued."""
     low, high = fit.window
     inside = np.geomspace(low, high, 200)
     law = fit_formula(fit)
-    ax.plot(inside, fit.curve(inside), color=colour, linewidth=0.9, zorder=4, label=law)
+    ax.plot(inside, fit.curve(inside), color=INK, linewidth=0.9, zorder=4, label=law)
     for start, end in ((max(time[0], low / 4), low), (high, time[-1])):
         if end > start:
             outside = np.geomspace(start, end, 100)
-            ax.plot(outside, fit.curve(outside), color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=4)
+            ax.plot(outside, fit.curve(outside), color=INK, linewidth=0.9, linestyle=(0, (1, 2)), zorder=4)
 
 
 def fit_formula(fit: FiniteTimeFit | LogFit) -> str:
@@ -138,12 +137,9 @@ def fit_formula(fit: FiniteTimeFit | LogFit) -> str:
 
 def time_axis(ax: Axes, first: float, last: float) -> None:
     """Label a logarithmic time axis with plain numbers."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-
-    ax.set_xlim(first, last)
-    ax.set_xlabel(r"$t$")
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set(xlim=(first, last), xlabel=r"$t$")
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter("")
 
 
 @explains_its_arguments
@@ -176,7 +172,6 @@ def exponent_distribution(
         colour: Of the histogram.
         bins: Number of bins, or their edges.
         filled: Whether to shade the area under the outline.
-        ax: Axes to draw into, by default those of a new figure.
 
     Raises:
         ShapeError: not one number per trajectory.
@@ -198,8 +193,7 @@ def exponent_distribution(
         (line,) = ax.plot(np.repeat(edges, 2), outline, color=colour, linewidth=1.2, label=label, zorder=3)
         if filled:
             ax.fill_between(np.repeat(edges, 2), outline, color=line.get_color(), alpha=0.13, linewidth=0, zorder=2)
-        ax.set_xlabel(r"$\lambda$")
-        ax.set_ylabel("probability density")
+        ax.set(xlabel=r"$\lambda$", ylabel="probability density")
         ax.set_ylim(bottom=0)
         if label is not None:
             ax.legend()
@@ -230,7 +224,6 @@ def window_scan(
         fits: Result of `liepoisson.fits.window_scan`.
         reference: A value to compare with, drawn as a horizontal line.
         reference_label: Its name in the legend.
-        ax: Axes to draw into, by default those of a new figure.
     """
     fits = sequence(fits, "fits", "fits", "window_scan(time, exponent)")
     for fit in fits:
@@ -265,7 +258,6 @@ def window_scan(
         time_axis(ax, 0.85 * starts[0], 1.18 * starts[-1])
         ax.set_xticks(starts, minor=False)
         ax.minorticks_off()
-        ax.set_xlabel("start of the window")
-        ax.set_ylabel(r"fitted $\lambda$")
+        ax.set(xlabel="start of the window", ylabel=r"fitted $\lambda$")
         ax.legend()
     return ax

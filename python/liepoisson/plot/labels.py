@@ -35,41 +35,31 @@ _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
 def plain(text: object, most: int = LONGEST) -> str:
-    r"""Any text as it is, for Matplotlib: no dollar sign begins a formula, no character breaks a line or a file.
-
-    Args:
-        text: What is drawn, a name or a formula.
-        most: Characters after which it is cut.
-    """
+    r"""Any text for Matplotlib, cut to its length: no dollar sign begins a formula, no character breaks a line."""
     shown = "".join(_drawable(character) for character in str(text)[: most + 1])
     shown = shown if len(shown) <= most else f"{shown[: most - 2]} …"
     return shown.replace("$", r"\$")
 
 
-def symbol(name: str, letters: dict[str, str] | None = None) -> str:
+def symbol(name: str) -> str:
     r"""A name as mathematical text without its dollar signs: alpha1 is \alpha_{1}, any other one is upright.
 
     A letter and a name behind an underscore are a letter with a subscript: p_theta2 is p_{\theta_{2}}.
     The modes of truncated fluids are real and imaginary parts: ws1m2 is \mathrm{Im}\,w_{1,{-}2}.
-
-    Args:
-        name: An identifier, such as that of a coordinate; anything else is written letter by letter, too.
-        letters: Further letters and how they are written.
     """
     if mode := _MODE.fullmatch(name):
         indices = ",".join(k.replace("m", "{-}") for k in mode.groups()[2:] if k)
         return rf"{vector_symbol(name)}_{{{indices}}}"
-    known = _LETTERS if letters is None else _LETTERS | letters
     found = _NAME.fullmatch(name)
     if len(name) > LONGEST:
         return upright(name)
     if found is None:
         parts = _WITH_SUBSCRIPT.fullmatch(name)
-        if parts is None or (len(parts[1]) > 1 and parts[1] not in known):
+        if parts is None or (len(parts[1]) > 1 and parts[1] not in _LETTERS):
             return upright(name)
-        return f"{symbol(parts[1], letters)}_{{{symbol(parts[2], letters)}}}"
+        return f"{symbol(parts[1])}_{{{symbol(parts[2])}}}"
     stem, digits = found.groups()
-    letter = known.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
+    letter = _LETTERS.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
     return f"{letter}_{{{digits}}}" if digits else letter
 
 

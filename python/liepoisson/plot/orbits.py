@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import at_times, by_name
 from liepoisson.inputs.refusals import not_a
@@ -112,9 +113,7 @@ def _arrays(run: OrbitLike, trajectory: int) -> tuple[FloatArray, FloatArray, tu
     if not hasattr(run, "state") or not hasattr(run, "time"):
         raise not_a("what integrate returns", run, "run", "try integrate(system, starts, t_end=100)")
     states, time = np.asarray(run.state, np.float64), np.asarray(run.time, np.float64)
-    if not np.issubdtype(type(trajectory), np.integer) or not 0 <= trajectory < len(states):
-        raise ParameterError(f"trajectory must be from 0 to {len(states) - 1}; got {trajectory!r:.80}.")
-    state = states[trajectory]
+    state = states[as_count(trajectory, "trajectory", most=len(states) - 1)]
     good = np.isfinite(state).all(axis=1)
     if good.sum() < 2:
         raise ParameterError(
@@ -250,9 +249,7 @@ def _draw_ball(ax: Axes, radius: float, *, graticule: bool) -> None:
         tip = 1.16 * radius * axis[:2]
         ax.plot([0, tip[0]], [0, tip[1]], color=MUTED, linewidth=0.6, zorder=2)
         ax.text(1.12 * tip[0], 1.12 * tip[1], str(k + 1), color=MUTED, fontsize=8.5, ha="center", va="center", zorder=6)
-    ax.set_aspect("equal")
-    ax.set_xlim(-1.32 * radius, 1.32 * radius)
-    ax.set_ylim(-1.32 * radius, 1.32 * radius)
+    ax.set(aspect="equal", xlim=(-1.32 * radius, 1.32 * radius), ylim=(-1.32 * radius, 1.32 * radius))
     ax.set_axis_off()
 
 
@@ -275,15 +272,13 @@ def _view() -> FloatArray:
 
 def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray]) -> None:
     """Whole decades of changes; nothing is drawn where there is none."""
-    from matplotlib.ticker import NullFormatter
-
     shown = _largest(changes, changes, _MOST_CURVES)
     for k, (name, change) in enumerate(shown.items()):
         positive = np.where(change > 0, change, np.nan)
         words = label(name)
         ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=words)
     ax.set_yscale("log")
-    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.yaxis.set_minor_formatter("")
     ax.set_ylabel("largest\nchange", linespacing=0.95)
     sizes = np.concatenate([change[change > 0] for change in shown.values()])
     if sizes.size:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -13,11 +14,11 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
+from liepoisson.plot.indicators import spectrum
 from liepoisson.plot.labels import formula, label, number, plain
 from liepoisson.plot.orbits import orbit
-from liepoisson.plot.rod import rod
+from liepoisson.plot.rigid_body import rod
 from liepoisson.plot.section import section
-from liepoisson.plot.spectrum import spectrum
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, SEQUENCE, axes_or_new, house_style
 from liepoisson.plot.sweep import sweep
 
@@ -91,29 +92,28 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
             result.energy, mean[:, 0], np.nan_to_num(error), color=INK, marker="o", markersize=4, capsize=2.5,
             linewidth=1.0, label="mean, with its 95% interval",
         )  # fmt: skip
-        ax.set_xlabel(r"$H$")
-        ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
+        ax.set(xlabel=r"$H$", ylabel=rf"$\lambda$ at $t = {result.t_end:g}$")
         leaf = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in result.casimirs.items())
         ax.set_title(f"{plain(result.system.name)}: {leaf}")
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=4, borderaxespad=0.0)
     return ax
 
 
-def _over_time(result: Any, values: Any, ylabel: str, level: float, ax: Axes | None, *, log: bool) -> Axes:
+def _over_time(result: Any, *, values: str, ylabel: str, level: float, log: bool, ax: Axes | None = None) -> Axes:
+    """Mean MEGNO or SALI against time; dashed is the 2 of a torus, or the round-off."""
+    curves = getattr(result, values)
     with house_style():
         ax = axes_or_new(ax)
-        for k, curve in enumerate(values[:_MOST_CURVES]):
+        for k, curve in enumerate(curves[:_MOST_CURVES]):
             ax.plot(result.time, curve, color=SEQUENCE[k % len(SEQUENCE)], linewidth=1.0)
         ax.axhline(level, color=INK, linewidth=0.8, linestyle="--")
         ax.set_xscale("log")
         if log:
             ax.set_yscale("log")
         else:
-            _linear_then_log(ax, "y", np.nanmax(values, initial=level))
+            _linear_then_log(ax, "y", np.nanmax(curves, initial=level))
         ax.set_xlim(result.time[0], result.time[-1])
-        ax.set_xlabel(r"$t$")
-        ax.set_ylabel(ylabel)
-        ax.set_title(plain(result.system.name))
+        ax.set(xlabel=r"$t$", ylabel=ylabel, title=plain(result.system.name))
     return ax
 
 
@@ -132,16 +132,6 @@ def _linear_then_log(ax: Axes, which: str, most: float) -> None:
     getattr(ax, f"set_{which}lim")(0.0, max(1.15 * most, 10.0))
 
 
-def _megno(result: Any, *, ax: Axes | None = None) -> Axes:
-    """Mean MEGNO against time; dashed is the 2 of a torus."""
-    return _over_time(result, result.mean, r"mean MEGNO $\bar Y$", 2.0, ax, log=False)
-
-
-def _alignment(result: Any, *, ax: Axes | None = None) -> Axes:
-    """SALI against time; dashed is the round-off."""
-    return _over_time(result, result.sali, "SALI", 1e-16, ax, log=True)
-
-
 def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
     """Mean MEGNO against the growth power, by verdict; the thresholds of the rule as lines."""
     with house_style():
@@ -156,8 +146,7 @@ def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
             ax.axhline(value, color=MUTED, linewidth=0.7, linestyle="--", zorder=0)
         _linear_then_log(ax, "x", np.nanmax(result.growth_power, initial=result.rule.growth_power[1]))
         _linear_then_log(ax, "y", np.nanmax(result.mean_megno, initial=result.rule.megno[1]))
-        ax.set_xlabel(r"growth power $p$, $|v| \sim t^p$")
-        ax.set_ylabel(r"mean MEGNO $\bar Y$")
+        ax.set(xlabel=r"growth power $p$, $|v| \sim t^p$", ylabel=r"mean MEGNO $\bar Y$")
         ax.set_title(plain(f"{result.system.name}, t = {result.t_end:g}"))
         ax.legend()
     return ax
@@ -179,8 +168,7 @@ def _exponents(result: Any, *, ax: Axes | None = None) -> Axes:
         if len(value):
             ax.legend()
         ax.set_ylim(bottom=min(0.0, np.nanmin(value, initial=0.0)))
-        ax.set_xlabel("trajectory, by its exponent")
-        ax.set_ylabel(r"$\lambda$")
+        ax.set(xlabel="trajectory, by its exponent", ylabel=r"$\lambda$")
         ax.locator_params(axis="x", integer=True)
         ax.set_title(plain(result.system.name))
     return ax
@@ -193,9 +181,7 @@ def _frequencies(result: Any, *, ax: Axes | None = None) -> Axes:
         ax.plot(
             np.abs(result.frequency[:, 0]), np.maximum(result.drift, 1e-16), "o", color=ANGULAR_MOMENTUM, markersize=4
         )
-        ax.set_yscale("log")
-        ax.set_xlabel(rf"frequency $|f_1|$ in $[0, {result.window:g}]$")
-        ax.set_ylabel(r"drift $|f_2 - f_1|$")
+        ax.set(yscale="log", xlabel=rf"frequency $|f_1|$ in $[0, {result.window:g}]$", ylabel=r"drift $|f_2 - f_1|$")
         ax.set_title(plain(result.system.name))
     return ax
 
@@ -209,8 +195,7 @@ def _returns(result: Any, *, ax: Axes | None = None) -> Axes:
         ax = axes_or_new(ax, width=5.2, height=4.8)
         ax.plot(start[:, x], start[:, y], "o", color=MUTED, fillstyle="none", markersize=4, label="start")
         ax.plot(image[:, x], image[:, y], ".", color=ANGULAR_MOMENTUM, markersize=6, label="image")
-        ax.set_xlabel(label(result.components[x]))
-        ax.set_ylabel(label(result.components[y]))
+        ax.set(xlabel=label(result.components[x]), ylabel=label(result.components[y]))
         ax.set_title(f"{plain(result.system.name)}: return to {formula(result.surface)} = 0")
         ax.legend()
     return ax
@@ -234,8 +219,7 @@ def _scan(result: Any, *, ax: Axes | None = None) -> Axes:
         if unknown.any():
             place = np.zeros(unknown.sum()) if y is None else height[unknown]
             ax.plot(values[unknown, x], place, "x", color=INK, markersize=5, label="not known")
-        ax.set_xlabel(label(names[0]))
-        ax.set_ylabel("further integrals" if y is None else label(names[1]))
+        ax.set(xlabel=label(names[0]), ylabel="further integrals" if y is None else label(names[1]))
         if y is None:
             ax.locator_params(axis="y", integer=True)
         ax.set_title(f"{plain(result.system.name)}: further integrals up to degree {result.degree}")
@@ -253,8 +237,8 @@ _FIGURES: dict[str, Callable[..., Any]] = {
     "rod": rod,
     "sweep": sweep,
     "energy profile": profile,
-    "megno": _megno,
-    "alignment": _alignment,
+    "megno": partial(_over_time, values="mean", ylabel=r"mean MEGNO $\bar Y$", level=2.0, log=False),
+    "alignment": partial(_over_time, values="sali", ylabel="SALI", level=1e-16, log=True),
     "verdict": _verdict,
     "exponent": _exponents,
     "frequency drift": _frequencies,

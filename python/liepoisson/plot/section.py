@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_number
+from liepoisson.formula.scalars import as_count, as_number, as_positive
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE
-from liepoisson.inputs.refusals import not_a
+from liepoisson.inputs.refusals import check_choice, not_a
 from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.labels import formula, label, name_of_system, number, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
@@ -122,7 +122,6 @@ def section(
             "gray"}`.
         size: Diameter of a point in printer's points; by default it follows from their number.
         window: Where the turn of an angle begins, in radians; by default as above.
-        ax: Axes to draw into, by default those of a new figure.
 
     Returns:
         The axes; of two sheets those of the first.
@@ -138,11 +137,13 @@ def section(
     x, y, sheets = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
     chosen = np.ones(len(member), bool)
-    if wanted := _as_sign(sign):
-        chosen &= signs == wanted
+    check_choice(sign, "sign", (1, -1, 0), "0 takes both")
+    if sign:
+        chosen &= signs == sign
     if trajectories is not None:
         chosen &= np.isin(member, _as_trajectories(trajectories, points, member))
-    colours, diameter = as_colours(colour), _as_size(size)
+    colours = as_colours(colour)
+    diameter = None if size is None else as_positive(size, "size", "a positive number of printer's points", example=2)
     if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a text", title, "title", 'write title="...", or leave it out')
     plane = _plane(points, (x, y), chosen, window=window, turns=(None, None) if ax is None else _turns_of(ax))
@@ -169,15 +170,10 @@ def titled_section(
     *,
     sheets: str = "",
 ) -> Figure:
-    """A figure of crossings, with system, surface, energy and values of the Casimirs above it.
+    """Crossings of orbits on one leaf, with system, surface, energy and values of the Casimirs above them.
 
-    Args:
-        run: Result of `liepoisson.section`, of orbits on one leaf.
-        leaf: The leaf.
-        surface: The function that is zero on the surface.
-        axes: What is across and what is up: coordinates that were kept, or formulas of the state.
-        energy: That of the orbits, if it is one.
-        sheets: What tells two sheets apart, which are drawn side by side (`SectionAxes`).
+    `axes` are across and up, coordinates that were kept or formulas of the state; `sheets` tells two sheets apart,
+    which are drawn side by side (`SectionAxes`).
     """
     from liepoisson.structure.casimirs import shortage
 
@@ -339,14 +335,14 @@ def _turns_of(ax: Axes) -> tuple[float | None, ...]:
 
 def _mark_parts_of_pi(axis: Axis) -> None:
     """Ticks at multiples of pi, of pi/2 or of pi/4, the widest of which three fit; narrower axes keep their numbers."""
-    from matplotlib.ticker import FuncFormatter, MultipleLocator
+    from matplotlib.ticker import MultipleLocator
 
     low, high = axis.get_view_interval()
     for parts in (1, 2, 4):
         step = np.pi / parts
         if np.floor(high / step) - np.ceil(low / step) >= 2:
             axis.set_major_locator(MultipleLocator(step))
-            axis.set_major_formatter(FuncFormatter(lambda value, _: _in_pi(round(value * 4 / np.pi))))
+            axis.set_major_formatter(lambda value, _: _in_pi(round(value * 4 / np.pi)))
             return
 
 
@@ -559,23 +555,7 @@ def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]
     n = int(member.max(initial=-1)) + 1 if outcomes is None else len(outcomes)
     several = listed(wanted, "trajectories")
     given = [as_scalar(wanted)] if several is None else several
-    if not all(isinstance(k, (int, np.integer)) and not isinstance(k, bool) and 0 <= k < n for k in given):
-        raise ParameterError(f"trajectories must be whole numbers from 0 to {n - 1}; got {wanted!r:.80}.")
-    return np.array(given, dtype=np.int64)
-
-
-def _as_sign(sign: Any) -> int:
-    if not isinstance(sign, (int, np.integer)) or sign not in (-1, 0, 1):
-        raise ParameterError(f"sign must be +1, -1 or 0 for both; got {sign!r:.80}.")
-    return int(sign)
-
-
-def _as_size(size: Any) -> float | None:
-    if size is None:
-        return None
-    if isinstance(size, bool) or not isinstance(size, (int, float, np.number)) or not 0 < float(size) < np.inf:
-        raise ParameterError(f"size must be a positive number of printer's points; got {size!r:.80}. Leave it out?")
-    return float(size)
+    return np.array([as_count(k, "trajectories", most=n - 1) for k in given], dtype=np.int64)
 
 
 def _axis_label(coordinate: str | ArrayLike, turn: float | None) -> str:

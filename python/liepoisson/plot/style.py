@@ -116,11 +116,7 @@ def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> 
 
 
 def as_colours(colour: Any) -> tuple[Any, ...]:
-    """One colour or a sequence of them, as Matplotlib reads them; without any, those of `house_style`.
-
-    Raises:
-        ParameterError: it is no colour, or a sequence without any.
-    """
+    """One colour or a sequence of them, as Matplotlib reads them; without any, those of `house_style`."""
     from matplotlib.colors import is_color_like
 
     if colour is None:
@@ -135,11 +131,7 @@ def as_colours(colour: Any) -> tuple[Any, ...]:
 
 
 def as_colour(colour: Any) -> Any:
-    """One colour as Matplotlib reads it, or None.
-
-    Raises:
-        ParameterError: it is none.
-    """
+    """One colour as Matplotlib reads it, or None."""
     return None if colour is None else as_colours((colour,))[0]
 
 

@@ -68,7 +68,6 @@ def sweep(
         show_levels: Mark the points that refinement added: ticks below a curve, dots in a map.
         label: Name of the curve in a legend.
         colour: Of the curve.
-        ax: Axes to draw into, by default those of a new figure.
 
     Returns:
         The axes.
@@ -165,8 +164,7 @@ def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, sho
         added = result.points[result.level > 0]
         ax.plot(*added.T, linestyle="none", marker="o", markersize=0.9, markeredgewidth=0, color=MUTED, rasterized=True)
     ax.grid(visible=False)
-    ax.set_xlabel(axis_label(result.spec.axes[0]))
-    ax.set_ylabel(axis_label(result.spec.axes[1]))
+    ax.set(xlabel=axis_label(result.spec.axes[0]), ylabel=axis_label(result.spec.axes[1]))
     bar: Any = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
     bar.set_label(statistic_label(result), color=INK)
     bar.outline.set_linewidth(0.5)
@@ -194,12 +192,7 @@ def _corners(x: FloatArray, y: FloatArray) -> list[tuple[float, float]]:
 def lattice_image(result: Sweep, values: FloatArray | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
     """The values on the whole lattice of a sweep over two axes: each point fills what is around it, fine above coarse.
 
-    Args:
-        result: The sweep.
-        values: What is shown of each point, shape (point,); by default the statistic.
-
-    Returns:
-        Edges of the cells along each axis, and the values, shape (first axis, second axis).
+    Edges of the cells along each axis, and the values, shape (first axis, second axis): by default the statistic.
     """
     unit = 2 ** (result.spec.refine.levels if result.spec.refine and result.level.any() else 0)
     scale = 2 ** (result.spec.refine.levels if result.spec.refine else 0) // unit

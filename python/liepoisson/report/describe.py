@@ -17,16 +17,7 @@ from liepoisson.report.leaf_facts import Casimirs, rank_topic, strata_topic, sym
 from liepoisson.report.lines import Equation, Line, Name, Sign, wrapped, write_line
 from liepoisson.report.motion_facts import Motion, kernel_topic
 from liepoisson.report.printing import Gradient
-from liepoisson.report.topics import (
-    Topic,
-    not_computed,
-    too_large_algebra,
-    too_large_bracket,
-    too_large_extension,
-    too_large_for_symmetries,
-    too_large_motion,
-    unless,
-)
+from liepoisson.report.topics import Topic, not_computed, too_large, unless_too_large
 from liepoisson.report.vector_notation import VectorNotation
 from liepoisson.structure.casimirs import shortage
 
@@ -84,7 +75,7 @@ class Report:
         rows = [style.words(self.name)]
         rows += _indented("Source", [(self.source,)], style) if self.source else []
         for topic in self.topics:
-            rows += _indented(topic.title, topic.lines(), style)
+            rows += _indented(topic.title, topic.lines, style)
         return "\n".join(rows)
 
     def latex(self) -> str:
@@ -96,7 +87,7 @@ class Report:
         ]
         for topic in self.topics:
             parts.append(rf"\paragraph{{{topic.title}.}}")
-            parts += _paragraphs(topic.lines())
+            parts += _paragraphs(topic.lines)
         return "\n\n".join(part for part in parts if part)
 
     def record(self) -> dict[str, Any]:
@@ -139,15 +130,15 @@ def inspect(system: System) -> Report:
     topics: list[Topic] = []
     if bracket.entries() or not bracket.constant:  # else nothing of g and A is left in the bracket
         topics += [
-            unless(too_large_algebra(bracket), "algebra", lambda: algebra_topic(bracket)),
-            unless(too_large_extension(bracket), "extension", lambda: extension_topic(bracket)),
+            unless_too_large("algebra", system, lambda: algebra_topic(bracket)),
+            unless_too_large("extension", system, lambda: extension_topic(bracket)),
         ]
     bracket_topics, failures = _bracket_topics(system, notation)
     motion, (integrals, refuted) = Motion(system, notation), integral_topic(system, notation)
     topics += [
         *bracket_topics,
         motion.hamiltonian_topic(),
-        unless(too_large_motion(bracket, system.hamiltonian), "equations", motion.equation_topic),
+        unless_too_large("equations", system, motion.equation_topic),
         integrals,
         kernel_topic(system),
     ]
@@ -156,17 +147,15 @@ def inspect(system: System) -> Report:
 
 def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topic], list[str]]:
     """Jacobi, and if it holds Casimirs, leaves and symmetries; and where Jacobi fails."""
-    bracket, hamiltonian = system.bracket, system.hamiltonian
-    too_large = too_large_bracket(bracket)
-    if too_large:
-        return [not_computed(key, too_large) for key in ("bracket", "casimirs", "rank", "strata", "symmetries")], []
+    bracket = system.bracket
+    if obstacle := too_large("bracket", system):
+        return [not_computed(key, obstacle) for key in ("bracket", "casimirs", "rank", "strata", "symmetries")], []
     certificate = bracket.jacobi_certificate()
     jacobi, failures = jacobi_topic(bracket, certificate), [str(failure) for failure in certificate.failures]
     if not certificate.holds:  # there are no Casimirs and leaves to speak of
         return [jacobi], failures
     casimirs = Casimirs(bracket, notation)
-    too_large = too_large_for_symmetries(bracket, hamiltonian)
-    symmetries = unless(too_large, "symmetries", lambda: symmetry_topic(bracket, hamiltonian))
+    symmetries = unless_too_large("symmetries", system, lambda: symmetry_topic(bracket, system.hamiltonian))
     return [jacobi, casimirs.topic(), rank_topic(casimirs), strata_topic(casimirs), symmetries], failures
 
 

@@ -42,25 +42,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Integral:
-    """A function and whether it was proved or refuted to be constant, just now.
+    """A function and whether it was proved or refuted to be constant, just now."""
 
-    Attributes:
-        name: How it is called.
-        formula: The function.
-        expression: The same in components.
-        derivative: {K, H} if it was not proved to vanish; that of `on` instead, where this is what is left to prove.
-        on: The function that vanishes on the invariant set to which the claim is confined.
-        refuted: Whether a point was found at which the derivative is not zero.
-        about: Whose derivative it is: the name, or `on`.
-    """
-
-    name: str
-    formula: Formula
-    expression: Expr
+    name: str  # how it is called
+    formula: Formula  # the function
+    expression: Expr  # the same in components
+    # {K, H} if it was not proved to vanish; that of `on` instead, where this is what is left to prove
     derivative: Formula | None
-    on: Formula | None = None
-    refuted: bool = False
-    about: Written | None = None
+    on: Formula | None = None  # the function that vanishes on the invariant set to which the claim is confined
+    refuted: bool = False  # whether a point was found at which the derivative is not zero
+    about: Written | None = None  # whose derivative it is: the name, or `on`
 
     @property
     def formulas(self) -> list[Formula]:

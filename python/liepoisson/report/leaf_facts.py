@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.report.lines import (
     MOST_TERMS,
-    Conditions,
     Equation,
     Line,
     Name,
@@ -194,7 +193,7 @@ def _place_of(stratum: Stratum, bracket: Bracket) -> Line:
     if named.is_everywhere:
         return (f"dimension {stratum.rank} at generic points",)
     adverb = "" if stratum.proved else "generically "
-    return (f"dimension {stratum.rank} {adverb}where ", Conditions(named, are_vectors=not bracket.has_scalar_fields))
+    return (f"dimension {stratum.rank} {adverb}where ", Statement.about(str(named), bracket))
 
 
 def symmetry_topic(bracket: Bracket, hamiltonian: Expr) -> Topic:

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from liepoisson.formula.styles import Style
     from liepoisson.structure.bracket import Bracket
-    from liepoisson.structure.strata import Locus
 
 MOST_TERMS = 12
 """Longer sums are cut off in text and LaTeX; JSON has them whole."""
@@ -107,17 +106,11 @@ def unequal(left: Written) -> Sign:
 
 @dataclass(frozen=True)
 class Statement:
-    """A condition or a map in words and names, for example "epsilon = 0" or "alpha -> s*alpha".
+    """A condition or a map in words and names: "epsilon = 0", "alpha x beta != 0" or "alpha -> s*alpha"."""
 
-    Attributes:
-        statement: In ASCII.
-        vectors: Names in it that are vectors.
-        scalars: Names in it that are scalars.
-    """
-
-    statement: str
-    vectors: frozenset[str]
-    scalars: frozenset[str]
+    statement: str  # in ASCII
+    vectors: frozenset[str]  # names in it that are vectors
+    scalars: frozenset[str]  # names in it that are scalars
 
     @classmethod
     def about(cls, statement: str, bracket: Bracket) -> Statement:
@@ -127,11 +120,12 @@ class Statement:
 
     def write(self, style: Style) -> str:
         """The same with the names and signs of one style."""
-        parts = re.split(r"([A-Za-z]\w*|!=|->|\*|\^\d+|\^\(-\d+\))", self.statement)
-        return "".join(self._part(part, style) for part in parts)
+        parts = re.split(r"((?<=\w) x (?=\w)|[A-Za-z]\w*|!=|->|\*|\^\d+|\^\(-\d+\))", self.statement)
+        written = "".join(self._part(part, style) for part in parts)
+        return re.sub(r"\(([^()]+, [^()]+)\)", lambda fields: style.parentheses(fields[1]), written)
 
     def _part(self, part: str, style: Style) -> str:
-        signs = {"!=": style.unequal, "->": style.arrow, "*": style.times}
+        signs = {"!=": style.unequal.strip(), "->": style.arrow, "*": style.times, " x ": style.cross}
         if part in signs:
             return signs[part]
         if part.startswith("^"):
@@ -141,41 +135,6 @@ class Statement:
         if part in self.scalars or (len(part) == 1 and part.isalpha()):
             return style.component(part, *split_name(part))
         return style.text(part) if re.match(r"[A-Za-z]", part) else part
-
-
-@dataclass(frozen=True)
-class Conditions:
-    """Where a locus is: beta = 0, alpha x l != 0; it has conditions that can be named.
-
-    Attributes:
-        locus: The conditions.
-        are_vectors: Whether the fields are vectors; otherwise they have one component.
-    """
-
-    locus: Locus
-    are_vectors: bool
-
-    def write(self, style: Style) -> str:
-        """The conditions with the names and signs of one style."""
-        locus, unequal = self.locus, f" {style.unequal.strip()} 0"
-        return ", ".join(
-            [
-                *(f"{self._field(name, style)} = 0" for name in locus.zero),
-                *(f"{self._product(pair, style)} = 0" for pair in locus.parallel),
-                *(self._some(names, style) + unequal for names in locus.nonzero),
-                *(self._product(pair, style) + unequal for pair in locus.not_parallel),
-            ]
-        )
-
-    def _field(self, name: str, style: Style) -> str:
-        return style.vector(name) if self.are_vectors else style.component(name, *split_name(name))
-
-    def _product(self, pair: Iterable[str], style: Style) -> str:
-        return style.cross.join(self._field(name, style) for name in pair)
-
-    def _some(self, names: Sequence[str], style: Style) -> str:
-        written = ", ".join(self._field(name, style) for name in names)
-        return written if len(names) == 1 else style.parentheses(written)
 
 
 def vector_name(vector: Vector) -> Sign:
@@ -228,11 +187,11 @@ def write_line(line: Line, style: Style) -> str:
     )
 
 
-def joined(pieces: Iterable[Written], separator: str = ", ") -> list[Piece]:
-    """Formulas with a separator between them."""
+def joined(pieces: Iterable[Written]) -> list[Piece]:
+    """Formulas with commas between them."""
     row: list[Piece] = []
     for piece in pieces:
-        row += [separator, piece] if row else [piece]
+        row += [", ", piece] if row else [piece]
     return row
 
 

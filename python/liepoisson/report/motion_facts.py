@@ -26,7 +26,7 @@ from liepoisson.report.lines import (
     vector_name,
 )
 from liepoisson.report.printing import LONG_NUMBER, Decimal, Form, Formula, Image
-from liepoisson.report.topics import Topic, too_large_formula
+from liepoisson.report.topics import Topic, too_large
 from liepoisson.report.vector_equations import VectorEquations, vector_equations
 from liepoisson.report.vector_notation import VectorNotation
 
@@ -114,7 +114,7 @@ class Motion:
     def hamiltonian(self) -> Formula:
         """The Hamiltonian with named parameters."""
         given, named = self.system.hamiltonian, self.named
-        if too_large_formula(given):
+        if too_large("hamiltonian", self.system):
             return self.notation.components(given)
         if self._names_the_given_one():
             notation = self.notation if named.bracket is self.system.bracket else VectorNotation(named.bracket)
@@ -131,7 +131,7 @@ class Motion:
     def hamiltonian_topic(self) -> Topic:
         """The Hamiltonian, and the values of its parameters."""
         formula, expression = self.hamiltonian, self.system.hamiltonian
-        values = dict(self.system.values if too_large_formula(expression) else self.named.values)
+        values = dict(self.system.values if too_large("hamiltonian", self.system) else self.named.values)
         definitions = self.notation.definitions([formula])
         symbols = _free_names(self.system)
         matrices = {atom.matrix for atom in formula.atoms.values() if isinstance(atom, (Form, Image))}

@@ -26,15 +26,10 @@ LONG_NUMBER = 12
 
 @dataclass(frozen=True)
 class Decimal:
-    """A positive or negative number, exactly: sign, digits and a power of ten.
+    """A positive or negative number, exactly: sign, digits and a power of ten."""
 
-    Attributes:
-        mantissa: Its digits, with a sign and a point where there is one.
-        exponent: The power of ten, as text; empty if it is left out.
-    """
-
-    mantissa: str
-    exponent: str = ""
+    mantissa: str  # its digits, with a sign and a point where there is one
+    exponent: str = ""  # the power of ten, as text; empty if it is left out
 
     @classmethod
     def of(cls, value: Fraction) -> Decimal | None:
@@ -92,17 +87,11 @@ class Gradient:
 
 @dataclass(frozen=True)
 class Shifted:
-    r"""The difference or sum $x \pm r$ of a field x and a vector of parameters r.
+    r"""The difference or sum $x \pm r$ of a field x and a vector of parameters r."""
 
-    Attributes:
-        field: The field x.
-        sign: 1 or -1.
-        by: The vector r.
-    """
-
-    field: str
-    sign: int
-    by: str
+    field: str  # the field x
+    sign: int  # 1 or -1
+    by: str  # the vector r
 
 
 Vector: TypeAlias = "str | Gradient | Shifted"
@@ -171,16 +160,11 @@ Atom: TypeAlias = Square | Dot | Form | Triple | Cross | Image | Itself
 
 @dataclass(frozen=True)
 class Formula:
-    r"""One scalar or vector expression, ready to be written.
+    r"""One scalar or vector expression, ready to be written."""
 
-    Attributes:
-        expression: In coordinates, parameters and the symbols listed in `atoms`.
-        atoms: What each formal symbol stands for.
-        coordinates: For each coordinate its field and basis name, in the order of the state: `{"l1": ("l", "1"), ...}`.
-    """
-
-    expression: Expr
-    atoms: Mapping[Symbol, Atom] = field(default_factory=dict[Any, Atom])
+    expression: Expr  # in coordinates, parameters and the symbols listed in `atoms`
+    atoms: Mapping[Symbol, Atom] = field(default_factory=dict[Any, Atom])  # what each formal symbol stands for
+    # for each coordinate its field and basis name, in the order of the state: `{"l1": ("l", "1"), ...}`
     coordinates: Mapping[str, tuple[str, str]] = field(default_factory=dict[str, tuple[str, str]])
 
     def write(self, style: Style, most_terms: int | None = None) -> str:

@@ -44,13 +44,7 @@ if TYPE_CHECKING:
 
 
 def vector_gradient(notation: VectorNotation, hamiltonian: Expr, field: str) -> Formula | None:
-    r"""The vector $\partial H/\partial x$ of one field, or None where H is not recognised as a function of scalars.
-
-    Args:
-        notation: Of the phase space.
-        hamiltonian: In components.
-        field: The name of x.
-    """
+    r"""The vector $\partial H/\partial x$ of a field x, or None where H is not recognised as a function of scalars."""
     from sympy import Dummy, S
 
     scalar = notation.formula(hamiltonian)
@@ -123,16 +117,11 @@ Definition = Formula | tuple[Formula, ...]
 
 @dataclass(frozen=True)
 class VectorEquations:
-    """The equations of motion, one per field.
+    """The equations of motion, one per field."""
 
-    Attributes:
-        rows: Field and right-hand side.
-        definitions: Vectors that occur in the right-hand sides and what they are.
-        product: Components of u x v where it is not the usual cross product, in symbols u1, ..., v3.
-    """
-
-    rows: tuple[tuple[str, Formula], ...]
-    definitions: tuple[tuple[Vector, Definition], ...]
+    rows: tuple[tuple[str, Formula], ...]  # field and right-hand side
+    definitions: tuple[tuple[Vector, Definition], ...]  # vectors that occur in the right-hand sides and what they are
+    # components of u x v where it is not the usual cross product, in symbols u1, ..., v3
     product: tuple[Formula, ...] | None
 
 

@@ -131,18 +131,15 @@ def rerun(
             the limit of time.
     """
     given: Any = source
-    if (spec := _spec_of_table(source)) is not None:
+    spec = _spec_of_table(source)
+    if spec is None and not isinstance(source, Result):
+        given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
+    if spec is not None or given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
 
-        return sweep(spec, threads=threads, progress=progress, allow_code=allow_code)
-    if not isinstance(source, Result):
-        given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
+        return sweep(spec or given.spec, threads=threads, progress=progress, allow_code=allow_code)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]
-    if given.kind == "sweep":
-        from liepoisson.sweeps.run import sweep
-
-        return sweep(given.spec, threads=threads, progress=progress, allow_code=allow_code)
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)
@@ -157,7 +154,9 @@ def rerun(
             stacklevel=level_of_the_caller(),
         )
     options = arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
-    system = _Repeated(given) if isinstance(given, Run) else given.system
+    system = given.system
+    if isinstance(given, Run):
+        system = FieldSystem(given.system.name, given.components, given.field, given.system)
     found = getattr(import_module(module), function)(system, **options)
     if isinstance(found, Run):
         found = replace(found, system=given.system, **{n: getattr(given, n) for n in ("surface",) if hasattr(given, n)})
@@ -246,7 +245,7 @@ def _check_sweep(found: Any) -> None:
     complete = spec.refine is not None or n == math.prod(spec.shape)
     if not complete or found.value.shape != (n, spec.n_starts) or len(found.places) != n or len(found.level) != n:
         raise ValueError(f"sweep: wanted all points and trajectories of its description; got {found.value.shape}")
-    from liepoisson.sweeps.lattice import Lattice
+    from liepoisson.sweeps.points import Lattice
 
     if not np.array_equal(found.points, Lattice(spec).coordinates(found.places)):
         raise ValueError("sweep: wanted the points of its description; got others")
@@ -277,38 +276,26 @@ def _system(dataset: Dataset) -> Any:
 
 
 class FieldSystem:
-    """A system of which a file knows the field alone."""
+    """A system by its field: of a file that has nothing else, or with the field that was integrated then.
 
-    def __init__(self, name: str, component_names: tuple[str, ...], field: Field) -> None:
+    Another version may write another field for the same system, which has everything else.
+    """
+
+    def __init__(self, name: str, component_names: tuple[str, ...], field: Field, system: Any = None) -> None:
         self.name = name
         self.component_names = component_names
         self._field = field
+        self._system = system
 
     def field(self) -> Field:
         """The vector field."""
         return self._field
 
     def __getattr__(self, name: str) -> Any:
-        raise AttributeError(f"{name}: the file of this system has its field alone, neither bracket nor Hamiltonian")
+        system = vars(self).get("_system")  # none while it is copied
+        if system is None:
+            raise AttributeError(f"{name}: the file of this system has its field alone, no bracket and no Hamiltonian")
+        return getattr(system, name)
 
     def __repr__(self) -> str:
         return f"<system {self.name!r} with {self._field.n_components} components, known by its field>"
-
-
-class _Repeated:
-    """The system of a result with the field that was integrated then: another version may write another one."""
-
-    def __init__(self, run: Run) -> None:
-        self._run = run
-
-    @property
-    def component_names(self) -> tuple[str, ...]:
-        return self._run.components
-
-    def field(self) -> Any:
-        return self._run.field
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "_run":  # while it is copied
-            raise AttributeError(name)
-        return getattr(self._run.system, name)

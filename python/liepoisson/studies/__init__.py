@@ -13,11 +13,7 @@ STUDIES = ("twisted-top",)
 
 
 def check_study(name: str) -> str:
-    """The name itself, if there is such a study.
-
-    Raises:
-        UnknownNameError: there is none of this name.
-    """
+    """The name itself, if there is such a study."""
     if name in STUDIES:
         return name
     near = difflib.get_close_matches(name, STUDIES, n=1)

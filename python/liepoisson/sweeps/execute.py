@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Protocol, cast
+from typing import Any, cast
 
-from liepoisson.sweeps.errors import SweepError
+from liepoisson.errors import LiePoissonError
 from liepoisson.sweeps.tasks import Piece, PieceResult, Stopped, run_piece
 
 RETRIES = 2
@@ -24,44 +24,19 @@ GRACE = 2.0
 """Seconds in which threads shall have ended; the integration of exponents looks ten times a second whether to stop."""
 
 
+class SweepError(LiePoissonError):
+    """A sweep that cannot go on: no scheduler, or no worker that may compute its pieces."""
+
+
 @dataclass(frozen=True)
 class Event:
-    """What became of a piece.
+    """What became of a piece."""
 
-    Attributes:
-        index: Which piece.
-        result: What it gave, or None.
-        error: Why it failed, or None.
-        is_lost: Whether it must be handed out again through no fault of its own.
-        remark: What to report, or None.
-    """
-
-    index: int
-    result: PieceResult | None = None
-    error: str | None = None
-    is_lost: bool = False
-    remark: str | None = None
-
-
-class Executor(Protocol):
-    """Where pieces are computed."""
-
-    @property
-    def workers(self) -> int:
-        """How many pieces are computed at once."""
-        ...
-
-    def submit(self, piece: Piece) -> None:
-        """Hand out a piece."""
-        ...
-
-    def next(self) -> Event:
-        """Wait for what becomes of a piece that was handed out."""
-        ...
-
-    def close(self) -> None:
-        """Give up what is not done."""
-        ...
+    index: int  # which piece
+    result: PieceResult | None = None  # what it gave, or None
+    error: str | None = None  # why it failed, or None
+    is_lost: bool = False  # whether it must be handed out again through no fault of its own
+    remark: str | None = None  # what to report, or None
 
 
 class Threads:
@@ -125,19 +100,11 @@ def _words(error: BaseException) -> str:
 
 
 class Cluster:
-    """The workers of a scheduler of `dask.distributed`.
+    """The workers of a scheduler of `dask.distributed`; without an address, of processes on this machine.
 
     A worker with another version of liepoisson refuses; it is reported and not asked again.  When the connection to the
     scheduler is lost, this waits for one at the same address and hands out again what is not done.  When all workers
-    are gone, it waits for a new one.
-
-    Args:
-        address: Of the scheduler, such as "tcp://127.0.0.1:8786"; None makes processes on this machine.
-        processes: How many.
-        patience: Seconds to wait for a scheduler, and for a worker while there is none.
-
-    Raises:
-        SweepError: there is no scheduler, or no worker.
+    are gone, it waits for a new one; for neither longer than `patience` seconds.
     """
 
     def __init__(self, address: str | None, processes: int | None, patience: float = PATIENCE) -> None:
@@ -327,27 +294,17 @@ def _quiet_children() -> Generator[None]:
 
 @dataclass
 class Report:
-    """How the pieces of a level went.
+    """How the pieces of a level went."""
 
-    Attributes:
-        failed: Pieces that failed for good, with the reason.
-        points: Points that failed, likewise, by their number in the level.
-        retried: How many tries failed and were repeated.
-        remarks: Workers that refused, and the like.
-        wall_seconds: From the first piece handed out to the last one back.
-        task_seconds: Sum of the times of the pieces.
-        workers: How many pieces were computed at once.
-        n_pieces: How many were computed.
-    """
-
-    failed: dict[int, str] = field(default_factory=dict[int, str])
+    failed: dict[int, str] = field(default_factory=dict[int, str])  # pieces that failed for good, with the reason
+    # points that failed, likewise, by their number in the level
     points: dict[int, str] = field(default_factory=dict[int, str])
-    retried: int = 0
-    remarks: list[str] = field(default_factory=list[str])
-    wall_seconds: float = 0.0
-    task_seconds: float = 0.0
-    workers: int = 1
-    n_pieces: int = 0
+    retried: int = 0  # how many tries failed and were repeated
+    remarks: list[str] = field(default_factory=list[str])  # workers that refused, and the like
+    wall_seconds: float = 0.0  # from the first piece handed out to the last one back
+    task_seconds: float = 0.0  # sum of the times of the pieces
+    workers: int = 1  # how many pieces were computed at once
+    n_pieces: int = 0  # how many were computed
 
     @property
     def overhead_per_piece(self) -> float:
@@ -355,9 +312,7 @@ class Report:
         return max(0.0, self.wall_seconds * self.workers - self.task_seconds) / max(1, self.n_pieces)
 
 
-def run_pieces(
-    executor: Executor, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None], retries: int = RETRIES
-) -> Report:
+def run_pieces(executor: Threads | Cluster, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None]) -> Report:
     """Compute pieces; each result goes to `keep` at once, in this thread."""
     began, report = time.perf_counter(), Report(workers=executor.workers)
     waiting = {piece.index: piece for piece in pieces}
@@ -376,7 +331,7 @@ def run_pieces(
             del waiting[event.index]
         elif event.is_lost:
             executor.submit(waiting[event.index])
-        elif tries[event.index] < retries:
+        elif tries[event.index] < RETRIES:
             tries[event.index] += 1
             report.retried += 1
             executor.submit(waiting[event.index])

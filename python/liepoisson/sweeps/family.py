@@ -33,15 +33,10 @@ _SYMPY = RLock()
 
 @dataclass(frozen=True)
 class NumericTop:
-    """A top as plain numbers: what integration needs, without the exact algebra.
+    """A top as plain numbers: what integration needs, without the exact algebra."""
 
-    Attributes:
-        name: How it is called.
-        top: Its parameters.
-    """
-
-    name: str
-    top: TopField
+    name: str  # how it is called
+    top: TopField  # its parameters
     vector_length: int = 3
 
     def field(self) -> Field:
@@ -50,17 +45,11 @@ class NumericTop:
 
 
 class Family(ABC):
-    """The systems that a sweep runs through.
+    """The systems that a sweep runs through."""
 
-    Attributes:
-        name: How they are called.
-        shapes: Shapes of the parameters that can be set, by name.
-        defaults: Values of those that need not be.
-    """
-
-    name: str
-    shapes: Mapping[str, Shape]
-    defaults: Mapping[str, Any]
+    name: str  # how they are called
+    shapes: Mapping[str, Shape]  # shapes of the parameters that can be set, by name
+    defaults: Mapping[str, Any]  # values of those that need not be
 
     @property
     def bracket_parameters(self) -> set[str]:
@@ -68,11 +57,7 @@ class Family(ABC):
         return set()
 
     def check(self, parameters: Mapping[str, Array]) -> None:
-        """Refuse unknown names, missing values and wrong shapes.
-
-        Raises:
-            ParameterError: one of these.
-        """
+        """Refuse unknown names, missing values and wrong shapes."""
         for name, values in parameters.items():
             if name not in self.shapes:
                 known = ", ".join(self.shapes) or "none"
@@ -137,8 +122,11 @@ class FileFamily(Family):
         top = self.top(values)
         if top is not None:
             return _top_of(top, self.name)
-        with _SYMPY:
-            return _file_system(self._file, values)
+        with _SYMPY, warnings.catch_warnings():
+            warnings.simplefilter("ignore", InertiaWarning)
+            exact = {name: _exact(value) for name, value in values.items()}
+            parameters = {**self._file.parameters, **exact}
+            return replace(self._file, parameters=parameters, symbols=(), integrals={}).system()
 
     def top(self, values: Mapping[str, Any]) -> TopField | None:
         """The parameters of the top, from formulas in those of the file."""
@@ -147,7 +135,8 @@ class FileFamily(Family):
             return None
         names = [name for name in self.shapes if name not in values]
         known = {**{name: self.defaults[name] for name in names}, **values}
-        numbers = np.array(formulas(*(x for name in self.shapes for x in np.ravel(_floats(known[name])))), np.float64)
+        given = [float(x) for name in self.shapes for x in np.ravel(np.array(known[name], object))]
+        numbers = np.array(formulas(*given), np.float64)
         if not np.isfinite(numbers).all() or not (numbers[:3] > 0).all():
             raise ParameterError(f"{self.name} must have finite parameters and positive moments; got {dict(values)}.")
         inertia, a, b = (cast("Any", tuple(numbers[k : k + 3].tolist())) for k in (0, 3, 6))
@@ -218,13 +207,7 @@ class OneSystem(Family):
 
 
 def as_family(system: Any) -> Family:
-    """The family that a sweep's `system` stands for.
-
-    Raises:
-        UnknownNameError: no such name in the catalog.
-        SystemFileError: the file or its tables describe no system.
-        ParameterError: it is something else.
-    """
+    """The family that a sweep's `system` stands for."""
     if isinstance(system, Family):
         return system
     if isinstance(system, Mapping):
@@ -253,10 +236,6 @@ def _is_written_as_top(system: Any, top: Any) -> bool:
     return top.has_bracket(system.bracket) and expand(system.hamiltonian - top.hamiltonian(*fields)) == 0
 
 
-def _floats(value: Any) -> Array:
-    return np.array([[float(v) for v in np.ravel(np.asarray(value, object))]])
-
-
 @lru_cache(maxsize=256)
 def _top_of(top: TopField, name: str) -> Any:
     from liepoisson.model.tops import Top
@@ -264,13 +243,6 @@ def _top_of(top: TopField, name: str) -> Any:
     with _SYMPY, warnings.catch_warnings():
         warnings.simplefilter("ignore", InertiaWarning)
         return Top(inertia=top.inertia, a=top.a, b=top.b, epsilon=top.epsilon, name=name)
-
-
-def _file_system(file: SystemFile, values: Mapping[str, Any]) -> Any:
-    exact = {name: _exact(value) for name, value in values.items()}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", InertiaWarning)
-        return replace(file, parameters={**file.parameters, **exact}, symbols=(), integrals={}).system()
 
 
 def _exact(value: Any) -> Any:

@@ -23,19 +23,12 @@ def digest_of(value: Any) -> str:
 
     What comes from another package is taken by its name.  The code is that of the interpreter at hand, so that another
     version of Python gives another digest.
-
-    Raises:
-        ParameterError: it uses an object of which this is not known.
     """
     return hashlib.sha256(repr(_state(value, ())).encode()).hexdigest()[:16]
 
 
 def system_tables(system: Any) -> Any:
-    """The tables of a system given as a file; any other system as it is.
-
-    Raises:
-        SystemFileError: there is no such file, or it is not TOML.
-    """
+    """The tables of a system given as a file; any other system as it is."""
     if not isinstance(system, (str, Path)) or not is_system_file(str(system)):
         return system
     from liepoisson.formula.toml_text import read_toml

@@ -20,9 +20,8 @@ from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import Result, labelled, recorded
 from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.family import Family, as_family
-from liepoisson.sweeps.lattice import Place
+from liepoisson.sweeps.points import Place, evaluate_targets
 from liepoisson.sweeps.spec import SweepSpec
-from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, NO_SYSTEM, NOT_COMPUTED, OUTCOMES
 
 if TYPE_CHECKING:
@@ -36,21 +35,11 @@ _PER_POINT = (
 _DIMENSIONS = ("member", "point", "level")
 OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "verdict", "value", "outcome"])
 """Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
-_MEANING = {
-    "standard_error": {"long_name": "of the mean over the starts: their spread over the root of their number"},
-    "mean_low": {"long_name": "lower end of the 95% interval of the mean over the starts"},
-    "mean_high": {"long_name": "upper end of the 95% interval of the mean over the starts"},
-    "chaotic_fraction_low": {"long_name": "lower end of the 95% interval of the fraction over the starts"},
-    "chaotic_fraction_high": {"long_name": "upper end of the 95% interval of the fraction over the starts"},
+_MEANING = {"standard_error": "of the mean over the starts: their spread over the root of their number"} | {
+    f"{name}_{end}": f"{which} end of the 95% interval of the {word} over the starts"
+    for name, word in (("mean", "mean"), ("chaotic_fraction", "fraction"))
+    for end, which in (("low", "lower"), ("high", "upper"))
 }
-
-
-def _spec_record(spec: SweepSpec) -> dict[str, Any]:
-    return {"record": spec.record(), "description": spec.description()}
-
-
-def _spec_of(record: dict[str, Any]) -> SweepSpec:
-    return SweepSpec.of_record(record["record"], record["description"])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,7 +54,7 @@ class Sweep(Result):
 
     Attributes:
         spec: What was asked.
-        places: The points on the lattice, see `liepoisson.sweeps.lattice`.
+        places: The points on the lattice, see `liepoisson.sweeps.points`.
         points: Values of the axes, shape (point, axis).
         level: 0 for the grid, then the level of refinement that added the point, shape (point,).
         value: Exponents in inverse time; verdicts, -1 regular, 0 undecided, +1 chaotic; or values of the quantity;
@@ -82,7 +71,10 @@ class Sweep(Result):
     kind = "sweep"
     rows = ("point",)
 
-    spec: SweepSpec = recorded(_spec_record, _spec_of)
+    spec: SweepSpec = recorded(
+        lambda spec: {"record": spec.record(), "description": spec.description()},
+        lambda written: SweepSpec.of_record(written["record"], written["description"]),
+    )
     places: tuple[Place, ...]
     points: Array = labelled("point", "axis", long_name="values of the axes")
     level: NDArray[np.int64] = labelled("point", long_name="level of refinement", units="1")
@@ -314,7 +306,8 @@ class Sweep(Result):
         shape = self.spec.shape if is_grid else (len(self.points),)
         is_verdict = self.spec.is_verdict
         variables: dict[str, Any] = {
-            name: (dims, values.reshape(shape), _MEANING.get(name, {})) for name, values in self._per_point().items()
+            name: (dims, values.reshape(shape), {"long_name": _MEANING[name]} if name in _MEANING else {})
+            for name, values in self._per_point().items()
         }
         name = "exponent" if self.spec.is_exponent else "verdict" if is_verdict else "value"
         members = self.verdict if is_verdict else self.value

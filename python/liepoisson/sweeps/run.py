@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, field, fields
 from os import PathLike
 from pathlib import Path
@@ -20,15 +20,14 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.given import labelled, named
 from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.files import exclusive
-from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
+from liepoisson.sweeps.execute import PATIENCE, Cluster, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
-from liepoisson.sweeps.lattice import Lattice, Place, split
+from liepoisson.sweeps.points import Lattice, Place, evaluate_targets, split
 from liepoisson.sweeps.result import Sweep
-from liepoisson.sweeps.spec import QUANTITIES, Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec import QUANTITIES, Axis, SweepSpec, refinement_of, starts_of
 from liepoisson.sweeps.spec_file import read_sweep_file
 from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
-from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
 
 PIECE_TIME = 1e6
@@ -99,7 +98,9 @@ def sweep(
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience)
-    where = _Where(scheduler, processes, threads, patience)
+    for name, count in (("processes", processes), ("threads", threads)):
+        if count is not None:
+            as_count(count, name, least=1, most=MOST_THREADS, hint="try 2")
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     _check_code(spec, allow_code=allow_code)
@@ -114,33 +115,32 @@ def sweep(
     path = None if store is None else Path(store)
     if path is not None:
         spec.fingerprint()
+    made: list[Threads | Cluster] = []
+
+    def executor(n_pieces: int) -> Threads | Cluster:
+        """Made once, when pieces are to be computed."""
+        if not made:
+            is_here = scheduler is None and processes is None
+            made.append(Threads(threads, n_pieces) if is_here else Cluster(scheduler, processes, patience))
+        return made[0]
+
     with nullcontext() if path is None else exclusive(path):
         kept = None if path is None else SweepStore(path, spec, fresh=fresh)
-        with closing(where):
-            return _Run(spec, family, lattice, kept, where, points_per_piece, progress, meaning).result()
+        try:
+            return _Run(spec, family, lattice, kept, executor, points_per_piece, progress, meaning).result()
+        finally:
+            for one in made:
+                one.close()
 
 
 def read_sweep(path: str | Path) -> Sweep:
-    """A sweep from its store, as far as it is computed; nothing is computed and nothing is written.
-
-    Raises:
-        DamagedFileError: the folder holds no sweep, or one that cannot be read.
-        OtherSweepError: it is in the format of another version.
-        ParameterError: the system or the quantity was a function of the caller, which no store keeps.
-    """
-    store, _ = SweepStore.as_found(Path(path))
-    spec = store.spec
-    family = as_family(spec.system)
-    return _Run(spec, family, Lattice(spec), store).result()
+    """A sweep from its store, as far as it is computed; nothing is computed and nothing is written."""
+    store = SweepStore.as_found(Path(path))
+    return _Run(store.spec, as_family(store.spec.system), Lattice(store.spec), store).result()
 
 
 def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
-    """The spec that the arguments of `sweep` stand for.
-
-    Raises:
-        ParameterError: neither or both of a spec and its arguments are given, or an unknown one.
-        SystemFileError: a file or its tables are no sweep, or name a function and code is not allowed.
-    """
+    """The spec that the arguments of `sweep` stand for."""
     if spec is None:
         known = [entry.name for entry in fields(SweepSpec)]
         if unknown := [name for name in settings if name not in known]:
@@ -184,45 +184,10 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     axes = made.get("axes")
     if (columns := named(axes, "axes") if isinstance(axes, Mapping) else _columns(axes)) is not None:
         made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", columns).items())
-    if isinstance(starts := made.get("starts"), Mapping):
-        given = named(cast("Mapping[str, Any]", starts), "starts") or {}
-        known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}
-        nested = given.pop("casimirs", {})
-        if given and nested:
-            raise ParameterError(f"starts: wanted {', '.join(map(str, given))} beside energy, or all in casimirs.")
-        made["starts"] = Starts(**known, casimirs=nested or given)
-    if isinstance(refine := made.get("refine"), Mapping):
-        given = dict(cast("Mapping[str, Any]", refine))
-        if {*given} != {"levels", "difference"}:
-            raise ParameterError(
-                f"refine: wanted levels and difference; got {', '.join(map(str, given)) or 'neither'}."
-            )
-        made["refine"] = Refinement(**given)
+    for key, make in (("starts", starts_of), ("refine", refinement_of)):
+        if isinstance(given := made.get(key), Mapping):
+            made[key] = make(cast("Mapping[str, Any]", given))
     return made
-
-
-class _Where:
-    """Makes the executor when a piece is to be computed, once."""
-
-    def __init__(self, scheduler: str | None, processes: int | None, threads: int | None, patience: float) -> None:
-        for name, value in (("processes", processes), ("threads", threads)):
-            if value is not None:
-                as_count(value, name, least=1, most=MOST_THREADS, hint="try 2")
-        self._given = scheduler, processes, threads, patience
-        self._executor: Executor | None = None
-
-    def executor(self, n_pieces: int) -> Executor:
-        scheduler, processes, threads, patience = self._given
-        if self._executor is None:
-            if scheduler is None and processes is None:
-                self._executor = Threads(threads, n_pieces)
-            else:
-                self._executor = Cluster(scheduler, processes, patience)
-        return self._executor
-
-    def close(self) -> None:
-        if self._executor is not None:
-            self._executor.close()
 
 
 @dataclass
@@ -233,7 +198,7 @@ class _Run:
     family: Family
     lattice: Lattice
     store: SweepStore | None
-    where: _Where | None = None
+    executor: Callable[[int], Threads | Cluster] | None = None
     points_per_piece: int | None = None
     progress: Progress | None = None
     meaning: Meaning | None = None
@@ -263,12 +228,12 @@ class _Run:
     def _level(self, number: int, places: Sequence[Place]) -> Level:
         points, n = self.lattice.coordinates(places), self.spec.n_starts
         size = self.points_per_piece or piece_size(self.spec, len(points))
-        known = self.store is not None and (self.where is not None or (self.store.path / f"level{number}").is_dir())
+        known = self.store is not None and (self.executor is not None or (self.store.path / f"level{number}").is_dir())
         level = self.store.level(number, points, size, n) if self.store and known else Level.empty(points, size, n)
         self.levels.append(level)
         self.n_reused += int(sum(len(points[level.rows(int(k))]) for k in np.flatnonzero(level.done)))
         missing = np.flatnonzero(~level.done).tolist()
-        if missing and self.where is None:
+        if missing and self.executor is None:
             self.reports.append(Report(remarks=[f"level {number}: {len(missing)} pieces are not computed yet"]))
         else:
             self.reports.append(self._compute(number, level, missing) if missing else Report())
@@ -287,8 +252,8 @@ class _Run:
                 done = sum(len(level.points[level.rows(int(k))]) for k in np.flatnonzero(level.done))
                 self.progress((number + done / len(level.points)) / (self.lattice.levels + 1))
 
-        assert self.where is not None
-        report = run_pieces(self.where.executor(len(missing)), self._pieces(level, missing), keep=keep)
+        assert self.executor is not None
+        report = run_pieces(self.executor(len(missing)), self._pieces(level, missing), keep=keep)
         report.points |= {k: why for k, why in sorted(told.items()) if (level.outcome[k] == FAILED).any()}
         for lack in ("no system", "no start"):
             absent = [why for k, why in sorted(told.items()) if k not in report.points and why.startswith(lack)]
@@ -302,12 +267,9 @@ class _Run:
 
     def _pieces(self, level: Level, missing: Sequence[int]) -> list[Piece]:
         targets = evaluate_targets(self.spec, self.family, level.points)
-        pieces: list[Piece] = []
-        for index in missing:
-            rows = level.rows(index)
-            n = len(level.points[rows])
-            pieces.append(Piece.of(self.spec, self.family, targets.rows(rows), n, index=index, meaning=self.meaning))
-        return pieces
+        return [
+            Piece(index, self.spec, self.family, targets.rows(level.rows(index)), self.meaning) for index in missing
+        ]
 
     def _sweep(self) -> Sweep:
         counts = [len(level.points) for level in self.levels]

@@ -161,7 +161,10 @@ class Starts:
             _check_value(self.energy, "energy", is_one=True)
         for name, value in casimirs.items():
             if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
-                raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
+                hint = did_you_mean(str(name), ("ensemble", "energy", "sampling")).strip() or "Correct the name."
+                raise ParameterError(
+                    f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}. {hint}"
+                )
             _check_value(value, name, is_one=True)
         object.__setattr__(self, "casimirs", _all_owned(casimirs))
 
@@ -193,6 +196,23 @@ class Refinement:
         as_count(self.levels, "refine levels", least=1, most=12, hint="try 2")
         if not as_number(self.difference, "refine difference", "a positive number") > 0:
             raise not_a("a positive number", self.difference, "refine difference", "try 0.1")
+
+
+def starts_of(given: Mapping[str, Any]) -> Starts:
+    """Starts of plain values by name, with Casimirs among them or all in `casimirs`."""
+    given = named(given, "starts") or {}
+    known = {key: given[key] for key in ("ensemble", "energy", "sampling") if key in given}
+    beside = {key: value for key, value in given.items() if key not in known and key != "casimirs"}
+    if beside and given.get("casimirs"):
+        raise ParameterError(f"starts: wanted {', '.join(map(str, beside))} beside energy, or all in casimirs.")
+    return Starts(**known, casimirs=given.get("casimirs") or beside)
+
+
+def refinement_of(given: Mapping[str, Any]) -> Refinement:
+    """A refinement of plain values by name."""
+    if {*given} != {"levels", "difference"}:
+        raise ParameterError(f"refine: wanted levels and difference; got {', '.join(map(str, given)) or 'neither'}.")
+    return Refinement(**given)
 
 
 @explains_its_methods
@@ -339,12 +359,7 @@ class SweepSpec:
 
     @classmethod
     def of_record(cls, record: Mapping[str, Any], description: Mapping[str, Any] | None = None) -> SweepSpec:
-        """The spec that `record` and `description` have written.
-
-        Raises:
-            ParameterError: the system or the quantity is a function of the caller, which no record keeps.
-            KeyError, TypeError, ValueError, LiePoissonError: the record is not one of ours.
-        """
+        """The spec that `record` and `description` have written; a function of the caller no record keeps."""
         said: dict[str, Any] = {
             "name": None,
             "labels": [None] * len(record["axes"]),

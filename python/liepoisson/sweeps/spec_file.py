@@ -44,7 +44,7 @@ from liepoisson.formula.toml_text import TomlReader, TomlText, read_toml
 from liepoisson.indicators.verdict import Rule
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import METHODS, Method
-from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec, refinement_of, starts_of
 
 _KEYS = (
     "name", "system", "axes", "parameters", "starts", "n_starts", "t_end", "quantity", "rule", "method", "seed",
@@ -53,21 +53,13 @@ _KEYS = (
 _PLAIN = ("name", "n_starts", "quantity", "seed")
 _TABLES = ("parameters", "starts", "method", "refine", "rule")
 _AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
-_STARTS_KEYS = ("ensemble", "energy", "sampling")
 
 
 def read_sweep_file(source: str | Path | Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
     """Read a sweep file, or its tables.
 
-    A file is data: nothing that it says runs code, unless that is allowed.
-
-    Args:
-        source: The path of a file, or its tables.
-        allow_code: Whether its quantity may be a function, "package.module:function", that is imported and called.
-
-    Raises:
-        SystemFileError: there is no such file, it is not TOML, a key is unknown, missing, or has a wrong value, or its
-            quantity is a function and that is not allowed.
+    A file is data: nothing that it says runs code, unless `allow_code` lets its quantity be a function,
+    "package.module:function", that is imported and called.
     """
     if isinstance(source, Mapping):
         text, folder = TomlText("the sweep", "", dict(source)), None
@@ -158,12 +150,7 @@ class _Reader(TomlReader):
         return self.guarded(keys, lambda: make(cast("str", name), start, stop, axis["count"], label))
 
     def starts(self, table: dict[str, Any]) -> Starts:
-        known = {key: value for key, value in table.items() if key in _STARTS_KEYS}
-        casimirs = {key: value for key, value in table.items() if key not in _STARTS_KEYS}
-        for key in casimirs:
-            if not (key[:1] == "C" and key[1:].isdigit()):
-                self.check_keys(("starts",), {key: None}, (*_STARTS_KEYS, "C1", "C2", "C3"))
-        return self.guarded(("starts",), lambda: Starts(**known, casimirs=casimirs))
+        return self.guarded(("starts",), lambda: starts_of(table))
 
     def method(self, table: dict[str, Any]) -> Method | None:
         if not table:
@@ -177,11 +164,8 @@ class _Reader(TomlReader):
     def refinement(self, table: dict[str, Any]) -> Refinement | None:
         if not table:
             return None
-        self.check_keys(("refine",), table, ("levels", "difference"))
-        if "levels" not in table or "difference" not in table:
-            raise self.toml.error(("refine",), "wanted levels and difference. Add what is missing.")
-        difference = self.real(("refine", "difference"), table["difference"])
-        return self.guarded(("refine",), lambda: Refinement(table["levels"], difference))
+        values = {key: self.real(("refine", key), v) if key == "difference" else v for key, v in table.items()}
+        return self.guarded(("refine",), lambda: refinement_of(values))
 
     def rule(self, table: dict[str, Any]) -> Rule | None:
         if not table:

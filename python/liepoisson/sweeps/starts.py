@@ -17,7 +17,7 @@ from liepoisson.portable import linear
 from liepoisson.sweeps.family import Family, NumericTop
 
 if TYPE_CHECKING:
-    from liepoisson.sweeps.targets import Targets
+    from liepoisson.sweeps.points import Targets
 
 Bools: TypeAlias = NDArray[np.bool_]
 Functions: TypeAlias = Callable[[Array, NDArray[np.int64]], tuple[Array, Array]]
@@ -36,18 +36,12 @@ class TopRows:
     r"""Tops with a row of parameters for each state: energy and Casimirs, without the exact algebra.
 
     $C_1 = |\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$, $C_3 = |\beta|^2$, whatever epsilon.
-
-    Attributes:
-        inertia: Shape (row, 3), as a and b.
-        a: Centre of mass.
-        b: Centre of charge.
-        epsilon: Shape (row, 1).
     """
 
-    inertia: Array
-    a: Array
-    b: Array
-    epsilon: Array
+    inertia: Array  # shape (row, 3), as a and b
+    a: Array  # centre of mass
+    b: Array  # centre of charge
+    epsilon: Array  # shape (row, 1)
 
     @classmethod
     def of(cls, tops: Sequence[TopField], repeats: int) -> TopRows:
@@ -95,14 +89,8 @@ def check_casimirs(family: Family, targets: Targets) -> Meaning | None:
     """Refuse Casimirs that the systems do not have, or that are other functions at one point than at another.
 
     Looked at are the formulas of a file, and the first, middle and last point; the others are looked at when they are
-    computed, see `require_meaning`.
-
-    Returns:
-        What the names C1, C2, ... mean at all points; None where no Casimirs are prescribed or the bracket is the same
-        at the points looked at.
-
-    Raises:
-        ParameterError: one of these.
+    computed, see `require_meaning`.  Returns what C1, C2, ... mean at all points; None where none are prescribed, or
+    the bracket is the same at the points looked at.
     """
     if not targets.casimirs:
         return None
@@ -140,11 +128,7 @@ def meaning(system: Any) -> Meaning:
 
 
 def require_meaning(system: Any, wanted: Meaning) -> None:
-    """Refuse a system whose Casimirs are other functions than those of the other points.
-
-    Raises:
-        ParameterError: its generators have other leading monomials: a parameter of the bracket is exceptional.
-    """
+    """Refuse a system whose Casimirs are other functions than those of the other points."""
     if (found := meaning(system)) != wanted:
         raise ParameterError(
             f"C1, C2, ... must be the same functions at all points where they are prescribed; {system.bracket} has "
@@ -158,11 +142,7 @@ def _casimirs_of(system: Any) -> Sequence[str]:
 
 
 def system_functions(system: Any, names: Sequence[str]) -> Functions:
-    """The energy and Casimirs of any system, as `TopRows.functions`.
-
-    Raises:
-        ParameterError: the system has no such Casimir.
-    """
+    """The energy and Casimirs of any system, as `TopRows.functions`."""
     known = {"energy": system.functions.energy, **system.functions.casimirs}
     if unknown := [name for name in names if name not in known]:
         raise ParameterError(
@@ -178,19 +158,12 @@ def system_functions(system: Any, names: Sequence[str]) -> Functions:
 
 @np.errstate(all="ignore")
 def project(functions: Functions, wanted: Array, x: Array, length: int = 0) -> tuple[Array, Bools]:
-    r"""States near x at which functions have the wanted values, by Newton steps of minimum norm, $\delta = -G^+ F$.
+    r"""States near x, shape (row, component), at which functions have the wanted values, shape (row, function).
 
-    Where that fails, along values that lead from those at x to the wanted ones.  Each row is worked on by itself,
-    whatever rows are beside it: its bits do not depend on them.
-
-    Args:
-        functions: What is prescribed.
-        wanted: Its values, shape (row, function).
-        x: Shape (row, component).
-        length: Number of components of each field, which may have a unit of its own; 0: all are in one unit.
-
-    Returns:
-        The states, and for which of them the largest relative residual is below 1e-12.
+    By Newton steps of minimum norm, $\delta = -G^+ F$; where that fails, along values that lead from those at x to the
+    wanted ones.  Each row is worked on by itself, whatever rows are beside it: its bits do not depend on them.  Fields
+    of `length` components may have units of their own; 0: all are in one unit.  Returns the states, and for which of
+    them the largest relative residual is below 1e-12.
     """
     found, is_there = _leap(functions, wanted, x, length)
     left = np.flatnonzero(~is_there)
@@ -277,11 +250,7 @@ def _residual(functions: Functions, wanted: Array, x: Array, rows: NDArray[np.in
 
 
 def liouville(system: Any, n: int, seed: int, casimirs: dict[str, float], energy: float | None) -> Array:
-    """States on a leaf with the Liouville measure; NaN where there is no such leaf or energy, shape (n, N).
-
-    Raises:
-        ParameterError: a Casimir has no value.
-    """
+    """States on a leaf with the Liouville measure; NaN where there is no such leaf or energy, shape (n, N)."""
     from liepoisson.leaf.leaf import Leaf
 
     try:

@@ -34,7 +34,6 @@ from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, LiePoissonError, OutputError
 from liepoisson.inputs.arrays import Array
 from liepoisson.io.files import another_format, writing
-from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, PieceResult
 
 if TYPE_CHECKING:
@@ -50,27 +49,21 @@ _LEVEL = re.compile("level[0-9]+")
 _PARTIAL = re.compile(r"[0-9.]+\.[0-9]+\.partial")
 
 
+class OtherSweepError(LiePoissonError):
+    """A store holds the numbers of another sweep, or of another version of liepoisson."""
+
+
 @dataclass
 class Level:
-    """The arrays of one level, in memory, and how they are cut.
+    """The arrays of one level, in memory, and how they are cut."""
 
-    Attributes:
-        points: Coordinates, shape (point, axis).
-        size: Points of a piece.
-        value: Shape (point, member); NaN where nothing is known.
-        outcome: Codes of `OUTCOMES`, shape (point, member).
-        seconds: Time of each piece; NaN where it is not known.
-        done: Which pieces are there.
-        method: How orbits were integrated, in words.
-    """
-
-    points: Array
-    size: int
-    value: Array
-    outcome: NDArray[np.int8]
-    seconds: Array
-    done: NDArray[np.bool_]
-    method: str = ""
+    points: Array  # coordinates, shape (point, axis)
+    size: int  # points of a piece
+    value: Array  # shape (point, member); NaN where nothing is known
+    outcome: NDArray[np.int8]  # codes of `OUTCOMES`, shape (point, member)
+    seconds: Array  # time of each piece; NaN where it is not known
+    done: NDArray[np.bool_]  # which pieces are there
+    method: str = ""  # how orbits were integrated, in words
 
     @classmethod
     def empty(cls, points: Array, size: int, n: int) -> Level:
@@ -93,22 +86,11 @@ class Level:
 
 
 class SweepStore:
-    """The folder of a sweep.
-
-    Args:
-        path: The folder; made if there is none.
-        spec: What is computed.
-        fresh: Remove the sweep that is there; other files stay.
-
-    Raises:
-        OtherSweepError: the folder holds another sweep, or numbers of another version or in another format.
-        OutputError: there is something else, or it cannot be written.
-        DamagedFileError: its description cannot be read.
-    """
+    """The folder of a sweep, made if there is none; `fresh` discards what it holds."""
 
     def __init__(self, path: Path, spec: SweepSpec, *, fresh: bool = False) -> None:
         self.path = path
-        self._spec = spec
+        self.spec = spec
         self._fingerprint = spec.fingerprint()
         self.damaged = 0
         self._is_read_only = False
@@ -122,13 +104,8 @@ class SweepStore:
             self._create()
 
     @classmethod
-    def as_found(cls, path: Path) -> tuple[SweepStore, dict[str, Any]]:
-        """The store in a folder as it is, to be read only, and what it says of itself.
-
-        Raises:
-            OtherSweepError: numbers in another format.
-            DamagedFileError: its description cannot be read.
-        """
+    def as_found(cls, path: Path) -> SweepStore:
+        """The store in a folder as it is, to be read only."""
         from liepoisson.sweeps.spec import SweepSpec
 
         attributes = read_attributes(path)
@@ -140,18 +117,13 @@ class SweepStore:
         store = cls.__new__(cls)
         store.path, store.damaged, store._is_read_only = path, 0, True
         try:
-            store._spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
+            store.spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
         except LiePoissonError:
             raise
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DamagedFileError(f"{path}: its description cannot be read ({error!r:.100})") from error
         store._fingerprint = attributes["fingerprint"]
-        return store, attributes
-
-    @property
-    def spec(self) -> SweepSpec:
-        """What is computed."""
-        return self._spec
+        return store
 
     def _open(self, fresh: bool) -> None:
         """Compare with what is there; remove it where it shall be."""
@@ -170,7 +142,7 @@ class SweepStore:
             )
         elif attributes.get("fingerprint") != self._fingerprint:
             raise OtherSweepError(
-                f"{self.path} holds another sweep: {_difference(attributes['spec'], self._spec.record())}. Use the "
+                f"{self.path} holds another sweep: {_difference(attributes['spec'], self.spec.record())}. Use the "
                 "same spec and version to go on with it, choose another store, or discard it with fresh (--fresh)."
             )
 
@@ -180,11 +152,11 @@ class SweepStore:
         attributes = {
             "kind": _MARK,
             "format": _FORMAT,
-            "spec": self._spec.record(),
+            "spec": self.spec.record(),
             "fingerprint": self._fingerprint,
             "version": __version__,
-            "held": self._spec.held(),
-            "description": self._spec.description(),
+            "held": self.spec.held(),
+            "description": self.spec.description(),
         }
         with _zarr(self.path):
             zarr.create_group(store=str(self.path), attributes=attributes, overwrite=False)
@@ -193,9 +165,6 @@ class SweepStore:
         """A level with all of its pieces that are stored, whole and in their place.
 
         Arrays that are not there are made, except where the store is only read.
-
-        Raises:
-            DamagedFileError: its arrays are not those of the sweep, or cannot be read.
         """
         import zarr
 
@@ -205,7 +174,7 @@ class SweepStore:
             if not self._is_read_only:
                 self._make_ready(folder, points, size, n)
             arrays: Any = zarr.open_group(store=str(folder), mode="r", use_consolidated=False)
-            _check_arrays(arrays, _layouts(len(points), len(self._spec.axes), n, size))
+            _check_arrays(arrays, _layouts(len(points), len(self.spec.axes), n, size))
             stored = np.asarray(arrays["point"])
         except OutputError:
             raise
@@ -241,7 +210,7 @@ class SweepStore:
         has_points = (folder / "point" / "0.0").exists()
         if not absent and has_points and (folder / "zarr.json").exists():
             return
-        attributes: dict[str, Any] = {"axes": [axis.name for axis in self._spec.axes]}
+        attributes: dict[str, Any] = {"axes": [axis.name for axis in self.spec.axes]}
         group: Any = zarr.open_group(store=str(folder), mode="a", attributes=attributes, use_consolidated=False)
         for name in absent:
             group.create_array(name, **layouts[name])
@@ -268,11 +237,7 @@ class SweepStore:
         level.value[rows], level.outcome[rows], level.done[piece] = value, outcome, not (outcome == FAILED).any()
 
     def save(self, number: int, level: Level, result: PieceResult) -> None:
-        """Store a piece.
-
-        Raises:
-            OutputError: it could not be written; what is stored stays.
-        """
+        """Store a piece."""
         rows = level.rows(result.index)
         n_filled = level.size - (rows.stop - rows.start)
         with writing(self.path):
@@ -309,11 +274,7 @@ def _another_format(attributes: Mapping[str, Any]) -> str:
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
-    """What a store says of itself.
-
-    Raises:
-        DamagedFileError: it is no store of a sweep, or cannot be read.
-    """
+    """What a store says of itself."""
     try:
         attributes = json.loads((path / "zarr.json").read_text(encoding="utf-8"))["attributes"]
         if attributes["kind"] != _MARK or not isinstance(attributes["fingerprint"], str):

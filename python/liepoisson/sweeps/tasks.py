@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
@@ -16,20 +17,19 @@ from liepoisson.compile.field import QuadraticField, TopField
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.numbers import as_array
 from liepoisson.indicators.finite_time_exponents import exponents_of_many, finite_time_exponents
-from liepoisson.indicators.verdict import Rule, as_rule, decide
+from liepoisson.indicators.verdict import decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
-from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
 if TYPE_CHECKING:
-    from liepoisson.sweeps.spec import Starts, SweepSpec
-    from liepoisson.sweeps.targets import Targets
+    from liepoisson.sweeps.points import Targets
+    from liepoisson.sweeps.spec import SweepSpec
 
 OUTCOMES: tuple[str, ...] = (*_core.outcomes(), "no start", "not computed", "no system", "failed")
 """How orbits end; "no start": no state with the wanted energy and Casimirs was found; "no system": the system cannot
@@ -38,97 +38,40 @@ NO_START, NOT_COMPUTED, NO_SYSTEM, FAILED = range(len(OUTCOMES) - 4, len(OUTCOME
 POINT_TRIES = 3
 """How often a point is tried whose quantity raises an error."""
 _NOT_FINITE = OUTCOMES.index("not finite")
-_TIME_LIMIT = 1e9
 _NO_SYSTEM = (LiePoissonError, ValueError, ArithmeticError)
 """Errors that say that there is no such system; any other is a failure of what makes it."""
 
 
+class WorkerVersionError(LiePoissonError):
+    """A worker has another version of liepoisson than the sweep that asks it; its bits could be others."""
+
+
 @dataclass(frozen=True)
 class Piece:
-    """A task: some points of a sweep, with everything that their numbers depend on.
+    """A task: some points of a sweep, with everything that their numbers depend on."""
 
-    Attributes:
-        index: Which piece of its level.
-        family: The systems.
-        targets: Parameters, energy and Casimirs of the points.
-        n_points: How many points.
-        starts: How starts are drawn.
-        n: Orbits of a point.
-        t_end: Their time.
-        quantity: "exponent", "chaotic_fraction", a dotted name, or a function.
-        method: How they are integrated, or None for the default.
-        seed: Draws starts and tangent vectors.
-        version: Version of liepoisson that may compute it.
-        rule: Thresholds of verdicts.
-        threads: Threads of the core.
-        meaning: What the prescribed Casimirs mean at all points; None if they can mean one thing only.
-    """
-
-    index: int
-    family: Family
-    targets: Targets
-    n_points: int
-    starts: Starts
-    n: int
-    t_end: float
-    quantity: str | Callable[..., Any]
-    method: Method | None
-    seed: int
-    version: str
-    rule: Rule = field(default_factory=Rule)
-    threads: int | None = 1
+    index: int  # which piece of its level
+    spec: SweepSpec  # what is asked of each point
+    family: Family  # the systems
+    targets: Targets  # parameters, energy and Casimirs of the points
+    # what the prescribed Casimirs mean at all points; None if they can mean one thing only
     meaning: Meaning | None = None
-
-    @classmethod
-    def of(
-        cls,
-        spec: SweepSpec,
-        family: Family,
-        targets: Targets,
-        n_points: int,
-        *,
-        index: int = 0,
-        meaning: Meaning | None = None,
-    ) -> Piece:
-        """The task that a spec makes of some points."""
-        return cls(
-            index=index,
-            family=family,
-            targets=targets,
-            n_points=n_points,
-            starts=spec.starts,
-            n=spec.n_starts,
-            t_end=float(spec.t_end),
-            quantity=spec.quantity,
-            rule=as_rule(spec.rule),
-            method=spec.method,
-            seed=spec.seed,
-            version=__version__,
-            meaning=meaning,
-        )
+    threads: int | None = 1  # threads of the core
+    version: str = __version__  # version of liepoisson that may compute it
 
 
-@dataclass(frozen=True)
+@dataclass
 class PieceResult:
-    """What a piece gives.
+    """What a piece gives."""
 
-    Attributes:
-        index: Which piece.
-        value: Shape (point, member); NaN where an orbit failed.
-        outcome: Codes of `OUTCOMES`, shape (point, member).
-        seconds: Time that it took.
-        method: How it was integrated, in words.
-        failed: Why points failed, have no system or other Casimirs, by their number in the piece.
-        retried: How many tries of points failed and were repeated.
-    """
-
-    index: int
-    value: Array
-    outcome: NDArray[np.int8]
-    seconds: float
-    method: str
-    failed: Mapping[int, str] = field(default_factory=dict[int, str])
-    retried: int = 0
+    index: int  # which piece
+    value: Array  # shape (point, member); NaN where an orbit failed
+    outcome: NDArray[np.int8]  # codes of `OUTCOMES`, shape (point, member)
+    seconds: float = 0.0  # time that it took
+    method: str = ""  # how it was integrated, in words
+    # why points failed, have no system or other Casimirs, by their number in the piece
+    failed: dict[int, str] = field(default_factory=dict[int, str])
+    retried: int = 0  # how many tries of points failed and were repeated
 
 
 Listener: TypeAlias = Callable[[float], Any]
@@ -140,15 +83,9 @@ class Stopped(BaseException):
 
 
 def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
-    """Compute a piece.
+    """Compute a piece; what `listen` raises ends it.
 
-    Args:
-        piece: Which one.
-        listen: What it raises ends the piece.  The core looks for Ctrl-C in the main thread only, so that threads need
-            it.
-
-    Raises:
-        WorkerVersionError: this process has another version of liepoisson.
+    The core looks for Ctrl-C in the main thread only, so that threads need a listener.
     """
     began = time.perf_counter()
     if __version__ != piece.version:
@@ -156,19 +93,12 @@ def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
             f"the sweep needs liepoisson {piece.version} on all workers; this one has {__version__}. "
             "Install the same version there."
         )
-    if piece.quantity not in QUANTITIES:
-        resolve(piece.quantity)
+    if piece.spec.quantity not in QUANTITIES:
+        resolve(piece.spec.quantity)
     points = _Points(piece, listen or _silent)
     points.compute()
-    return PieceResult(
-        piece.index,
-        points.value,
-        points.outcome,
-        time.perf_counter() - began,
-        points.method,
-        points.failed,
-        points.retried,
-    )
+    points.found.seconds = time.perf_counter() - began
+    return points.found
 
 
 def _silent(_: float) -> None: ...
@@ -180,11 +110,8 @@ class _Points:
     def __init__(self, piece: Piece, listen: Listener) -> None:
         self.piece = piece
         self.listen = listen
-        self.value = np.full((piece.n_points, piece.n), np.nan)
-        self.outcome = np.full((piece.n_points, piece.n), NO_START, np.int8)
-        self.method = ""
-        self.failed: dict[int, str] = {}
-        self.retried = 0
+        shape = len(piece.targets), piece.spec.n_starts
+        self.found = PieceResult(piece.index, np.full(shape, np.nan), np.full(shape, NO_START, np.int8))
         self.systems = _systems(piece, listen)
 
     def compute(self) -> None:
@@ -194,7 +121,7 @@ class _Points:
             if isinstance(system, Exception):
                 self._mark(point, NO_SYSTEM if isinstance(system, _NO_SYSTEM) else FAILED, system)
         good = [point for point in good if self._has_meaning(point)]
-        if self.piece.quantity == "exponent" and good:
+        if self.piece.spec.quantity == "exponent" and good:
             try:
                 self._together(good)
             except Exception:
@@ -224,48 +151,44 @@ class _Points:
             except Exception as error:
                 if tried == POINT_TRIES:
                     return self._mark(point, FAILED, error)
-                self.retried += 1
+                self.found.retried += 1
         return None
 
     def _mark(self, point: int, code: int, error: Exception) -> None:
-        self.value[point], self.outcome[point] = np.nan, code
-        self.failed[point] = f"{OUTCOMES[code]}: {type(error).__name__}: {error}"
+        self.found.value[point], self.found.outcome[point] = np.nan, code
+        self.found.failed[point] = f"{OUTCOMES[code]}: {type(error).__name__}: {error}"
 
     def _together(self, chosen: list[int]) -> None:
-        piece = replace(self.piece, targets=self.piece.targets.rows(chosen), n_points=len(chosen))
-        systems = [self.systems[point] for point in chosen]
+        piece = replace(self.piece, targets=self.piece.targets.rows(chosen))
+        systems, done = [self.systems[point] for point in chosen], self.found
         x0, found = _starts(piece, systems, self.listen)
         groups = _groups(systems)
-        if piece.quantity == "exponent" and len(groups) > 1 and (fields := _of_one_kind(piece, systems)):
-            self.method = str(_method(piece, systems[0]))
-            self.value[chosen], self.outcome[chosen] = _exponents_of_many(piece, fields, x0, found, self.listen)
+        if piece.spec.quantity == "exponent" and len(groups) > 1 and (fields := _of_one_kind(piece, systems)):
+            done.method = str(_method(piece, systems[0]))
+            done.value[chosen], done.outcome[chosen] = _exponents_of_many(piece, fields, x0, found, self.listen)
             return
         for rows in groups:
             system, points = systems[rows[0]], [chosen[row] for row in rows]
-            if piece.quantity == "chaotic_fraction":
-                self.method = str(piece.method or ENSEMBLE_METHOD)
+            if piece.spec.quantity == "chaotic_fraction":
+                done.method = str(piece.spec.method or ENSEMBLE_METHOD)
                 for row, point in zip(rows, points, strict=True):
-                    self.value[point], self.outcome[point] = _verdicts(piece, system, x0[row], found[row], self.listen)
+                    done.value[point], done.outcome[point] = _verdicts(piece, system, x0[row], found[row], self.listen)
                 continue
-            if piece.quantity != "exponent":
-                self.method = str(piece.method or "the default of the quantity")
+            if piece.spec.quantity != "exponent":
+                done.method = str(piece.spec.method or "the default of the quantity")
                 for row, point in zip(rows, points, strict=True):
-                    self.value[point], self.outcome[point] = _call(piece, system, x0[row], found[row])
+                    done.value[point], done.outcome[point] = _call(piece, system, x0[row], found[row])
                 continue
-            self.method = str(_method(piece, system))
+            done.method = str(_method(piece, system))
             if found[rows].any():
                 given = x0[rows], found[rows]
-                self.value[points], self.outcome[points] = _exponents(piece, system, *given, self.listen)
+                done.value[points], done.outcome[points] = _exponents(piece, system, *given, self.listen)
 
 
 def system_and_starts(piece: Piece) -> tuple[Any, Array]:
-    """The system of the only point of a piece, and its starts, shape (trajectory, component), as `run_piece` has them.
-
-    Raises:
-        Exception: what the making of the system raises.
-    """
+    """The system of the only point of a piece, and its starts as in `run_piece`, shape (trajectory, component)."""
     system = piece.family.system(piece.targets.values(0))
-    numeric = system if piece.quantity not in QUANTITIES else piece.family.numeric(piece.targets.values(0))
+    numeric = system if piece.spec.quantity not in QUANTITIES else piece.family.numeric(piece.targets.values(0))
     states, _ = _starts(piece, [numeric], _silent)
     return system, states[0]
 
@@ -274,12 +197,12 @@ def _systems(piece: Piece, listen: Listener) -> list[Any]:
     """The system of each point, as numbers where that is enough, or why there is none; equal points share one."""
     known: dict[str, Any] = {}
     systems: list[Any] = []
-    for point in range(piece.n_points):
+    for point in range(len(piece.targets)):
         values = piece.targets.values(point)
         key = repr(values)
         if key not in known:
             listen(0.0)
-            make = piece.family.numeric if piece.quantity in QUANTITIES else piece.family.system
+            make = piece.family.numeric if piece.spec.quantity in QUANTITIES else piece.family.system
             try:
                 known[key] = make(values)
             except Exception as error:
@@ -297,11 +220,12 @@ def _groups(systems: list[Any]) -> list[list[int]]:
 
 def _starts(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Array, NDArray[np.bool_]]:
     """States, shape (point, member, component), and which of them have the prescribed energy and Casimirs."""
-    targets, n = piece.targets, piece.n
-    if piece.starts.sampling == "liouville":
+    targets, n = piece.targets, piece.spec.n_starts
+    if piece.spec.starts.sampling == "liouville":
         return _liouville(piece, systems, listen)
-    x = np.tile(sample_states(systems[0], n, seed=piece.seed, ensemble=piece.starts.ensemble), (piece.n_points, 1))
-    shape = (piece.n_points, n)
+    shape = (len(piece.targets), n)
+    drawn = sample_states(systems[0], n, seed=piece.spec.seed, ensemble=piece.spec.starts.ensemble)
+    x = np.tile(drawn, (len(piece.targets), 1))
     prescribed = {**({} if targets.energy is None else {"energy": targets.energy}), **targets.casimirs}
     if not prescribed:
         return x.reshape(*shape, -1), np.ones(shape, bool)
@@ -331,13 +255,13 @@ def _liouville(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Arra
         whole = piece.family.system(piece.targets.values(point)) if isinstance(system, NumericTop) else system
         casimirs = {name: float(values[point]) for name, values in targets.casimirs.items()}
         energy = None if targets.energy is None else float(targets.energy[point])
-        x.append(liouville(whole, piece.n, piece.seed, casimirs, energy))
+        x.append(liouville(whole, piece.spec.n_starts, piece.spec.seed, casimirs, energy))
     states = np.stack(x)
     return states, np.asarray(np.isfinite(states).all(axis=-1), np.bool_)
 
 
 def _method(piece: Piece, system: Any) -> Method:
-    return piece.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
+    return piece.spec.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
 
 
 def _of_one_kind(piece: Piece, systems: list[Any]) -> list[TopField] | list[QuadraticField]:
@@ -370,9 +294,9 @@ def _exponents_of_many(
         value[found], ended = exponents_of_many(
             cast("list[TopField]", [fields[k] for k in point]),
             x0[found],
-            t_end=piece.t_end,
-            tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
-            options=RunOptions.read(_method(piece, fields[0]), piece.threads, _TIME_LIMIT, listen),
+            t_end=float(piece.spec.t_end),
+            tangents=sample_tangents(x0.shape[-1], piece.spec.n_starts, seed=piece.spec.seed)[member],
+            options=RunOptions.read(_method(piece, fields[0]), piece.threads, math.inf, listen),
         )
         outcome[found] = _ORDER[np.searchsorted(_SORTED, ended)]
     return value, outcome
@@ -383,15 +307,15 @@ def _exponents(
 ) -> tuple[Array, NDArray[np.int8]]:
     """Exponents and outcomes of points that share a system, shape (point, member)."""
     value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
-    member = np.broadcast_to(np.arange(piece.n), found.shape)[found]
+    member = np.broadcast_to(np.arange(piece.spec.n_starts), found.shape)[found]
     growth = finite_time_exponents(
         system,
         x0[found],
-        times=[piece.t_end],
-        tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
+        times=[float(piece.spec.t_end)],
+        tangents=sample_tangents(x0.shape[-1], piece.spec.n_starts, seed=piece.spec.seed)[member],
         method=_method(piece, system),
         threads=piece.threads,
-        time_limit=_TIME_LIMIT,
+        time_limit=math.inf,
         progress=listen,
     )
     value[found] = growth.exponent[:, -1]  # NaN where an orbit failed
@@ -403,19 +327,19 @@ def _verdicts(
     piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_], listen: Listener
 ) -> tuple[Array, NDArray[np.int8]]:
     """Verdicts of one point as numbers, -1 regular, 0 undecided, +1 chaotic, and outcomes, shape (trajectory,)."""
-    value, outcome = np.full(piece.n, np.nan), np.full(piece.n, NO_START, np.int8)
+    value, outcome = np.full(piece.spec.n_starts, np.nan), np.full(piece.spec.n_starts, NO_START, np.int8)
     if not found.any():
         return value, outcome
     verdict = decide(
         system,
         # trajectory k keeps its tangent vectors; rows without a start end at once
         np.where(found[:, None], x0, np.nan),
-        t_end=piece.t_end,
-        seed=piece.seed,
-        rule=piece.rule,
-        method=piece.method,
+        t_end=float(piece.spec.t_end),
+        seed=piece.spec.seed,
+        rule=piece.spec.rule,
+        method=piece.spec.method,
         threads=piece.threads,
-        time_limit=_TIME_LIMIT,
+        time_limit=math.inf,
         progress=listen,
     )
     codes = _ORDER[np.searchsorted(_SORTED, verdict.outcome)]
@@ -429,12 +353,11 @@ _SORTED = np.array(OUTCOMES)[_ORDER]
 
 def _call(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int8]]:
     """The values of a function of the user for one point; one that is not finite is an outcome."""
-    function = resolve(piece.quantity)
-    values, codes = np.full(piece.n, np.nan), np.full(piece.n, NO_START, np.int8)
+    spec, function = piece.spec, resolve(piece.spec.quantity)
+    values, codes = np.full(spec.n_starts, np.nan), np.full(spec.n_starts, NO_START, np.int8)
     if found.any():
-        given = function(
-            system, x0[found], t_end=piece.t_end, method=piece.method, seed=piece.seed, threads=piece.threads
-        )
+        options = {"t_end": float(spec.t_end), "method": spec.method, "seed": spec.seed, "threads": piece.threads}
+        given = function(system, x0[found], **options)
         returned = as_array(given, "quantity")
         if returned.shape != (int(found.sum()),):
             raise ParameterError(
@@ -446,11 +369,7 @@ def _call(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tup
 
 
 def resolve(quantity: str | Callable[..., Any]) -> Callable[..., Any]:
-    """The function that a dotted name "package.module:function" stands for.
-
-    Raises:
-        ParameterError: there is none.
-    """
+    """The function that a dotted name "package.module:function" stands for."""
     if callable(quantity):
         return quantity
     module, _, name = quantity.partition(":")

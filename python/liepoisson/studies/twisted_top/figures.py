@@ -45,12 +45,9 @@ def new_figure(width: float, height: float) -> Figure:
 
 def time_axis(ax: Axes, first: float, last: float) -> None:
     """Label a logarithmic time axis with plain numbers."""
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-
-    ax.set_xlim(first, last)
-    ax.set_xlabel(r"$t$")
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.set(xlim=(first, last), xlabel=r"$t$")
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter("")
 
 
 def lyapunov(results: Results) -> Figure:
@@ -81,8 +78,7 @@ def _draw_both_tops(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
         ax.lines[drawn].set_linewidth(2.2)
     late = time[time >= 3]
     ax.plot(late, printed_fit(late), color=MUTED, linestyle=_DASHES, label=rf"fit as printed {PRINTED_FORMULA}")
-    ax.set_ylim(-0.02, 0.52)
-    ax.set_xlim(1.0, time[-1])
+    ax.set(ylim=(-0.02, 0.52), xlim=(1.0, time[-1]))
     top, fitted, other, printed = zip(*ax.get_legend_handles_labels(), strict=True)
     ax.legend(*zip(top, other, fitted, printed, strict=True), loc="upper right")
     ax.set_title("(a)")
@@ -189,7 +185,6 @@ def _mark_ordinary(ax: Axes, ordinary: RunResult) -> None:
 
 def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     from matplotlib.colors import LinearSegmentedColormap, LogNorm
-    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     pale_to_dark = LinearSegmentedColormap.from_list("twisted", ["#f8e4da", TWISTED, "#4a1703"])
     energy_range = np.quantile(twisted.energy, [0.0005, 0.9995])
@@ -206,8 +201,8 @@ def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     )
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
     bar.set_label("twisted starts per cell")
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    bar.ax.yaxis.set_minor_formatter(NullFormatter())
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    bar.ax.yaxis.set_minor_formatter("")
     shown = slice(0, None, max(1, len(ordinary.energy) // 1500))
     ax.plot(
         ordinary.energy[shown],
@@ -220,9 +215,7 @@ def _draw_energy(ax: Axes, twisted: RunResult, ordinary: RunResult) -> None:
     ax.annotate("ordinary top", (0.03, 0.06), xycoords="axes fraction", color=ORDINARY, fontsize=9.5, bbox=_WHITE_BOX)
     ax.set_xlim(*energy_range)
     ax.set_ylim(bottom=0)
-    ax.set_xlabel("energy $H$")
-    ax.set_ylabel(r"$\lambda(t)$")
-    ax.set_title("(b)")
+    ax.set(xlabel="energy $H$", ylabel=r"$\lambda(t)$", title="(b)")
 
 
 def scalings(results: Results) -> Figure:
@@ -263,11 +256,7 @@ FIGURES: Mapping[str, Callable[[Results], Figure]] = {
 
 
 def draw_all(results: Results, out: Path, tell: Callable[[str], None]) -> dict[str, Path]:
-    """Draw every figure as PNG, SVG and PDF into `out`; returns the SVG of each.
-
-    Raises:
-        OutputError: a file could not be written.
-    """
+    """Draw every figure as PNG, SVG and PDF into `out`; returns the SVG of each."""
     paths: dict[str, Path] = {}
     for name, draw in FIGURES.items():
         tell(f"drawing {name}")

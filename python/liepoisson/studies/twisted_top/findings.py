@@ -40,27 +40,17 @@ point from what is proved; measured on orbits; or none of these."""
 
 
 def claims_to_json(results: Iterable[ClaimResult], produced_by: Entry) -> dict[str, Any]:
-    """The table of claims as plain data, schema version 3.
+    """The table of claims as plain data, schema version 3: `schema_version`, `paper`, `errata` and `claims`.
 
-    The document has `schema_version`, `paper`, `errata` (see `errata`) and `claims`, a list of objects with the keys
+    Each of the claims has
 
     - `id`, `place`, `words`, `statement`, `follows_from`: as in `Claim`; ids are stable between versions;
-    - `verdict`: "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled"
-      or "not run";
-    - `method`: "exact", "enclosed" or "numerical";
+    - `verdict`, `method`, `correct_statement`, `data`: as in `Verdict`;
     - `proof`: what the proof consists of, for example "1 counter-example, 3 identities";
-    - `steps`: a list of objects, the fields of `Step`;
-    - `certificate`: the steps as text, one fact per line, indented below it what was computed;
-    - `correct_statement`: text, empty when the claim holds as it stands;
-    - `data`: an object;
-    - `produced_by`: an object with `check` (the function that computed the verdict) and, beside it, what the caller
-      passes.
+    - `steps`: a list of objects, the fields of `Step`; `certificate`: the same as text, indented what was computed;
+    - `produced_by`: `check`, the function that computed the verdict, and what the caller passes: package, version, run.
 
     Version 2 had neither `words` nor `follows_from` nor the verdict "underspecified".
-
-    Args:
-        results: Evaluated claims.
-        produced_by: What made the results: package, version, and for numerical claims the run.
     """
     results = list(results)
     claims = [
@@ -143,7 +133,7 @@ def count_verdicts(claims: Iterable[Entry], entries: Iterable[Entry]) -> dict[st
     return dict(Counter(str(claim["verdict"]) for claim in claims if claim["id"] not in repeated))
 
 
-def errata_lines(entries: Iterable[Entry], width: int = 100) -> list[str]:
+def errata_lines(entries: Iterable[Entry]) -> list[str]:
     """The list as text: for each verdict its mistakes, what is printed, what is right, and where it occurs again."""
     entries = list(entries)
     lines = [TITLE] if entries else ["No misprints or errors were found."]
@@ -156,21 +146,16 @@ def errata_lines(entries: Iterable[Entry], width: int = 100) -> list[str]:
             for label, text in (("paper", entry["statement"]), ("right", entry["correct_statement"]), ("same", also)):
                 indent = f"      {label}: "
                 lines += textwrap.wrap(
-                    text, width, initial_indent=indent, subsequent_indent=" " * len(indent), break_on_hyphens=False
+                    text, 100, initial_indent=indent, subsequent_indent=" " * len(indent), break_on_hyphens=False
                 )
     return lines
 
 
 class Line(NamedTuple):
-    """A line of the first page.
+    """A line of the first page."""
 
-    Attributes:
-        text: The sentence, with the mathematics in plain Unicode.
-        claims: Ids of the claims that it speaks for.
-    """
-
-    text: str
-    claims: tuple[str, ...]
+    text: str  # the sentence, with the mathematics in plain Unicode
+    claims: tuple[str, ...]  # ids of the claims that it speaks for
 
 
 def front_page(claims: Iterable[Entry], errata: Iterable[Entry]) -> dict[str, list[Line]]:
@@ -179,10 +164,6 @@ def front_page(claims: Iterable[Entry], errata: Iterable[Entry]) -> dict[str, li
     `confirmed` is what holds as the paper says it; `not_confirmed` are mistakes, misprints and what is underspecified,
     each once; `refined` are claims that hold under a condition, or of which more is proved, with a short name each;
     `open` are those that are not settled, or whose numbers are not there; `questions` is what is asked of the authors.
-
-    Args:
-        claims: The table of claims, in the schema of `claims_to_json`.
-        errata: Its errata.
     """
     claims = list(claims)
     verdicts = {str(claim["id"]): str(claim["verdict"]) for claim in claims}
@@ -230,9 +211,6 @@ def open_questions(claims: Iterable[Entry]) -> list[dict[str, Any]]:
 
     A question has `text`, `place`, `words` (of the paper) and `answers`; an answer has `status` (a key of
     `STATUS_CLASSES`), `text`, and the `claim` whose check shows it, with the `verdict` that it must have.
-
-    Args:
-        claims: The table of claims, in the schema of `claims_to_json`.
     """
     verdicts = {str(claim["id"]): str(claim["verdict"]) for claim in claims}
     none = {"status": "not settled", "text": "Nothing that was computed for this page decides it.", "claim": ""}

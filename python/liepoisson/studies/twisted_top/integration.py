@@ -91,12 +91,7 @@ class RunStore:
         return self.folder / f"{first:06d}-{first + count - 1:06d}.nc"
 
     def missing_pieces(self) -> list[tuple[int, int]]:
-        """(first, count) of the pieces that are not stored yet; none when the whole run is there.
-
-        Raises:
-            DamagedFileError: the manifest cannot be read.
-            ParameterError: a stored file belongs to a study with other options.
-        """
+        """(first, count) of the pieces that are not stored yet; none when the whole run is there."""
         if self.is_complete():
             return []
         own = {self.piece_path(first, count) for first, count in self.run.pieces()}
@@ -115,12 +110,7 @@ class RunStore:
         return self.is_stored(self.data)
 
     def is_stored(self, path: Path) -> bool:
-        """Whether a file of this run is there and recorded.
-
-        Raises:
-            DamagedFileError: the manifest cannot be read.
-            ParameterError: it belongs to a study with other options.
-        """
+        """Whether a file of this run is there and recorded."""
         record = self._records().get(self._key(path))
         if not path.exists():
             return False
@@ -142,11 +132,7 @@ class RunStore:
             _check_fingerprint(path, dict(zip(wanted, own, strict=True)), wanted)
 
     def save(self, path: Path, growth: lp.results.FiniteTimeExponents, seconds: float) -> None:
-        """Store a piece, or the whole run, of which the pieces are then removed.
-
-        Raises:
-            OutputError: the file or the manifest could not be written.
-        """
+        """Store a piece, or the whole run, of which the pieces are then removed."""
         growth.save(path)
         record = {"fingerprint": self._fingerprint(path), "sha256": _digest(path), "seconds": seconds}
         records = {**self._records(), self._key(path): record}
@@ -160,11 +146,7 @@ class RunStore:
                 self.folder.parent.rmdir()
 
     def load(self, path: Path) -> tuple[lp.results.FiniteTimeExponents, float]:
-        """A stored piece, or the whole run, and the seconds that its integration took, checked.
-
-        Raises:
-            DamagedFileError: the file is truncated or altered.
-        """
+        """A stored piece, or the whole run, and the seconds that its integration took, checked."""
         record = self._records()[self._key(path)]
         try:
             if _digest(path) != record["sha256"]:
@@ -195,13 +177,7 @@ class RunStore:
 
 
 def complete(store: RunStore, threads: int | None, tracker: Tracker) -> tuple[lp.results.FiniteTimeExponents, float]:
-    """All trajectories of a run, read if they are stored, else integrated and stored; and the seconds that it took.
-
-    Raises:
-        DamagedFileError: a stored file is truncated or altered.
-        OutputError: a file could not be written.
-        KeyboardInterrupt: Ctrl-C; finished pieces stay.
-    """
+    """All trajectories of a run, read if they are stored, else integrated and stored; and the seconds that it took."""
     if store.is_complete():
         return store.load(store.data)
     for first, count in store.missing_pieces():
@@ -309,11 +285,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def discard(out: Path) -> None:
-    """Remove the stored work of a study, and nothing else in its folder; emptied subfolders go too.
-
-    Raises:
-        OSError: it could not be removed.
-    """
+    """Remove the stored work of a study, and nothing else in its folder; emptied subfolders go too."""
     for run in plan(Settings()):
         _remove(out / "pieces" / run.name, _PIECE)
         _remove(out / "data", re.compile(re.escape(run.name) + r"\.nc"))

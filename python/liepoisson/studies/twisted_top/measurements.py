@@ -59,47 +59,26 @@ _TIMES_AT_A_TIME = 50
 
 @dataclass(frozen=True)
 class RunResult:
-    """A run, reduced to what figures, fits and claims need.
+    """A run, reduced to what figures, fits and claims need."""
 
-    Attributes:
-        run: What was run.
-        curve: Mean exponent with confidence band.
-        spread: Exponents that 5% and 95% of the trajectories do not exceed, shape (2, time).
-        fit: Finite-time fit over the main window.
-        scan: The same over other windows.
-        log_fit: Logarithmic fit over the main window.
-        log_scan: The same from later starts.
-        final_exponent: Exponent of each finished trajectory at the end, shape (trajectory,).
-        energy: Energy of the same trajectories, shape (trajectory,).
-        outcomes: Number of trajectories by outcome.
-        steps: Taylor steps of all trajectories.
-        seconds: Wall time of the integration.
-        order: Order of the Taylor series.
-        kernel: Instruction set that computed it.
-    """
-
-    run: Run
-    curve: lp.results.MeanCurve
-    spread: FloatArray
-    fit: lp.results.FiniteTimeFit
-    scan: tuple[lp.results.FiniteTimeFit, ...]
-    log_fit: lp.results.LogFit
-    log_scan: tuple[lp.results.LogFit, ...]
-    final_exponent: FloatArray
-    energy: FloatArray
-    outcomes: dict[str, int]
-    steps: int
-    seconds: float
-    order: int
-    kernel: str
+    run: Run  # what was run
+    curve: lp.results.MeanCurve  # mean exponent with confidence band
+    spread: FloatArray  # exponents that 5% and 95% of the trajectories do not exceed, shape (2, time)
+    fit: lp.results.FiniteTimeFit  # finite-time fit over the main window
+    scan: tuple[lp.results.FiniteTimeFit, ...]  # the same over other windows
+    log_fit: lp.results.LogFit  # logarithmic fit over the main window
+    log_scan: tuple[lp.results.LogFit, ...]  # the same from later starts
+    final_exponent: FloatArray  # exponent of each finished trajectory at the end, shape (trajectory,)
+    energy: FloatArray  # energy of the same trajectories, shape (trajectory,)
+    outcomes: dict[str, int]  # number of trajectories by outcome
+    steps: int  # Taylor steps of all trajectories
+    seconds: float  # wall time of the integration
+    order: int  # order of the Taylor series
+    kernel: str  # instruction set that computed it
 
 
 def reduce_run(run: Run, growth: lp.results.FiniteTimeExponents, seconds: float) -> RunResult:
-    """Averages, fits and final exponents of a run, after which its curves can be let go.
-
-    Raises:
-        ParameterError: fewer than two trajectories finished.
-    """
+    """Averages, fits and final exponents of a run, after which its curves can be let go."""
     reduction = lp.fits.EnsembleReduction(
         run.time, windows=[run.window, *scan_windows(run)], log_windows=[run.log_window, *log_scan_windows(run)]
     )
@@ -163,12 +142,8 @@ def produced_by(settings: Settings) -> dict[str, Any]:
         "package": "liepoisson",
         "version": lp.__version__,
         "command": command(settings),
-        "members": settings.members,
-        "end_time": settings.end_time,
-        "seed": settings.seed,
-        "tolerance": settings.tolerance,
-        "confidence": RESAMPLING.confidence,
-        "n_bootstrap": RESAMPLING.n_bootstrap,
+        **_fields(settings, "members", "end_time", "seed", "tolerance"),
+        **_fields(RESAMPLING, "confidence", "n_bootstrap"),
     }
 
 
@@ -183,6 +158,10 @@ def command(settings: Settings) -> str:
     return " ".join(["liepoisson reproduce twisted-top", *options])
 
 
+def _fields(one: object, *names: str) -> dict[str, Any]:
+    return {name: getattr(one, name) for name in names}
+
+
 def _run_entry(result: RunResult) -> dict[str, Any]:
     run, curve = result.run, result.curve
     times = sorted({t for t in (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0) if t < run.end_time} | {run.end_time})
@@ -191,12 +170,7 @@ def _run_entry(result: RunResult) -> dict[str, Any]:
         "inertia": [float(moment) for moment in run.inertia],
         "a": list(CENTRE_OF_MASS),
         "b": [0, 0, 0],
-        "epsilon": run.epsilon,
-        "ensemble": run.ensemble,
-        "members": run.members,
-        "end_time": run.end_time,
-        "seed": run.seed,
-        "tolerance": run.tolerance,
+        **_fields(run, "epsilon", "ensemble", "members", "end_time", "seed", "tolerance"),
         "outcomes": result.outcomes,
         "n_averaged": curve.n_members,
         "mean_at": {f"{t:g}": curve.at(t)._asdict() for t in times},
@@ -238,17 +212,18 @@ def _estimates(estimates: dict[str, lp.results.Estimate]) -> dict[str, dict[str,
     return {name: estimate._asdict() for name, estimate in estimates.items()}
 
 
+def _facts(fit: lp.results.FiniteTimeFit | lp.results.LogFit) -> dict[str, Any]:
+    return {"window": list(fit.window), **_fields(fit, "n_times", "rms_residual")}
+
+
 def _fit_entry(fit: lp.results.FiniteTimeFit) -> dict[str, Any]:
-    facts = {"window": list(fit.window), "n_times": fit.n_times, "rms_residual": fit.rms_residual}
     distance = fit.chi_squared(list(PRINTED.values()))
-    return {**facts, **_estimates(fit.estimates), "chi_squared_of_printed": distance}
+    return {**_facts(fit), **_estimates(fit.estimates), "chi_squared_of_printed": distance}
 
 
 def _log_fit_entry(fit: lp.results.LogFit) -> dict[str, Any]:
     return {
-        "window": list(fit.window),
-        "n_times": fit.n_times,
-        "rms_residual": fit.rms_residual,
+        **_facts(fit),
         **_estimates(fit.estimates),
         "with_linear_term": _estimates(fit.with_linear_term),
         "linear_term_is_zero": fit.linear_term_is_zero,

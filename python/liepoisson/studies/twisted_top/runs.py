@@ -45,24 +45,13 @@ PIECE_SIZE = 2000
 
 @dataclass(frozen=True)
 class Settings:
-    """The options of the study.
+    """The options of the study."""
 
-    Attributes:
-        members: Random starts per ensemble, 2 to 10^8.
-        end_time: Time to which the main runs go, in units of the top's own time; at least 60.
-        seed: Draws starts and tangent vectors; all runs share it, so tops are compared on the same starts.
-        tolerance: Relative tolerance of the Taylor method.
-        threads: Worker threads, or None for all cores; the results do not depend on it.
-
-    Raises:
-        ParameterError: a number outside its domain.
-    """
-
-    members: int = 20_000
-    end_time: float = 1000.0
-    seed: int = 0
-    tolerance: float = TOLERANCE
-    threads: int | None = None
+    members: int = 20_000  # random starts per ensemble, 2 to 10^8
+    end_time: float = 1000.0  # time to which the main runs go, in units of the top's own time; at least 60
+    seed: int = 0  # draws starts and tangent vectors; all runs share it, so tops are compared on the same starts
+    tolerance: float = TOLERANCE  # relative tolerance of the Taylor method
+    threads: int | None = None  # worker threads, or None for all cores; the results do not depend on it
 
     def __post_init__(self) -> None:
         if self.members < 2:
@@ -86,27 +75,16 @@ class Settings:
 
 @dataclass(frozen=True)
 class Run:
-    """One ensemble of one top.
+    """One ensemble of one top."""
 
-    Attributes:
-        name: Stable name, used for files and in `measurements.json`.
-        inertia: Principal moments of inertia.
-        epsilon: Cocycle strength, 1 twisted or 0 ordinary.
-        ensemble: How starts are drawn, see `liepoisson.sample_states`.
-        members: Number of starts.
-        end_time: Last sample time.
-        seed: Draws starts and tangent vectors.
-        tolerance: Relative tolerance of the Taylor method.
-    """
-
-    name: str
-    inertia: Moments
-    epsilon: int
-    ensemble: str
-    members: int
-    end_time: float
-    seed: int
-    tolerance: float
+    name: str  # stable name, used for files and in `measurements.json`
+    inertia: Moments  # principal moments of inertia
+    epsilon: int  # cocycle strength, 1 twisted or 0 ordinary
+    ensemble: str  # how starts are drawn, see `liepoisson.sample_states`
+    members: int  # number of starts
+    end_time: float  # last sample time
+    seed: int  # draws starts and tangent vectors
+    tolerance: float  # relative tolerance of the Taylor method
 
     @property
     def window(self) -> tuple[float, float]:

@@ -27,41 +27,21 @@ from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
 
 @dataclass(frozen=True)
 class StudyResult:
-    """What the study found.
+    """What the study found."""
 
-    Attributes:
-        settings: The options it ran with.
-        out: The output folder.
-        results: Every run, reduced, by name.
-        measurements: The numbers, in the schema of `measurements`.
-        claims: The table of claims, in the schema of `findings`.
-        seconds: Wall time of this invocation.
-    """
-
-    settings: Settings
-    out: Path
-    results: dict[str, RunResult]
-    measurements: dict[str, Any]
-    claims: dict[str, Any]
-    seconds: float
+    settings: Settings  # the options it ran with
+    out: Path  # the output folder
+    results: dict[str, RunResult]  # every run, reduced, by name
+    measurements: dict[str, Any]  # the numbers, in the schema of `measurements`
+    claims: dict[str, Any]  # the table of claims, in the schema of `findings`
+    seconds: float  # wall time of this invocation
 
 
 def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None) -> StudyResult:
     """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
 
-    Finished pieces are stored as they come: after an interruption the same call goes on from there.
-
-    Args:
-        settings: Trajectories, end time, seed, threads.
-        out: Output folder, made if it does not exist.
-        fresh: Discard what is stored there first.
-        progress: Hears how far the study is.
-
-    Raises:
-        OutputError: a file could not be written, or another run is using `out`; what is finished is kept.
-        DamagedFileError: a stored file is truncated or altered.
-        ParameterError: `out` holds the work of a study with other options.
-        KeyboardInterrupt: Ctrl-C; what is finished is kept.
+    Finished pieces are stored as they come: after an interruption the same call goes on from there, unless `fresh`
+    discards them first.
     """
     with alone_in(out):
         if fresh:

@@ -8,7 +8,7 @@ counterexamples, ranks at rational points), numerical ones by the measurements o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from liepoisson.studies.twisted_top import TEXTS
@@ -47,25 +47,15 @@ MODULES = (canonical, charged, discussion, leaves, nonintegrable, numerics, twis
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper and how it is checked.
+    """A statement of the paper and how it is checked."""
 
-    Attributes:
-        id: Stable name, in lower case with hyphens.
-        place: Where the paper says it: section, and equation where there is one.
-        statement: What it says, in the notation of the study; what it only implies begins with "Implied: ".
-        words: The words of the paper; empty where the claim is an equation.
-        follows_from: The claim whose mistake this one repeats or is deduced from; empty if it stands for itself.
-        verdict: What follows if all steps of its check are borne out; measurements decide by themselves.
-        correct: What is true instead, or the condition.
-    """
-
-    id: str
-    place: str
-    statement: str
-    words: str = ""
-    follows_from: str = ""
-    verdict: Ruling = "holds"
-    correct: str = ""
+    id: str  # stable name, in lower case with hyphens
+    place: str  # where the paper says it: section, and equation where there is one
+    statement: str  # what it says, in the notation of the study; what it only implies begins with "Implied: "
+    words: str = ""  # the words of the paper; empty where the claim is an equation
+    follows_from: str = ""  # the claim whose mistake this one repeats or is deduced from; empty if it stands for itself
+    verdict: Ruling = "holds"  # what follows if all steps of its check are borne out; measurements decide by themselves
+    correct: str = ""  # what is true instead, or the condition
 
     @property
     def checked_by(self) -> Check:
@@ -90,26 +80,6 @@ CLAIMS: tuple[Claim, ...] = tuple(Claim(**texts) for texts in TEXTS["claims"])
 """All claims, in the order of the paper."""
 
 
-def evaluate_claims(
-    context: Context | None = None,
-    claims: Iterable[Claim] = CLAIMS,
-    progress: Callable[[float], None] | None = None,
-) -> list[ClaimResult]:
-    """Check the claims of the paper.
-
-    Args:
-        context: Bracket and measurements; by default the paper's bracket and no measurements.
-        claims: Which claims, by default all.
-        progress: Called with the fraction done after each claim.
-
-    Returns:
-        One result per claim, in the same order.
-    """
-    context = context or Context()
-    chosen = list(claims)
-    results: list[ClaimResult] = []
-    for claim in chosen:
-        results.append(ClaimResult(claim, claim.check(context)))
-        if progress is not None:
-            progress(len(results) / len(chosen))
-    return results
+def evaluate_claims(context: Context | None = None, claims: Iterable[Claim] = CLAIMS) -> list[ClaimResult]:
+    """Check these claims, in their order."""
+    return [ClaimResult(claim, claim.check(context or Context())) for claim in claims]

@@ -6,11 +6,7 @@ from typing import Any
 
 from liepoisson.studies.twisted_top.claims.euler_angles import CanonicalChart, EulerAngles
 from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks
-from liepoisson.studies.twisted_top.claims.phase_space import (
-    column,
-    substitution,
-    symbolic_top,
-)
+from liepoisson.studies.twisted_top.claims.phase_space import column, lagrange_top, substitution, symbolic_top
 
 E1, E3 = (1, 0, 0), (0, 0, 1)
 
@@ -151,19 +147,10 @@ def _leaf_residual(bracket: Any) -> Any:
     return residual.subs(substitution((*u, *n), (1, 0, 0, 0, 0, 1)))
 
 
-@checks("potential-e3-e1")
-def potential_first_gauge(evidence: Evidence, context: Context) -> None:
-    """The potential for e_par = e3, e_perp = e1, w = 1."""
-    _potential(evidence, context, E3, E1)
-
-
-@checks("potential-e1-e3")
-def potential_second_gauge(evidence: Evidence, context: Context) -> None:
-    """The potential for e_par = e1, e_perp = e3, w = 1."""
-    _potential(evidence, context, E1, E3)
-
-
-def _potential(evidence: Evidence, context: Context, parallel: tuple[int, ...], perpendicular: tuple[int, ...]) -> None:
+@checks("potential-e3-e1", parallel=E3, perpendicular=E1)
+@checks("potential-e1-e3", parallel=E1, perpendicular=E3)
+def potential(evidence: Evidence, context: Context, parallel: tuple[int, ...], perpendicular: tuple[int, ...]) -> None:
+    """The potential for these two unit vectors and w = 1."""
     from sympy import Symbol
 
     chart = CanonicalChart(parallel, perpendicular)
@@ -172,7 +159,7 @@ def _potential(evidence: Evidence, context: Context, parallel: tuple[int, ...], 
     (cf, sf), (ct, st) = q.phi, q.theta
     p_phi, p_psi, p_theta = q.momenta
     a3 = Symbol("a3")
-    top = symbolic_top(context, inertia=("I1", "I1", "I3"), a=(0, 0, "a3"), b=(0, 0, 0))
+    top = lagrange_top(context)
     potential = (top.hamiltonian - top.vectors[0].dot(top.omega) / 2).subs(substitution(top.vectors[1], chart.alpha))
     l_beta = q.reduce(chart.angular_momentum.dot(chart.beta).subs(w, 1))
     if parallel == E3:
@@ -218,7 +205,7 @@ def cyclic_psi(evidence: Evidence, context: Context) -> None:
     """The angle psi does not occur in the Hamiltonian of the twisted Lagrange top, and p_psi = l3."""
     for name, chart in _printed_charts():
         q = chart.angles
-        top = symbolic_top(context, inertia=("I1", "I1", "I3"), a=(0, 0, "a3"), b=(0, 0, 0))
+        top = lagrange_top(context)
         image = substitution(top.bracket.variables, (*chart.angular_momentum, *chart.alpha, *chart.beta))
         H = top.hamiltonian.subs(image, simultaneous=True)
         kinetic = (top.vectors[0].dot(top.omega) / 2).subs(image, simultaneous=True)

@@ -10,11 +10,9 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
     COLLINEAR,
     GENERIC_POINT,
     SymbolicTop,
-    casimir_identities,
     column,
     complete_integrability,
     lagrange_top,
-    poisson_identities,
     strata_steps,
     substitution,
     symbolic_top,
@@ -57,12 +55,6 @@ def zero_field(evidence: Evidence, context: Context) -> None:
     )
 
 
-@checks("charged-jacobi")
-def charged_jacobi(evidence: Evidence, context: Context) -> None:
-    """Antisymmetry and the 84 Jacobi identities at epsilon = 0."""
-    poisson_identities(evidence, context, 0)
-
-
 @checks("charged-rigid-fields")
 def charged_rotation(evidence: Evidence, context: Context) -> None:
     """The equations of the charged top: both fields rotate rigidly in the body frame."""
@@ -73,12 +65,6 @@ def charged_rotation(evidence: Evidence, context: Context) -> None:
     evidence.zero("dα/dt = α × ω", top.rate(alpha) - alpha.cross(top.omega))
     evidence.zero("dβ/dt = β × ω", top.rate(beta) - beta.cross(top.omega))
     evidence.note("All with symbolic I, a, b: α and β are fixed in space and turn rigidly in the body frame.")
-
-
-@checks("charged-casimirs")
-def charged_casimirs(evidence: Evidence, context: Context) -> None:
-    """The three Casimirs of the semidirect bracket, and no more."""
-    casimir_identities(evidence, context, 0)
 
 
 @checks("charged-phase-space")

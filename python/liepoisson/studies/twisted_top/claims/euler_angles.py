@@ -15,16 +15,7 @@ from liepoisson.studies.twisted_top.claims.phase_space import column
 
 
 class EulerAngles:
-    """Cosines and sines as symbols (c, s with c^2 + s^2 = 1), so that identities reduce to zero exactly.
-
-    Attributes:
-        phi: Cosine and sine.
-        psi: Likewise.
-        theta: Likewise.
-        momenta: The column (p_phi, p_psi, p_theta).
-        A: The rotation matrix as printed.
-        L_inverse: The inverse of L as printed.
-    """
+    """Cosines and sines as symbols (c, s with c^2 + s^2 = 1), so that identities reduce to zero exactly."""
 
     def __init__(self) -> None:
         from sympy import Matrix, symbols
@@ -84,14 +75,10 @@ class CanonicalChart:
 
     $\beta = w A \hat e_\parallel$, $\alpha = A(v \hat e_\parallel + r \hat e_\perp)$ with
     $r = \sqrt{\eta - 2\epsilon\,\ell\cdot\beta}$.  r is kept as a symbol, and its square is inserted when reducing.
-
-    Attributes:
-        parallel: The unit vector along beta, in space.
-        perpendicular: A unit vector orthogonal to it.
     """
 
-    parallel: Sequence[int]
-    perpendicular: Sequence[int]
+    parallel: Sequence[int]  # the unit vector along beta, in space
+    perpendicular: Sequence[int]  # a unit vector orthogonal to it
 
     @cached_property
     def angles(self) -> EulerAngles:

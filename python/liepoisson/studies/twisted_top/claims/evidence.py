@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial, wraps
 from typing import Any, Literal, TypeAlias
 
 import liepoisson as lp
@@ -39,27 +40,16 @@ _MOST_TERMS = 8
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a proof.
+    """One step of a proof."""
 
-    Attributes:
-        kind: What sort of fact it is; a note states none.
-        text: The fact, with its reason.
-        succeeded: Whether the computation bears it out; None for a note.
-        remark: What came out instead, where it does not.
-        computed: What the computation gave, line by line: formulas, points, ranks, sizes.
-        table: Rows of a table, the first one the heading; empty if there is none.
-        components: How many expressions were compared.
-        decisive: Whether the verdict turns on it.
-    """
-
-    kind: StepKind
-    text: str
-    succeeded: bool | None = None
-    remark: str = ""
-    computed: tuple[str, ...] = ()
-    table: tuple[tuple[str, ...], ...] = ()
-    components: int = 1
-    decisive: bool = False
+    kind: StepKind  # what sort of fact it is; a note states none
+    text: str  # the fact, with its reason
+    succeeded: bool | None = None  # whether the computation bears it out; None for a note
+    remark: str = ""  # what came out instead, where it does not
+    computed: tuple[str, ...] = ()  # what the computation gave, line by line: formulas, points, ranks, sizes
+    table: tuple[tuple[str, ...], ...] = ()  # rows of a table, the first one the heading; empty if there is none
+    components: int = 1  # how many expressions were compared
+    decisive: bool = False  # whether the verdict turns on it
 
     @property
     def lines(self) -> list[str]:
@@ -75,11 +65,6 @@ class Step:
         return {**vars(self), "computed": list(self.computed), "table": [list(row) for row in self.table]}
 
 
-def certificate(steps: tuple[Step, ...]) -> str:
-    """The steps as text, one fact per line with ✓ or ✗, and indented below it what was computed."""
-    return "\n".join(line for step in steps for line in step.lines)
-
-
 def summary_of(steps: tuple[Step, ...]) -> str:
     """What a proof consists of, for example "1 counter-example, 3 identities"."""
     counts = [sum(step.kind == kind for step in steps) for kind in _NAMES]
@@ -88,29 +73,24 @@ def summary_of(steps: tuple[Step, ...]) -> str:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a check found.
+    """What a check found."""
 
-    Attributes:
-        verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here;
-            "underspecified" when the paper only implies it, or leaves open what decides it; "not run" when the
-            measurements that it needs are absent.
-        method: "exact" for identities and counterexamples in exact arithmetic, "enclosed" for strict inequalities
-            between rigorous enclosures, "numerical" for measured numbers.
-        steps: The computation, step by step.
-        correct_statement: What is true instead, or the condition; empty when the claim holds as it stands.
-        data: Numbers and expressions (as text) behind the verdict, ready for JSON.
-    """
-
+    # whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here; "underspecified"
+    # when the paper only implies it, or leaves open what decides it; "not run" when the measurements that it needs are
+    # absent
     verdict: Ruling
+    # "exact" for identities and counterexamples in exact arithmetic, "enclosed" for strict inequalities between
+    # rigorous enclosures, "numerical" for measured numbers
     method: Method
-    steps: tuple[Step, ...]
-    correct_statement: str = ""
+    steps: tuple[Step, ...]  # the computation, step by step
+    correct_statement: str = ""  # what is true instead, or the condition; empty when the claim holds as it stands
+    # numbers and expressions (as text) behind the verdict, ready for JSON
     data: dict[str, Any] = field(default_factory=dict[str, Any])
 
     @property
     def certificate(self) -> str:
         """The computation as text, one step per line, each marked ✓ or ✗, with what was computed below."""
-        return certificate(self.steps)
+        return "\n".join(line for step in self.steps for line in step.lines)
 
 
 def extended_rotations(extension: lp.Extension) -> lp.Bracket:
@@ -125,20 +105,16 @@ def twisted_bracket(epsilon: Any) -> lp.Bracket:
 
 @dataclass(frozen=True)
 class Context:
-    """What the checks work with.
+    """What the checks work with."""
 
-    Attributes:
-        bracket: Makes the paper's bracket of three fields for a given epsilon.  A test can inject a wrong one.
-        extended: Makes the bracket of so(3) with any extension, for claims about other extensions.
-        measurements: Results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or
-            None; which keys the claims use is said in `liepoisson.studies.twisted_top.claims.numerics`.
-        arithmetics: Those that check the certificate of chaos.
-    """
-
+    # makes the paper's bracket of three fields for a given epsilon.  A test can inject a wrong one
     bracket: Callable[[Any], lp.Bracket] = twisted_bracket
+    # makes the bracket of so(3) with any extension, for claims about other extensions
     extended: Callable[[lp.Extension], lp.Bracket] = extended_rotations
+    # results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or None; which keys
+    # the claims use is said in `liepoisson.studies.twisted_top.claims.numerics`
     measurements: Mapping[str, Any] | None = None
-    arithmetics: tuple[str, ...] = ("intervals", "balls")
+    arithmetics: tuple[str, ...] = ("intervals", "balls")  # those that check the certificate of chaos
 
 
 Check: TypeAlias = "Callable[[Evidence, Context], Verdict | None]"
@@ -147,11 +123,11 @@ CHECKS: dict[str, Check] = {}
 """The check of each claim by the id of the claim; one that returns no verdict leaves it to its evidence."""
 
 
-def checks(claim: str) -> Callable[[Check], Check]:
-    """Register the check of a claim."""
+def checks(claim: str, **options: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Register the check of a claim; one that several claims share is called with the options of each."""
 
-    def register(check: Check) -> Check:
-        CHECKS[claim] = check
+    def register(check: Callable[..., Any]) -> Callable[..., Any]:
+        CHECKS[claim] = wraps(check)(partial(check, **options)) if options else check
         return check
 
     return register
@@ -180,12 +156,7 @@ def state(bracket: lp.Bracket, point: Sequence[Any]) -> str:
 
 
 class Evidence:
-    """The steps of a check.  Each step states a fact and records whether the computation bears it out.
-
-    Args:
-        verdict: What follows if all steps are borne out.
-        correct_statement: What is true instead, or the condition.
-    """
+    """The steps of a check, each a fact and whether it is borne out, and what follows if all of them are."""
 
     def __init__(self, verdict: Ruling = "holds", correct_statement: str = "") -> None:
         self.verdict: Ruling = verdict
@@ -200,11 +171,8 @@ class Evidence:
     def zero(self, what: str, residual: Any, computed: Sequence[str] = (), *, decisive: bool = False) -> bool:
         """State that `what` (a text with its reason) holds because `residual` vanishes identically.
 
-        Args:
-            what: The fact.
-            residual: An expression, a matrix or an iterable of expressions.
-            computed: What to show of the computation.
-            decisive: Whether the verdict turns on it.
+        The residual is an expression, a matrix or an iterable of expressions; `computed` is shown of the computation;
+        `decisive` says that the verdict turns on it, here and below.
         """
         entries = list(_entries(residual))
         left = [value for value in entries if not _vanishes(value)]
@@ -239,14 +207,7 @@ class Evidence:
     def counterexample(
         self, what: str, values: Mapping[str, tuple[object, object]], at: str, *, decisive: bool = True
     ) -> bool:
-        """State what happens at one point, in exact numbers.
-
-        Args:
-            what: The fact.
-            values: For each quantity, what was computed and what is stated.
-            at: The point.
-            decisive: Whether the verdict turns on it.
-        """
+        """State what happens at one point, in exact numbers: of each quantity what was computed, and what is stated."""
         wrong = [f"{name} is {show(got)}" for name, (got, wanted) in values.items() if got != wanted]
         computed = (f"at {at}", *(f"{name} = {show(got)}" for name, (got, _) in values.items()))
         return self._record(Step("counterexample", what, not wrong, "; ".join(wrong), computed, decisive=decisive))
@@ -292,15 +253,7 @@ class Evidence:
     def search(
         self, what: str, table: Sequence[Sequence[object]], excess: int, wanted: int, *, decisive: bool = False
     ) -> bool:
-        """State how many solutions an exhaustive search found beyond the known ones, with the sizes of the search.
-
-        Args:
-            what: The fact.
-            table: The sizes, the heading first.
-            excess: How many were found beyond the known ones.
-            wanted: How many are stated.
-            decisive: Whether the verdict turns on it.
-        """
+        """State how many solutions an exhaustive search found beyond the known ones, with a table of its sizes."""
         rows = tuple(tuple(show(cell) for cell in row) for row in table)
         remark = "" if excess == wanted else f"computed {excess}"
         return self._record(Step("search", f"{what}: {wanted}", excess == wanted, remark, (), rows, decisive=decisive))

@@ -29,6 +29,7 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
     column,
     kovalevskaya_quartic,
     kovalevskaya_top,
+    lagrange_top,
     substitution,
     symbolic_top,
 )
@@ -254,7 +255,7 @@ def section_surface(evidence: Evidence, context: Context) -> None:
         "Where this is zero, too, the flow is tangent to the surface. At collinear states ds/dt = ε|a × β|²: the "
         "surface is crossed there unless a is parallel to β, and it contains them all, which the Euler angles exclude."
     )
-    symmetric = symbolic_top(context, inertia=("I1", "I1", "I3"), a=(0, 0, "a3"), b=(0, 0, 0))
+    symmetric = lagrange_top(context)
     sigma = symmetric.a.dot(symmetric.vectors[1].cross(symmetric.vectors[2]))
     evidence.zero(
         "twisted Lagrange top: {s, l₃} = 0, so the section can be reduced by l₃",

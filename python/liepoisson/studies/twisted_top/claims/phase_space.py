@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import liepoisson as lp
-from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, written
+from liepoisson.studies.twisted_top.claims.evidence import Context, Evidence, checks, written
 from liepoisson.studies.twisted_top.typography import show, typeset
 
 # A point at which nothing special happens: small integers without relations between the three vectors.
@@ -129,8 +129,10 @@ def poisson_map_residual(bracket: lp.Bracket, images: Any, target: lp.Bracket) -
     return D * bracket.poisson_tensor() * D.T - there
 
 
+@checks("charged-jacobi", epsilon=0)
+@checks("leibniz-jacobi", epsilon="epsilon")
 def poisson_identities(evidence: Evidence, context: Context, epsilon: int | str) -> None:
-    """State the antisymmetry and the Jacobi identity of the bracket of the context."""
+    """Antisymmetry and the 84 Jacobi identities of the bracket of the context."""
     bracket = context.bracket(epsilon)
     proof = bracket.jacobi_certificate()
     what = f"J is antisymmetric, and the cyclic sum vanishes for all {proof.n_triples} triples of coordinates"
@@ -148,8 +150,10 @@ def poisson_identities(evidence: Evidence, context: Context, epsilon: int | str)
     }
 
 
+@checks("charged-casimirs", epsilon=0)
+@checks("leibniz-casimirs", epsilon="epsilon")
 def casimir_identities(evidence: Evidence, context: Context, epsilon: int | str) -> None:
-    """State the three Casimirs as printed, their independence, the corank, and that there are no others."""
+    """The three Casimirs as printed, their independence, the corank, and that there are no others."""
     top = symbolic_top(context, epsilon=epsilon)
     for name, casimir in zip(("C₁", "C₂", "C₃"), top.casimirs, strict=True):
         computed = [f"{name} = {written(casimir, top.bracket)}"]
@@ -209,13 +213,7 @@ def _at_generic_parameters(functions: list[Any], variables: Iterable[Any]) -> li
 
 
 def strata_steps(evidence: Evidence, bracket: lp.Bracket, wanted: dict[lp.brackets.Locus, int]) -> None:
-    """State on which sets the Poisson tensor has which rank, by the Pfaffians of J.
-
-    Args:
-        evidence: Where to record it.
-        bracket: The bracket.
-        wanted: Rank for each locus, from the open stratum down.
-    """
+    """State by the Pfaffians of J on which loci it has which rank, the open stratum first."""
     strata = bracket.strata()
     for stratum in strata:
         casimirs = "; ".join(written(c, bracket) for c in stratum.casimirs)

@@ -1,4 +1,4 @@
-"""The command `liepoisson lyapunov`: exponents and verdicts of random starts."""
+"""The commands `lyapunov` and `decide`: exponents of orbits, and which of them are regular, chaotic or undecided."""
 
 from __future__ import annotations
 
@@ -9,8 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import numpy as np
 import typer
 
-from liepoisson.cli.options import Common, Files, SeedOption, SystemArgument, Where
-from liepoisson.cli.output import announce, result_files
+from liepoisson.cli.options import (
+    Common,
+    Files,
+    Format,
+    FormatOption,
+    OutOption,
+    SeedOption,
+    SystemArgument,
+    Where,
+    show,
+)
+from liepoisson.cli.output import announce, data_file, name_of_files, result_files, write_result
 from liepoisson.cli.runs import (
     N_STARTS,
     EndTimeOption,
@@ -33,15 +43,21 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
+    from liepoisson.cli.starts import Starts
     from liepoisson.indicators.estimates import FloatArray
     from liepoisson.indicators.finite_time_exponents import FiniteTimeExponents
     from liepoisson.indicators.spectrum import Spectrum
+    from liepoisson.indicators.verdict import Verdict
+    from liepoisson.model.system import System
+    from liepoisson.numeric.methods import Method
 
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
 _TIME = 1000.0
 """Default time of the runs, in natural times of the median orbit."""
 _LONG = 1e12
 _QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
+_MOST_ROWS = 24
+"""Orbits whose votes are printed."""
 
 
 def lyapunov(
@@ -70,11 +86,8 @@ def lyapunov(
     check_limits(seed=seed, **asdict(limits))
     chosen = read_numeric_system(system, common.values)
     data, stem = result_files(files, chosen, common.values, "exponents")
-    check_end_time(t_end)
-    how.named(precision=precision)  # refused before anything is computed
-    drawn = find_starts(chosen, where, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed)
-    unit = unit_of_time(chosen, drawn.states)
-    method, t_end = how.named(unit, precision=precision), _TIME * unit if t_end is None else t_end
+    begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
+    drawn, unit, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=_TIME, precision=precision)
     if lines := drawn.lines(chosen):
         announce("\n".join(lines), (data, stem))
     with running("integrating", len(drawn.states) * t_end, quiet=common.quiet) as listen:
@@ -88,6 +101,17 @@ def lyapunov(
         lines=lambda: summary(result, drawn.words, unit, mixed=drawn.begin is None),
     )
     check_that_some_finished(result.outcome)
+
+
+def _planned(
+    system: System, where: Where, how: How, begin: dict[str, Any], *, t_end: float | None, times: float, **options: Any
+) -> tuple[Starts, float, Method, float]:
+    """The starts, the natural time of the median orbit, the method, and the time of the runs, by default so many."""
+    check_end_time(t_end)
+    how.named(**options)  # refused before anything is computed
+    drawn = find_starts(system, where, default=N_STARTS, **begin)
+    unit = unit_of_time(system, drawn.states)
+    return drawn, unit, how.named(unit, **options), times * unit if t_end is None else t_end
 
 
 def _computed(spectrum: bool) -> Callable[..., FiniteTimeExponents | Spectrum]:
@@ -106,7 +130,7 @@ def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
     from liepoisson.indicators.spectrum import Spectrum
 
     if isinstance(result, Spectrum):
-        from liepoisson.plot.spectrum import spectrum as draw
+        from liepoisson.plot.indicators import spectrum as draw
 
         return draw(result, trajectory=int(np.argmax(result.outcome == "finished")))
     from liepoisson.plot.exponents import convergence
@@ -120,14 +144,7 @@ def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
 
 
 def summary(result: FiniteTimeExponents | Spectrum, words: str, unit: float, *, mixed: bool = True) -> list[str]:
-    """The lines that the command prints.
-
-    Args:
-        result: What was computed.
-        words: What the starts are.
-        unit: Natural unit of time of the median orbit.
-        mixed: Whether the starts have different energies or leaves.
-    """
+    """What the command prints of runs with these starts, which may have different energies or leaves (`mixed`)."""
     from liepoisson.indicators.spectrum import Spectrum
 
     outcome = result.outcome
@@ -206,3 +223,96 @@ def _count(value: float) -> str:
 
 def _quantile_name(q: float) -> str:
     return {0.0: "least", 0.5: "median", 1.0: "largest"}.get(q, f"{100 * q:g}%")
+
+
+def decide(
+    system: SystemArgument,
+    where: Where,
+    *,
+    starts: StartsOption = None,
+    ensemble: EnsembleOption = None,
+    seed: SeedOption = 0,
+    t_end: EndTimeOption = None,
+    how: How,
+    limits: Limits,
+    out: OutOption = None,
+    format_: FormatOption = Format.TEXT,
+    common: Common,
+) -> None:
+    """Decide which orbits are regular, chaotic or undecided.
+
+    Of random starts; of random starts on the leaf and at the energy of --guess, --leaf and --energy; or of the orbit
+    of --start.  Four indicators vote (see `lp.decide`): the growth power, MEGNO, SALI, and averages that settle.
+
+    The exit code is 1 where no run finished.
+    """
+    from liepoisson.indicators.verdict import TIME
+    from liepoisson.indicators.verdict import decide as find_verdicts
+
+    check_limits(seed=seed, **asdict(limits))
+    chosen = read_numeric_system(system, common.values)
+    data = data_file(out, f"{name_of_files(chosen, common.values)}-verdicts.csv")
+    begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
+    drawn, _, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=TIME)
+    with running("deciding", len(drawn.states) * t_end, quiet=common.quiet) as listen:
+        options: dict[str, Any] = {"seed": seed, "method": method, "progress": listen, **asdict(limits)}
+        verdict = find_verdicts(chosen, drawn.states, t_end=t_end, **options)
+    written = None if data is None else write_result(verdict, data)  # first, as nobody may read what is printed
+    wrote = [f"wrote    {written}"] if written else []
+    text = lambda _: "\n".join([*verdict_lines(chosen, drawn, verdict), *wrote])  # noqa: E731
+    show(verdict, format_, lambda _: verdict_record(chosen, drawn, verdict), text=text)
+    check_that_some_finished(verdict.outcome)
+
+
+def verdict_lines(system: System, drawn: Starts, verdict: Verdict) -> list[str]:
+    """What the command prints: each kind with its count, its share and Wilson's interval, and the votes of a few."""
+    from liepoisson.indicators.verdict import KINDS
+
+    finished = int((verdict.outcome == "finished").sum())
+    names, counts = np.unique(verdict.outcome, return_counts=True)
+    known = verdict.natural_time[np.isfinite(verdict.natural_time)]
+    lines = [
+        f"{system.name}: {drawn.words} to t = {verdict.t_end:g}"
+        + (f", {np.median(known):.4g} natural times" if len(known) else ""),
+        *drawn.lines(system),
+        "outcomes: " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)),
+    ]
+    if not finished:
+        return [*lines, "verdicts: none, as no run finished"]
+    if len(verdict.outcome) > 1:
+        lines.append(f"verdicts of the {finished} finished runs, with 95% intervals over the starts:")
+        for kind in KINDS:
+            share = verdict.fraction(kind)
+            interval = f"{share.value:.3f} [{share.low:.3f}, {share.high:.3f}]"
+            lines.append(f"  {kind:<9} {round(share.value * finished):6}  {interval}")
+    if len(verdict.outcome) <= _MOST_ROWS:
+        lines.append("start  verdict    growth power    MEGNO     SALI  averages  exponent")
+        lines += [
+            f"{k:5}  {row[0]:<9}  {row[1]:12.3g}  {row[2]:7.3g}  {row[3]:7.1g}  {row[4]:8.1g}  {row[5]:8.4f}"
+            for k, row in enumerate(zip(*_columns(verdict).values(), strict=True))
+        ]
+    return lines
+
+
+def verdict_record(system: System, drawn: Starts, verdict: Verdict) -> dict[str, Any]:
+    """The verdicts as data that JSON can write; a value that is not finite is null."""
+    rows = [
+        {name: _plain(value) for name, value in zip(("verdict", *_VALUES), row, strict=True)}
+        for row in zip(*_columns(verdict).values(), strict=True)
+    ]
+    for row, state, outcome in zip(rows, drawn.states.tolist(), verdict.outcome.tolist(), strict=True):
+        row |= {"outcome": outcome, "state": state}
+    return {"system": system.name, "t_end": verdict.t_end, "seed": verdict.seed, "orbits": rows}
+
+
+_VALUES = ("growth_power", "mean_megno", "sali", "average_drift", "exponent")
+
+
+def _columns(verdict: Verdict) -> dict[str, Any]:
+    return {name: getattr(verdict, name) for name in ("verdict", *_VALUES)}
+
+
+def _plain(value: Any) -> str | float | None:
+    if isinstance(value, str):
+        return str(value)
+    return float(value) if np.isfinite(value) else None

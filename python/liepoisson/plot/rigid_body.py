@@ -1,14 +1,17 @@
-r"""The figure of an elastic rod: its shape with a stripe that shows the twist, the field, and profiles along it."""
+r"""Figures of rigid bodies: an elastic rod with its twist, field and profiles, and where the sleeping top is stable."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import as_number, as_positive
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.given import listed
 from liepoisson.plot.style import (
     ANGULAR_MOMENTUM,
     CENTRE_OF_MASS,
@@ -17,14 +20,19 @@ from liepoisson.plot.style import (
     INK,
     MUTED,
     SECOND_FIELD,
+    SEQUENCE,
+    axes_or_new,
     house_style,
     new_figure,
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from liepoisson.rigid_body.rod import Rod
+
+FloatArray: TypeAlias = NDArray[np.float64]
 
 _FACETS = 18
 """Facets around the tube."""
@@ -36,6 +44,8 @@ _LIGHT = np.array([0.35, -0.55, 0.76])
 """Direction to the light, in space."""
 _HEIGHT, _PROFILES = 4.4, 3.4
 """Height of a figure, and the width of the profiles in it, in inches."""
+_WIDE = 3.0
+"""Width of a word over its height, in parts of the axes."""
 
 
 @explains_its_arguments
@@ -81,10 +91,10 @@ def rod(
     count = len(np.asarray(rod.centre_line))
     if not np.issubdtype(type(trajectory), np.integer) or not -count <= trajectory < count:
         raise ParameterError(f"trajectory: wanted one of {count}; got {trajectory!r:.60}; they count from 0")
-    if radius is not None and not (_is_number(radius) and radius > 0):
-        raise ParameterError(f"radius: wanted a positive length; got {radius!r:.60}; leave it out")
+    if radius is not None:
+        as_positive(radius, "radius", "a positive length", example=0.1)
     for name, angle in (("elevation", elevation), ("azimuth", azimuth)):
-        if not _is_number(angle):
+        if not np.isfinite(as_number(angle, name, "an angle in degrees")):
             raise ParameterError(f"{name}: wanted an angle in degrees; got {angle!r:.60}; leave it out")
     r = np.asarray(rod.centre_line, dtype=np.float64)[trajectory]
     good = np.isfinite(r).all(axis=-1)
@@ -104,13 +114,13 @@ def rod(
     return figure
 
 
-def _half_box(r: NDArray[np.float64]) -> NDArray[np.float64]:
+def _half_box(r: FloatArray) -> FloatArray:
     """Half the sides of the box about a rod; a flat one still needs some depth."""
     extent = np.ptp(r, axis=0)
     return np.maximum(extent / 2, 0.12 * extent.max()) + 0.06 * extent.max()
 
 
-def _width(r: NDArray[np.float64], elevation: float, azimuth: float) -> float:
+def _width(r: FloatArray, elevation: float, azimuth: float) -> float:
     """The width in inches that the box about a rod and its ticks take, as it is seen, in a figure of our height."""
     (x, y, z), (up, turn) = _half_box(r), np.radians([elevation, azimuth])
     across = x * abs(np.sin(turn)) + y * abs(np.cos(turn))
@@ -126,20 +136,11 @@ def _axes_of_the_rod(figure: Figure, needed: float, share: float) -> Any:
     return figure.add_axes(place, projection="3d", computed_zorder=False, facecolor="none")
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float, np.number)) and bool(np.isfinite(value))
-
-
-def tube(r: NDArray[np.float64], directors: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+def tube(r: FloatArray, directors: FloatArray, radius: float) -> FloatArray:
     r"""Corners of the facets of a tube, $r + \rho(\cos\varphi\, d_1 + \sin\varphi\, d_2)$.
 
-    Args:
-        r: Centre line, shape (point, 3).
-        directors: d1, d2, d3, shape (point, 3, 3).
-        radius: Of the tube.
-
-    Returns:
-        Shape (point - 1, facet, corner, 3); d1 points to the middle of the first four facets, the stripe.
+    Of the centre line, shape (point, 3), and the directors, shape (point, 3, 3): shape (point - 1, facet, corner, 3).
+    d1 points to the middle of the first four facets, the stripe.
     """
     angles = 2 * np.pi * (np.arange(_FACETS + 1) - _STRIPE / 2) / _FACETS
     spokes = np.cos(angles)[:, None] * directors[:, None, 0] + np.sin(angles)[:, None] * directors[:, None, 1]
@@ -147,7 +148,7 @@ def tube(r: NDArray[np.float64], directors: NDArray[np.float64], radius: float) 
     return np.stack([ring[:-1, :-1], ring[1:, :-1], ring[1:, 1:], ring[:-1, 1:]], axis=2)
 
 
-def _draw_tube(ax: Any, r: NDArray[np.float64], directors: NDArray[np.float64], radius: float) -> None:
+def _draw_tube(ax: Any, r: FloatArray, directors: FloatArray, radius: float) -> None:
     from matplotlib.colors import to_rgb
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -166,7 +167,7 @@ def _draw_tube(ax: Any, r: NDArray[np.float64], directors: NDArray[np.float64], 
     ax.plot(*r[:1].T, marker="o", markersize=4.5, color=INK, zorder=3, linestyle="none", label="beginning")
 
 
-def _draw_field(ax: Any, r: NDArray[np.float64], field: NDArray[np.float64]) -> None:
+def _draw_field(ax: Any, r: FloatArray, field: FloatArray) -> None:
     """An arrow beside the rod in the direction of the field, a third of the rod's extent long."""
     size = float(np.linalg.norm(field))
     if size == 0:
@@ -178,7 +179,7 @@ def _draw_field(ax: Any, r: NDArray[np.float64], field: NDArray[np.float64]) -> 
     ax.text(*(foot + 1.18 * arrow), r"$I\,\mathbf{B}$", color=SECOND_FIELD, fontsize=13, ha="center", va="center")
 
 
-def _dress(ax: Any, r: NDArray[np.float64], elevation: float, azimuth: float) -> None:
+def _dress(ax: Any, r: FloatArray, elevation: float, azimuth: float) -> None:
     """Equal scales, light panes, and few ticks."""
     from matplotlib.ticker import MaxNLocator
 
@@ -221,3 +222,91 @@ def _draw_profiles(figure: Figure, grid: Any, rod: Rod, trajectory: int) -> None
             ax.set_ylim(min(0.0, 1.6 * middle) - 0.1, max(0.0, 1.6 * middle) + 0.1)
     first.set_xlim(s.min(), s.max())
     figure.axes[-1].set_xlabel("arclength $s$")
+
+
+@explains_its_arguments
+def sleeping_diagram(
+    twists: Sequence[float] = (0.0, 1.0), *, spin: float = 6.0, field: float = 6.0, ax: Axes | None = None
+) -> Axes:
+    r"""Where the sleeping top has a stable spectrum, in the plane of its spin and its field.
+
+    The axes are $p = \ell_3$ and $q = I_1(a_3\alpha_3 + b_3\beta_3)$; each $u = \epsilon a_3^2I_1^2\beta_3$ has a
+    curve, on which $Q(\lambda) = \lambda^3 + p\lambda^2 + q\lambda + u$ has a double root m: $p = u/m^2 - 2m$,
+    $q = m^2 - 2u/m$. The region in which Q has three real roots is shaded for the last of them. For $u = 0$
+    the curve is the parabola $p^2 = 4q$ of the ordinary top, which is stable outside of it.  The words say on which
+    side the spectrum of that last top is stable, and lie where no curve crosses them.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> axes = lp.plot.sleeping_diagram(twists=[0, 1, 2])
+        >>> print(axes.get_xlabel(), "and", axes.get_ylabel())
+        spin $\ell_3$ and field $I_1(a_3\alpha_3 + b_3\beta_3)$
+        >>> plt.close(axes.figure)
+
+    Args:
+        twists: The values of u.
+        spin: The plane is drawn for $|p|$ up to this.
+        field: And for $|q|$ up to this.
+
+    Raises:
+        ParameterError: no twist, or a number that is not finite.
+    """
+    try:
+        values = [as_number(u, "twists", "a number") for u in listed(twists, "twists") or ()]
+        sound = bool(values) and np.isfinite([*values, spin, field]).all() and spin > 0 and field > 0
+    except (TypeError, ValueError):  # no sequence, or no numbers
+        values, sound = twists, False
+    if not sound:
+        raise ParameterError(
+            f"twists, spin and field must be finite numbers, at least one twist and positive ranges; got twists = "
+            f"{values!r:.80}, spin = {spin!r:.40}, field = {field!r:.40}."
+        )
+    with house_style():
+        ax = axes_or_new(ax, width=5.6, height=4.4)
+        _shade(ax, values[-1], spin, field)
+        for u, colour in zip(values, SEQUENCE * len(values), strict=False):
+            _boundary(ax, u, colour, max(spin, field))
+        ax.set(xlim=(-spin, spin), ylim=(-field, field))
+        ax.set(xlabel=r"spin $\ell_3$", ylabel=r"field $I_1(a_3\alpha_3 + b_3\beta_3)$")
+        ax.legend(loc="upper center")
+        for stable, word in ((True, "stable spectrum"), (False, "unstable")):
+            if (place := _clear_place(values, spin, field, stable=stable)) is not None:
+                words = f"{word}\nfor $u = {values[-1]:g}$"
+                ax.text(*place, words, transform=ax.transAxes, color=INK, style="italic", ha="center", va="center")
+    return ax
+
+
+def _clear_place(values: Sequence[float], spin: float, field: float, *, stable: bool) -> tuple[float, float] | None:
+    """The point of the region farthest from all curves, the edges and the legend, in parts of the axes."""
+    # Middles of cells; a word is about three times as wide as high, so distances across count a third.
+    x, y = (grid.ravel() for grid in np.meshgrid((np.arange(60) + 0.5) / 60, (np.arange(60) + 0.5) / 60))
+    signs = np.array([_discriminant((2 * x - 1) * spin, (2 * y - 1) * field, u) > 0 for u in values])
+    wanted = signs[-1] == stable
+    if not wanted.any():
+        return None
+    edge = np.minimum(np.minimum(x, 1 - x) / _WIDE, np.minimum(y, 1 - y))
+    legend = (np.abs(x - 0.5) < 0.3) & (y > 0.82)
+    room = np.zeros(len(x))
+    for k in np.flatnonzero(wanted & ~legend):
+        other = (signs != signs[:, k : k + 1]).any(axis=0) | legend
+        distance = np.maximum(np.abs(x[other] - x[k]) / _WIDE, np.abs(y[other] - y[k]))
+        room[k] = min(edge[k], distance.min(initial=np.inf))
+    best = int(np.argmax(room))
+    return float(x[best]), float(y[best])
+
+
+def _discriminant(p: FloatArray, q: FloatArray, u: float) -> FloatArray:
+    """Positive where Q has three real roots; without twist one is 0, and the others are those of the quadratic."""
+    return 18 * p * q * u - 4 * p**3 * u + p**2 * q**2 - 4 * q**3 - 27 * u**2 if u else p**2 - 4 * q
+
+
+def _shade(ax: Axes, u: float, spin: float, field: float) -> None:
+    p, q = np.meshgrid(np.linspace(-spin, spin, 801), np.linspace(-field, field, 801))
+    ax.contourf(p, q, _discriminant(p, q, u), levels=[0.0, np.inf], colors=[FIRST_FIELD], alpha=0.12)
+
+
+def _boundary(ax: Axes, u: float, colour: str, extent: float) -> None:
+    """The curve of double roots, both branches; the root itself can reach the size of the plane."""
+    root = np.geomspace(1e-3, 4 * extent, 4000)
+    for m, label in ((-root, rf"$u = \epsilon a_3^2 I_1^2\beta_3 = {u:g}$"), (root, None)):
+        ax.plot(u / m**2 - 2 * m, m**2 - 2 * u / m, label=label, color=colour, linestyle="-" if u else "--")
