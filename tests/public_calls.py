@@ -74,6 +74,7 @@ RIGID = lp.Top.twisted(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 0.5, 0), epsilon=1)
 Y = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.25, 0.75, 1.0]
 E3 = lp.so(3) @ lp.semidirect(2)
 FREE = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
+SPHERICAL = lp.System(E3, "dot(l, l)/2 + alpha3 + alpha1^2/4", name="a pendulum in a plane")
 TIMES = [0.0, 0.25, 0.5]
 CURVE = np.linspace(1, 100, 40)
 TANGENT = np.arange(1, 10.0)
@@ -258,6 +259,13 @@ def _of_runs(add):
     reversers = list(lp.systems.discrete_symmetries(heavy).reversers[:1])
     search = {"system": heavy, "leaf": {"C1": 0.2, "C2": 1}, "energy": 1.5, "n_starts": 1, "t_end": 1}
     add("orbits.symmetric_periodic_orbits", "leaf:v reversers:o", **search, reversers=reversers)
+    level = {"leaf": {"C1": 0.0, "C2": 1.0}, "energy": -0.5}
+    add("orbits.periodic_orbit", "leaf:v", system=SPHERICAL, guess=[1.0, 0, 0, 0, 0.1, -1], period=6.5, **level)
+    add("orbits.periodic_orbits", "leaf:v", **search)
+    sleeping, middle = lp.Top.lagrange(transverse=1, axial=1, a3=1), [2.0, 0, 0, 0, 0, -1, 0, 0, 0]
+    splits = {"system": sleeping, "starts": middle, "perturbation": "l1*l2", "integrals": ["l3"]}
+    upright = lp.phase_space.equilibrium(sleeping, [0, 0, 0, 0, 0, 1, 0, 0, 0])
+    add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
     add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")

@@ -42,7 +42,7 @@ from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
 from liepoisson.orbits.guesses import PeriodicOrbits as PeriodicOrbits
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrbit
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
-from liepoisson.orbits.melnikov import Melnikov as Melnikov
+from liepoisson.orbits.melnikov_integrals import Melnikov as Melnikov
 from liepoisson.orbits.multipliers import SymmetricOrbit as SymmetricOrbit
 from liepoisson.orbits.multipliers import SymmetricOrbits as SymmetricOrbits
 from liepoisson.orbits.orbit_families import FamilyPoint as FamilyPoint

@@ -88,7 +88,7 @@ l1, alpha1 = MOST.variables[0], MOST.variables[3]
             {"kind": "top", "inertia": [1, 1], "a": [0, 0, 0], "b": [0, 0, 0], "epsilon": 0})),
         *((lambda f=f: numpy_function(MOST.variables[:1], [f]), UnsupportedFieldError, "")
           for f in (sp.gamma(l1), sp.zeta(l1), sp.besselj(0, l1), sp.Function("exp")(l1))),
-        (lambda: numpy_function([l1], [sp.Symbol("l1", positive=True)]), ParameterError, "work; l1 has none"),
+        (lambda: numpy_function([l1], [sp.Symbol("l1", positive=True)]), ParameterError, "work; got none for l1"),
     ],
 )  # fmt: skip
 def test_refusals(call, error, words):
@@ -136,6 +136,6 @@ def test_a_function_is_compiled_once():
 
 def test_symbols_that_are_printed_alike_are_different():
     other = sp.Symbol("e", positive=True)
-    with pytest.raises(ParameterError, match="every parameter must be a number for numerical work; e has none"):
+    with pytest.raises(ParameterError, match="every parameter must be a number for numerical work; got none for e"):
         numpy_function((X, Y), [X + other])
     assert numpy_function((Y, other), [Y - 2 * other])(1.0, 3.0) == [-5.0]

@@ -125,7 +125,7 @@ REFUSED = [
     (lambda: fit(TIME - 1, CURVES), ParameterError, "strictly increasing"),
     (lambda: fit(np.where(TIME == 7, np.nan, TIME), CURVES), ParameterError, "finite"),
     (lambda: fit(TIME, CURVES * np.nan), ParameterError, "4 did not finish"),
-    (lambda: fit(TIME, CURVES[:1]), ParameterError, "at least 2 members"),
+    (lambda: fit(TIME, CURVES[:1]), ParameterError, "at least 2 trajectories"),
     (lambda: fit("a", CURVES), LiePoissonError, "must be|wanted"),
     (lambda: fit(TIME, CURVES, window=(10, 2)), ParameterError, "start < end"),
     (lambda: fit(TIME, CURVES, window=(1, 2, 3)), ParameterError, "window"),
@@ -143,9 +143,13 @@ REFUSED = [
     (
         lambda: fit_goodness(TIME, np.sin(TIME) * np.ones((100, 1))),
         ParameterError,
-        "members that differ from each other",
+        "trajectories that differ from each other",
     ),
-    (lambda: fit_goodness(TIME, np.random.default_rng(0).normal(size=(30, 20))), ParameterError, "at least 60 members"),
+    (
+        lambda: fit_goodness(TIME, np.random.default_rng(0).normal(size=(30, 20))),
+        ParameterError,
+        "at least 60 trajectories",
+    ),
 ]
 
 

@@ -178,6 +178,15 @@ COUNTED = {
     "fits.window_scan, many windows": lambda **limit: lp.fits.window_scan(
         **CURVES, windows=[(10 + k / MANY, 1000) for k in range(MANY)], **limit
     ),
+    "orbits.orbit_family": lambda **limit: lp.orbits.orbit_family(
+        DUFFING, lp.phase_space.equilibrium(DUFFING, [1, 0]), max_orbits=100_000, longest_step=1e-5, **limit
+    ),
+    "orbits.periodic_orbit": lambda **limit: lp.orbits.periodic_orbit(
+        HENON_HEILES, [0, 0, 0, 0.2], period=1e6, n_segments=256, **limit
+    ),
+    "orbits.periodic_orbits": lambda **limit: lp.orbits.periodic_orbits(
+        HENON_HEILES, {}, energy="1/10", n_starts=MANY, **limit
+    ),
     "orbits.rod": lambda **limit: lp.orbits.rod(ROD, STARTS[:10], length=1e7, n_points=MANY, **limit),
     "orbits.symmetric_homoclinic_orbits": lambda **limit: lp.orbits.symmetric_homoclinic_orbits(
         lp.phase_space.equilibrium(DUFFING, [0, 0]), n_starts=MANY, **limit

@@ -99,6 +99,9 @@ def crossings() -> lp.results.Section:
     return lp.section(TOP, STATES, surface="l3", t_end=30)
 
 
+SLEEPING = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="sleeping top")
+
+
 @cache
 def equilibrium() -> Any:
     """The sleeping top: l, alpha and beta along the axis."""
@@ -243,6 +246,12 @@ CASES: dict[str, Case] = {
     "frequency_drift": Case(
         lambda starts: lp.chaos.frequency_drift(TOP, starts, observable="l1", t_end=40, n_samples=64),
         {"starts": STATES},
+    ),
+    "melnikov": Case(
+        lambda starts: lp.orbits.melnikov(
+            SLEEPING, starts, "l1*l2", origin=lp.phase_space.equilibrium(SLEEPING, [0, 0, 0, 0, 0, 1]), integrals=["l3"]
+        ),
+        {"starts": np.array([2.0, 0, 0, 0, 0, -1])},
     ),
     "integrate": Case(
         lambda starts, times, tangents: lp.integrate(TOP, starts, times=times, tangents=tangents, dense=True),

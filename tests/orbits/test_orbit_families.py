@@ -54,15 +54,15 @@ def test_bifurcations_of_henon_and_heiles(straight):
 def test_branches_have_less_symmetry(straight):
     """R5 is a rotation, stable where it begins; L6 a libration, unstable; orbits of the double period have it."""
     first, second = [one for one in straight.points if one.kind == "branch"][:2]
-    rotation = lp.orbits.orbit_family(HENON, first, n_orbits=3, longest_step=0.02)
-    libration = lp.orbits.orbit_family(HENON, second, n_orbits=3, longest_step=0.02)
+    rotation = lp.orbits.orbit_family(HENON, first, max_orbits=3, longest_step=0.02)
+    libration = lp.orbits.orbit_family(HENON, second, max_orbits=3, longest_step=0.02)
     assert rotation[0].stability == "elliptic"
     assert libration[0].stability == "hyperbolic"
     for family in (rotation, libration):
         assert np.abs(family[-1].states(50)[:, 0]).max() > 1e-3  # it leaves the axis x = 0
         assert family[-1].residual <= 1e-12
     double = straight.points[0]
-    twice = lp.orbits.orbit_family(HENON, double, n_orbits=3, longest_step=0.02)
+    twice = lp.orbits.orbit_family(HENON, double, max_orbits=3, longest_step=0.02)
     assert twice[0].period == pytest.approx(2 * double.orbit.period, rel=1e-3)
     assert abs(twice[-1].period / straight.period[0] - 1) > 0.5
 
@@ -80,7 +80,7 @@ def test_a_family_in_a_casimir_leaves_the_energy():
 
 def test_a_table_has_a_row_for_each_orbit():
     rest = lp.phase_space.equilibrium(PENDULUM, [0, 0])
-    family = lp.orbits.orbit_family(PENDULUM, rest, n_orbits=4)
+    family = lp.orbits.orbit_family(PENDULUM, rest, max_orbits=4)
     frame = family.to_dataframe()
     assert len(frame) == len(family) == 4
     assert list(frame.columns[:3]) == ["energy", "period", "stability"]
@@ -92,7 +92,7 @@ REFUSED = (
     ({"start": [1, 0]}, "wanted a periodic orbit or an equilibrium"),
     ({"along": "C7"}, "along"),
     ({"mode": 1}, "frequenc"),
-    ({"n_orbits": 1}, "n_orbits"),
+    ({"max_orbits": 1}, "max_orbits"),
     ({"until": "x"}, "until"),
 )
 

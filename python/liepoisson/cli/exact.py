@@ -22,7 +22,7 @@ from liepoisson.cli.options import (
 from liepoisson.cli.progress import listening
 from liepoisson.cli.systems import read_file, read_system, with_settings, with_symbols
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import FAMILY_LIMIT, SEARCH_LIMIT
+from liepoisson.inputs.deadline import FAMILY_LIMIT, SEARCH_LIMIT
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -14,7 +14,7 @@ from liepoisson.cli.progress import listening
 from liepoisson.cli.runs import check_limits
 from liepoisson.cli.systems import read_file, read_system, with_settings, with_symbols
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import SEARCH_LIMIT
+from liepoisson.inputs.deadline import SEARCH_LIMIT
 
 if TYPE_CHECKING:
     from liepoisson.integrability.report import IntegrabilityReport

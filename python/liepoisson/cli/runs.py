@@ -130,7 +130,8 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
         del given["precision"]
     if foreign := sorted(given.keys() - known.keys()):
         allowed = ", ".join(f"--{key}" for key in known if key in options)
-        raise ParameterError(f"--{foreign[0]} is not an option of {name}, which has {allowed}. Leave it out.")
+        others = f", which has {allowed}" if allowed else ""
+        raise ParameterError(f"--{foreign[0]} is not an option of {name}{others}. Leave it out.")
     if name in _TOLERANCES:
         given.setdefault("tol", _TOLERANCES[name])
     if known.get("step") is MISSING:

@@ -494,10 +494,11 @@ def with_all_energy(leaf: Leaf, found: Equilibrium) -> Equilibrium:
     if leaf.moving is leaf:
         return found
     functions, x = leaf.system.functions, found.state
-    slope = functions.energy.gradient(x) - leaf.moving.system.functions.energy.gradient(x)
-    gradients = np.stack([f.gradient(x) for f in functions.casimirs.values()], axis=-1)
-    more = dict(zip(functions.casimirs, _coefficients(gradients, slope).tolist(), strict=True))
-    multipliers = {name: value + more[name] for name, value in found.multipliers.items()}
+    if multipliers := dict(found.multipliers):
+        slope = functions.energy.gradient(x) - leaf.moving.system.functions.energy.gradient(x)
+        gradients = np.stack([functions.casimirs[name].gradient(x) for name in multipliers], axis=-1)
+        more = _coefficients(gradients, slope).tolist()
+        multipliers = {name: value + m for (name, value), m in zip(multipliers.items(), more, strict=True)}
     return replace(found, leaf=leaf, energy=float(functions.energy(x)), multipliers=multipliers)
 
 

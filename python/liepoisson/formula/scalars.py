@@ -24,9 +24,6 @@ LEAST_TIME, MOST_TIME = 1e-300, 1e300
 TIME_LIMIT = 3600.0
 """Default budget: seconds that a run may take."""
 
-SEARCH_LIMIT, FAMILY_LIMIT = 60.0, 600.0
-"""Seconds of exact searches by default: of one system, and of all values of its parameters."""
-
 MOST_THREADS = 4096
 """Far above any machine: a larger number, also of processes, is a slip of the finger."""
 

@@ -122,7 +122,9 @@ class EnergyProfile(Run):
     def _starts(self) -> str:
         """How many starts there are at each energy, and how many runs failed at all of them together."""
         failed = int(np.sum(self.outcome != "finished"))
-        return f"{self.exponent.shape[1]} starts" + (f" ({failed} of {self.outcome.size} failed)" if failed else "")
+        return counted(self.exponent.shape[1], "start") + (
+            f" ({failed} of {self.outcome.size} failed)" if failed else ""
+        )
 
     def __str__(self) -> str:
         leaf = ", ".join(f"{name} = {value:.4g}" for name, value in self.casimirs.items())

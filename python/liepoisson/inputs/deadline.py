@@ -16,6 +16,9 @@ from liepoisson.errors import TimeLimitError
 BLOCK = 2048
 """Starts that a search works on together, before it looks at the clock again."""
 
+SEARCH_LIMIT, FAMILY_LIMIT = 60.0, 600.0
+"""Seconds of exact searches by default: of one system, and of all values of its parameters."""
+
 CUT_SHORT = "; the time limit ended the search"
 """What the text of a result ends with, whose search was ended so."""
 

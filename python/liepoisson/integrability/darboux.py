@@ -19,9 +19,9 @@ from sympy import Expr, I, S, expand
 from liepoisson.algebra.coefficients import Coefficients, square_root_element, square_root_field
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import SEARCH_LIMIT, as_deadline
+from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT
+from liepoisson.inputs.deadline import CUT_SHORT, SEARCH_LIMIT
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, rational_integrals

@@ -19,9 +19,9 @@ from liepoisson.algebra.number_fields import as_fraction
 from liepoisson.algebra.sparse_polynomials import rational_to_sympy, value_at
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_values
-from liepoisson.formula.scalars import FAMILY_LIMIT, as_count, as_deadline
+from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT
+from liepoisson.inputs.deadline import CUT_SHORT, FAMILY_LIMIT
 from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import counted
 from liepoisson.integrability.derivation import Derivation, in_blocks, n_monomials, order, up_to_degree

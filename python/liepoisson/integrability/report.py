@@ -13,9 +13,9 @@ from sympy import Expr
 
 from liepoisson import _core
 from liepoisson.errors import OutputError, ParameterError, TimeLimitError
-from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
+from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import Deadline
+from liepoisson.inputs.deadline import SEARCH_LIMIT, Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.certificates import certificate, unknown_casimirs
 from liepoisson.integrability.completeness import (

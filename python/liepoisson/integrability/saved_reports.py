@@ -11,8 +11,9 @@ from sympy import Expr
 
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
-from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_time_limit
+from liepoisson.formula.scalars import as_count, as_time_limit
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import MOST_BYTES, certificate

@@ -175,7 +175,7 @@ class Problem:
             units = self.closing.level.units
             _, tangents = flow.ends(states, times, np.diag(units))
             growth = np.abs(tangents / units[:, None]).sum(axis=2).max(initial=1.0)
-            wanted = np.ceil(elementary.log(growth) / np.log(GROWTH)) if np.isfinite(growth) else MOST_SEGMENTS
+            wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH)) if np.isfinite(growth) else MOST_SEGMENTS
             n_segments = int(np.clip(wanted, 1, MOST_SEGMENTS))
         chain = [states]
         for i in range(1, n_segments):

@@ -24,7 +24,7 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.shooting import Flow
-from liepoisson.portable import linear
+from liepoisson.portable import elementary, linear
 
 _MOST_STEPS = 30
 _LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
@@ -252,7 +252,7 @@ class Linearised:
 def exponential(matrices: Array) -> Array:
     """The exponentials of small matrices, shape (..., N, N): Taylor's series of a part 1/2^k, squared k times."""
     size = float(np.abs(matrices).sum(axis=-1).max(initial=0.0))
-    halvings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0 else 0
+    halvings = max(0, int(np.ceil(elementary.log2(size))) + 1) if size > 0 else 0
     small = matrices / 2.0**halvings
     found = term = np.broadcast_to(np.eye(matrices.shape[-1]), matrices.shape)
     for k in range(1, 19):  # 2^-18 / 18! is below the round-off

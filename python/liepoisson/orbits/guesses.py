@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -14,7 +14,7 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitEr
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT
+from liepoisson.inputs.deadline import CUT_SHORT, blocks, has_passed
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
@@ -28,7 +28,7 @@ from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
 from liepoisson.orbits.shooting import Flow, n_times_of
-from liepoisson.orbits.symmetric_orbits import natural_time
+from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 
@@ -232,7 +232,7 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
         level: The level.
         found: The orbits; of those with the same period and multipliers, as symmetries map to one another, one.
         t_end: How long starts were followed.
-        n_starts: How many starts were followed.
+        n_starts: How many starts were taken.
         n_families: How many orbits were left out since they belong to families on the level.
         is_cut_short: Whether the time limit ended the search.
     """
@@ -255,7 +255,8 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
         families = f"; {self.n_families} that belong to families are left out" if self.n_families else ""
         return (
             f"{n or 'No'} periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on {self.level.text}, "
-            f"found from the returns of {self.n_starts} orbits up to t = {self.t_end:g}{families}"
+            f"found from the returns of {'up to ' * self.is_cut_short}{self.n_starts} orbits up to t = {self.t_end:g}"
+            f"{families}"
             f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
         )
 
@@ -307,49 +308,66 @@ def periodic_orbits(
 
     Raises:
         LeafError: the leaf is not regular, or no state of it has this energy.
-        TimeLimitError: the time limit has passed before anything was found.
     """
     run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
     n_starts = as_count(n_starts, "n_starts", least=1)
     level = level_of(as_system(system), leaf, energy)
+    draw, n_done, meets = stream(run.seed, Purpose.PERIODIC_ORBITS), 0, False
+    found: list[PeriodicOrbit] = []
+    n_families = 0
     with run.deadline.running():
-        draw = stream(run.seed, Purpose.PERIODIC_ORBITS)
-        guesses = draw.standard_normal((n_starts, len(level.units))) * level.units
-        states, arrived = level.projected(guesses, np.eye(len(level.units)))
-        if not arrived.any():
-            raise LeafError(
-                f"an orbit must lie on its level; of {n_starts} random states none could be moved to {level.text}. The "
-                f"energies of the leaf are {level.leaf.energy_range()}."
-            )
-        starts = states[arrived]
-        problem = problem_at(level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads)
         unit = natural_time(level, run.seed)
         longest = _UNITS * unit if t_end is None else as_time(t_end, "t_end", example=_UNITS * unit)
-        n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
-        grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, run.left)
-        gaps = linear.norm((states - starts[:, None]) / level.units, axis=2)
-        inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
-        rows, places = np.nonzero(inner)
-        best = np.argsort(gaps[rows, places + 1], kind="stable")[: _GUESSES * n_starts]
-        rows, times = rows[best], grid[places[best] + 1]
-        found: list[PeriodicOrbit] = []
-        n_families, cut = 0, False
-        for k in range(0, len(rows), _TOGETHER):
-            some = slice(k, k + _TOGETHER)
+        for n in blocks(n_starts):
+            guesses = draw.standard_normal((n, len(level.units))) * level.units
+            states, arrived = level.projected(guesses, np.eye(len(level.units)))
+            n_done, starts = n_done + n, states[arrived]
+            if not len(starts):
+                continue
+            problem = problem_at(
+                level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads
+            )
+            meets = True
             try:
-                loops = problem.closing.solved(problem.loops(starts[rows[some]], times[some]))
+                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run):
+                    if not one.is_isolated:
+                        n_families += 1
+                    elif not any(_is_same(one, other) for other in found):
+                        found.append(one)
             except TimeLimitError:
-                cut = True
                 break
-            for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
-                one = problem.described(shortest(problem, loops.of(np.array([j]))))
-                if not one.is_isolated:
-                    n_families += 1
-                elif not any(_is_same(one, other) for other in found):
-                    found.append(one)
-            run.tell(min(1.0, (k + _TOGETHER) / len(rows)))
+            run.tell(min(1.0, n_done / n_starts))
+        cut = has_passed()
+    if not (meets or cut):
+        raise LeafError(
+            f"an orbit must lie on its level; of {n_done} random states none could be moved to {level.text}. The "
+            f"energies of the leaf are {level.leaf.energy_range()}."
+        )
     found.sort(key=lambda one: (-round(one.rate, 9), one.period))
-    return PeriodicOrbits(level, tuple(found), float(longest), n_starts, n_families, cut)
+    return PeriodicOrbits(level, tuple(found), float(longest), n_done, n_families, cut)
+
+
+def _orbits_from(
+    problem: Problem, starts: Array, times: tuple[float, float], n_wanted: int, run: RunOptions
+) -> Iterator[PeriodicOrbit]:
+    """The orbits that the nearest returns of starts lead to.
+
+    Raises:
+        TimeLimitError: the deadline of the call has passed.
+    """
+    level, (longest, unit) = problem.closing.level, times
+    n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
+    grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, max(run.left, LEAST_LEFT))
+    gaps = linear.norm((states - starts[:, None]) / level.units, axis=2)
+    inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
+    rows, places = np.nonzero(inner)
+    best = np.argsort(gaps[rows, places + 1], kind="stable")[:n_wanted]
+    rows, periods = rows[best], grid[places[best] + 1]
+    for k in range(0, len(rows), _TOGETHER):
+        some = slice(k, k + _TOGETHER)
+        loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
+        for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
+            yield problem.described(shortest(problem, loops.of(np.array([j]))))
 
 
 def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:

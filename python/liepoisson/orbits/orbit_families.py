@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number
-from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.io.display import Found
@@ -55,9 +55,16 @@ _LEAVES = ("branch", "double period")
 """Points at which another family begins."""
 
 
-@dataclass(frozen=True)
-class FamilyPoint:
+@dataclass(frozen=True, eq=False)
+class FamilyPoint(ReadOnlyArrays):
     """A point of a family at which something changes.
+
+    Example:
+        >>> henon = lp.catalog.system("henon-heiles")
+        >>> straight = lp.orbits.periodic_orbit(henon, [0, 0, 0, 0.2], period=6.3)
+        >>> (point,) = lp.orbits.orbit_family(henon, straight, until=0.14).points
+        >>> point.kind, round(point.orbit.energy, 9)
+        ('double period', 0.135285919)
 
     Attributes:
         kind: "fold", "branch", "double period" or "collision".
@@ -168,7 +175,7 @@ def orbit_family(
     until: float | str | None = None,
     increasing: bool = True,
     mode: int = 0,
-    n_orbits: int = 200,
+    max_orbits: int = 200,
     longest_step: float = _LONGEST,
     momenta: Momenta = (),
     threads: int | None = None,
@@ -183,7 +190,7 @@ def orbit_family(
         >>> family = lp.orbits.orbit_family(henon, straight, until=0.14)
         >>> [(point.kind, round(point.orbit.energy, 9)) for point in family.points]
         [('double period', 0.135285919)]
-        >>> lp.orbits.orbit_family(henon, family.points[0], n_orbits=2)[0].stability
+        >>> lp.orbits.orbit_family(henon, family.points[0], max_orbits=2)[0].stability
         'elliptic'
 
     Args:
@@ -194,7 +201,7 @@ def orbit_family(
         until: The value at which the family ends; the last orbit has it to round-off.
         increasing: Whether the value increases at the beginning.
         mode: Of an equilibrium, which frequency, the largest first.
-        n_orbits: At most so many orbits.
+        max_orbits: At most so many orbits.
         longest_step: The longest step between starts, in units of the level.
         momenta: Linear integrals that are held, as for `periodic_orbit`.
 
@@ -206,7 +213,7 @@ def orbit_family(
         ParameterError: the equilibrium has no such frequency, or a value is not as it must be.
     """
     run = RunOptions.read(None, threads, time_limit, progress)
-    system, most = as_system(system), as_count(n_orbits, "n_orbits", least=2, most=100_000)
+    system, most = as_system(system), as_count(max_orbits, "max_orbits", least=2, most=100_000)
     check_choice(along, "along", ("energy", *system.functions.casimirs), "the energy is what varies by default")
     bound = None if until is None else as_number(until, "until", "a number")
     name = "H" if along == "energy" else along

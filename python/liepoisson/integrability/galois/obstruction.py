@@ -23,8 +23,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.algebra.function_fields import root_text
 from liepoisson.errors import EnclosureError, TimeLimitError
-from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
+from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.refusals import not_a
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
 from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS

@@ -17,9 +17,9 @@ from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.polynomial_system import polynomial
 from liepoisson.algebra.sparse_polynomials import whole_expression
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
+from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, Deadline
+from liepoisson.inputs.deadline import CUT_SHORT, SEARCH_LIMIT, Deadline
 from liepoisson.integrability.families import names_among
 from liepoisson.integrability.lax.pair import LaxPair
 from liepoisson.integrability.lax.search import MOST_DEGREE, Ansatz, member, pairs_with, split, trivial_vectors

@@ -35,9 +35,9 @@ from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.algebra.sparse_polynomials import add_multiple, expression, multiply, value_at
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import SEARCH_LIMIT, as_count, as_deadline
+from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, Deadline
+from liepoisson.inputs.deadline import CUT_SHORT, SEARCH_LIMIT, Deadline
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting

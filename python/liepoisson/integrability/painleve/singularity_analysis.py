@@ -27,8 +27,9 @@ from liepoisson.algebra.ideals.operations import radical_contains
 from liepoisson.algebra.matrices import characteristic_polynomial
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.parameters import read_parameter
-from liepoisson.formula.scalars import MOST, SEARCH_LIMIT, as_deadline
+from liepoisson.formula.scalars import MOST, as_deadline
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations

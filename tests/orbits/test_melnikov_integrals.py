@@ -38,10 +38,10 @@ def test_closed_forms(case):
     kappa, omega = np.sqrt(height - l**2 / 4), (l - mu) * (1 / inertia - 0.5) - mu / 2
     k = 2 * omega / kappa
     weight = k / np.sinh(np.pi * k / 2) if abs(k) > 1e-12 else 2 / np.pi
-    found = lp.orbits.melnikov(top, middle, "(l1^2 - l2^2)/2", limit=limit, integrals=["l3"])
+    found = lp.orbits.melnikov(top, middle, "(l1^2 - l2^2)/2", origin=limit, integrals=["l3"])
     np.testing.assert_allclose(found.value[:, 0], -4 * np.pi * kappa * weight * np.sin(2 * PSI), atol=1e-12)
     assert found.error.max() < 1e-10
-    tilted = lp.orbits.melnikov(top, middle, "alpha1", limit=limit, integrals=["l3"])
+    tilted = lp.orbits.melnikov(top, middle, "alpha1", origin=limit, integrals=["l3"])
     wanted = 2 * np.pi * (l - mu) * (1 / inertia - 1) / np.cosh(np.pi * omega / 2 / kappa) * np.sin(PSI)
     np.testing.assert_allclose(tilted.value[:, 0], wanted, atol=1e-12)
     if inertia == 1:  # I1 = I3: any axis is one of symmetry, and the tilted top is integrable
@@ -70,7 +70,7 @@ def test_manifolds_split_by_it_up_to_the_square_of_the_perturbation(case):
     top, rest, middle = sleeping(*case)
     rest = np.array(rest)
     limit = lp.phase_space.equilibrium(top, rest)
-    wanted = lp.orbits.melnikov(top, middle, "(l1^2 - l2^2)/2", limit=limit, integrals=["l3"]).value[:, 0]
+    wanted = lp.orbits.melnikov(top, middle, "(l1^2 - l2^2)/2", origin=limit, integrals=["l3"]).value[:, 0]
     off = []
     for size in (1e-2, 1e-3, 1e-4):
         tilted = lp.Top(inertia=(1 / (1 + size), 1 / (1 - size), case[0]), a=(0, 0, 1), b=(0, 0, 0), epsilon=EPSILON)
@@ -87,7 +87,7 @@ REFUSED = (
     ({"integrals": []}, "at least one"),
     ({"integrals": "l3"}, "integrals"),
     ({"starts": [1.0, 0, 1, 0, 0, 1, 0, 0, 0]}, "no nearer than"),
-    ({"limit": [0, 0, 1]}, "limit: wanted an equilibrium"),
+    ({"origin": [0, 0, 1]}, "origin: wanted an equilibrium"),
     ({"perturbation": "l4"}, "l4"),
 )
 
@@ -96,7 +96,7 @@ REFUSED = (
 def test_what_is_refused(given, words):
     top, rest, middle = sleeping(*TOPS[0])
     limit = lp.phase_space.equilibrium(top, rest)
-    given = {"starts": middle, "perturbation": "alpha1", "limit": limit, "integrals": ["l3"]} | given
+    given = {"starts": middle, "perturbation": "alpha1", "origin": limit, "integrals": ["l3"]} | given
     with pytest.raises(lp.errors.LiePoissonError, match=words):
         lp.orbits.melnikov(top, **given)
 
@@ -105,4 +105,4 @@ def test_a_stable_sleeping_top_has_no_homoclinic_orbits():
     top, _, middle = sleeping(*TOPS[0])
     limit = lp.phase_space.equilibrium(top, [0, 0, 3, 0, 0, 1, 0, 0, 0])
     with pytest.raises(lp.errors.ParameterError, match="growing direction"):
-        lp.orbits.melnikov(top, middle, "alpha1", limit=limit, integrals=["l3"])
+        lp.orbits.melnikov(top, middle, "alpha1", origin=limit, integrals=["l3"])

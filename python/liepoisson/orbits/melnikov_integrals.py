@@ -38,7 +38,7 @@ from liepoisson.numeric.methods import Taylor
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closing import exponential
-from liepoisson.portable import linear
+from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from liepoisson.model.phase_functions import PhaseFunction
@@ -58,6 +58,14 @@ _HYPERBOLIC, _RESTS = 1e-6, 1e-9
 @dataclass(frozen=True, eq=False)
 class Melnikov(ReadOnlyArrays, Tabular):
     r"""Melnikov's integrals of some homoclinic orbits.
+
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3")
+        >>> upright = lp.phase_space.equilibrium(top, [0, 0, 0, 0, 0, 1])
+        >>> middle = [2, 0, 0, 0, 0, -1]
+        >>> found = lp.orbits.melnikov(top, middle, "l1*l2", origin=upright, integrals=["l3"])
+        >>> found.integrals, round(float(found.value[0, 0]), 9), bool(found.error[0, 0] < 1e-10)
+        (('l3',), 8.0, True)
 
     Attributes:
         integrals: The names of K.
@@ -92,7 +100,7 @@ def melnikov(
     starts: StartsLike,
     perturbation: str | PhaseFunction,
     *,
-    limit: Equilibrium,
+    origin: Equilibrium,
     integrals: Sequence[str | PhaseFunction],
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
@@ -106,17 +114,19 @@ def melnikov(
     those of the periodic orbits around it are what to look at.
 
     Example:
-        >>> pendulum = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2")
-        >>> upright = lp.phase_space.equilibrium(pendulum, [np.pi, 0, 0, 0])
-        >>> found = lp.orbits.melnikov(pendulum, [0, 0, 2, 0], "sin(q1)", limit=upright, integrals=["p1^2/2 - cos(q1)"])
-        >>> abs(found.value[0, 0]) < 1e-12  # an odd function of time
-        True
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3")
+        >>> upright = lp.phase_space.equilibrium(top, [0, 0, 0, 0, 0, 1])
+        >>> found = lp.orbits.melnikov(
+        ...     top, [2**0.5, 2**0.5, 0, 0, 0, -1], "(l1^2 - l2^2)/2", origin=upright, integrals=["l3"]
+        ... )
+        >>> round(float(found.value[0, 0]), 9)  # -8 sin(2 psi) at psi = pi/4
+        -8.0
 
     Args:
         system: The system with H, which has the integrals.
         starts: The middles of homoclinic orbits, shape (component,) or (orbit, component).
         perturbation: $H_1$.
-        limit: The equilibrium from which the orbits come, and to which they go.
+        origin: The equilibrium from which the orbits come, and to which they go.
         integrals: K, one or several.
 
     Returns:
@@ -134,9 +144,9 @@ def melnikov(
     functions = _integrals(system, integrals)
     change = system.functions.of(perturbation)
     brackets = [system.functions.of(system.bracket(one.expression, change.expression)) for one in functions.values()]
-    _require_rest(system, functions, limit)
+    _require_rest(system, functions, origin)
     with run.deadline.running():
-        rule = _Rule.of(system, limit, brackets)
+        rule = _Rule.of(system, origin, brackets)
         both = [rule.half(states, way, run) for way in (1, -1)]
     at_middle = np.stack([f(states) for f in brackets], axis=1) * rule.step
     value = both[0].value + both[1].value + at_middle
@@ -168,7 +178,7 @@ def _require_rest(system: System, functions: Mapping[str, PhaseFunction], limit:
         ParameterError: one does not, or the limit is no equilibrium of the system.
     """
     if not isinstance(limit, Equilibrium) or limit.omega or not are_equal(limit.system, system):
-        raise ParameterError(f"limit: wanted an equilibrium of {shown(system)}; got {shown(limit)}")
+        raise ParameterError(f"origin: wanted an equilibrium of {shown(system)}; got {shown(limit)}")
     fields = HamiltonianFields(system, list(functions.values())).fields(limit.state)
     scale = np.abs(system.functions.jacobian(limit.state)).max() or 1.0
     for k, name in enumerate(functions):
@@ -219,7 +229,7 @@ class _Rule:
         matrix = system.functions.jacobian(limit.state)
         values, right = _growing(matrix)
         if not right.shape[1]:
-            raise ParameterError("limit: wanted an equilibrium with a growing direction; it has only oscillations")
+            raise ParameterError("origin: wanted an equilibrium with a growing direction; it has only oscillations")
         _, left = _growing(matrix.T)
         inward = linear.solve(linear.matmul(left.T, right), left.T)
         growth = linear.matmul(linear.matmul(inward, matrix), right)
@@ -237,7 +247,7 @@ class _Rule:
             OrbitError: an orbit does not come near the equilibrium.
             TimeLimitError: the deadline has passed.
         """
-        n_times = int(np.ceil((_SAFETY - np.log(_NEAR)) / (self.slowest * self.step)))
+        n_times = int(np.ceil((_SAFETY - elementary.log(_NEAR)) / (self.slowest * self.step)))
         times = way * self.step * np.arange(n_times + 1)
         path = integrate(
             self.system, states, times=times, method=run.method, kernel="lanes", threads=run.threads,
