@@ -202,7 +202,7 @@ COUNTED = {
         SYMMETRIC, **SPHERE, max_boxes=10**9, **limit
     ),
     "proofs.prove_periodic_orbit": lambda **limit: lp.proofs.prove_periodic_orbit(
-        HENON_HEILES, **LOOP, n_sections=1000, **limit
+        HENON_HEILES, **LOOP, n_sections=250, **limit
     ),
     "sections.section": lambda **limit: lp.section(TWISTED, STARTS, surface="l3", n_crossings=MANY, **LONG, **limit),
 }

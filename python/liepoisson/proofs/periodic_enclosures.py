@@ -43,6 +43,9 @@ if TYPE_CHECKING:
 _REACH = 1e-3
 """How far charts reach along the gradients of the constants of motion, in units of the state."""
 _PIECES = 32
+_MOST_SECTIONS = 250
+"""The equations of all sections are solved as one dense system: of 250 this takes a tenth of a second, of 1,000 seven
+seconds, in which nobody looks at the clock."""
 _REPEATS, _WORTH = 4, 0.5
 """How often a proof is made again from the orbit that it has found, as long as that halves what is not known."""
 _GROWTH = 10.0
@@ -167,7 +170,7 @@ def prove_periodic_orbit(
             f"system: wanted levels of H and the Casimirs of three dimensions or more; got {d + 1}: every closed "
             "curve is a periodic orbit there. Its period is the time of enclose_section_map"
         )
-    count = None if n_sections is None else as_count(n_sections, "n_sections", least=1, most=1000)
+    count = None if n_sections is None else as_count(n_sections, "n_sections", least=1, most=_MOST_SECTIONS)
     states, gap = _sections(field, state, about, count, means)
     size = float(np.abs(state).max(initial=0.0)) or 1.0
     if not gap <= _FAR * size:
