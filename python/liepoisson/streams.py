@@ -9,7 +9,7 @@ are here.  The numbers are part of what a seed means; one that has been used kee
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import IntEnum, unique
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from liepoisson.portable import elementary
 
 
+@unique
 class Purpose(IntEnum):
     """What random numbers are drawn for."""
 
