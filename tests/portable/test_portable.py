@@ -239,3 +239,11 @@ def test_what_these_functions_do_not_have_is_refused():
     assert np.array_equal(elementary.power([1.0, 2.0], 2), [1, 4])
     assert len(set(streams.generator(0).normal(np.zeros(5)).tolist())) == 5
     assert linear.cond(np.zeros((2, 2))) == np.inf
+
+
+def test_streams_keep_their_numbers():
+    """A seed gives the same starts for ever: a purpose that is new gets a number that was never used."""
+    assert {one.name: one.value for one in streams.Purpose} == {
+        "STATES": 0, "TANGENTS": 1, "FRAMES": 2, "TRIANGLES": 3, "ALIGNMENT": 4, "EQUILIBRIA": 5, "LEAF": 10,
+        "CHAINS": 11, "SYMMETRIC_ORBITS": 12, "HOMOCLINIC_ORBITS": 13, "PERIODIC_ORBITS": 14, "SECTION": 0x5EC7,
+    }  # fmt: skip
