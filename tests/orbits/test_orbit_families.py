@@ -83,7 +83,7 @@ def test_a_table_has_a_row_for_each_orbit():
     family = lp.orbits.orbit_family(PENDULUM, rest, max_orbits=4)
     frame = family.to_dataframe()
     assert len(frame) == len(family) == 4
-    assert list(frame.columns[:3]) == ["energy", "period", "stability"]
+    assert list(frame.columns[:3]) == ["energy", "period", "rate"]
     assert family.end == "4 orbits"
     assert repr(family).startswith("4 orbits of a family of")
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError
@@ -142,6 +143,19 @@ class PeriodicOrbit(ReadOnlyArrays):
             f"<PeriodicOrbit of {self.system.name!r} on {self.level.text}: period {self.period:.8g}{turned}, "
             f"{self.stability}{big}{alone}>"
         )
+
+
+def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:
+    """The columns of a table of orbits: period, stability, start and multipliers of each."""
+    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+    starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
+    multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
+    return {
+        **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
+        **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
+        **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
+        **{f"multiplier_imaginary_{k}": column for k, column in enumerate(multipliers.imag.T, start=1)},
+    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -23,7 +23,7 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, orbit_columns, problem_at
 from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
@@ -368,19 +368,6 @@ def _orbits_from(
         loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
         for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
             yield problem.described(shortest(problem, loops.of(np.array([j]))))
-
-
-def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """The columns of a table of orbits: period, stability, start and multipliers of each."""
-    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
-    starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
-    multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
-    return {
-        **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
-        **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
-        **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
-        **{f"multiplier_imaginary_{k}": column for k, column in enumerate(multipliers.imag.T, start=1)},
-    }
 
 
 def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:

@@ -34,7 +34,7 @@ from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, orbit_columns, problem_at
 from liepoisson.orbits.closing import GROWTH, Loops, guessed
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
@@ -126,16 +126,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its value, period, stability, start and multipliers."""
-        names = self.system.component_names
-        listed = ("stability", "residual", "pair_defect", "trivial_defect")
-        return {
-            self.along: self.value,
-            "period": self.period,
-            **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
-            **{f"start_{name}": np.array([one.start[k] for one in self.found]) for k, name in enumerate(names)},
-            **{f"multiplier_real_{k}": column for k, column in enumerate(self.multipliers.real.T, start=1)},
-            **{f"multiplier_imaginary_{k}": column for k, column in enumerate(self.multipliers.imag.T, start=1)},
-        }
+        return {self.along: self.value, **orbit_columns(self.found, self.system.component_names)}
 
     def _head(self) -> str:
         points = ", ".join(f"{one.kind} at {value_of(one.orbit, self.along):.9g}" for one in self.points)
