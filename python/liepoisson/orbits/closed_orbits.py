@@ -27,7 +27,7 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import ComplexArray, kind_of, loop_spectrum
+from liepoisson.orbits.multipliers import ComplexArray, growth_rate, kind_of, loop_spectrum
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
@@ -38,8 +38,6 @@ CLOSES = 1e-12
 """Largest residual of an orbit, in units of its level."""
 _ISOLATED = 1e-8
 """The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
-_LARGEST_PART = 12
-"""An orbit is looked for whose period is a part of the one that was found, up to this one."""
 _SAME = 1e-6
 
 _ANGLES = 64
@@ -116,9 +114,7 @@ class PeriodicOrbit(ReadOnlyArrays):
     @property
     def rate(self) -> float:
         r"""$\ln\max|\mu|/T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
-        if kind_of(self.multipliers) in {"neutral", "elliptic"}:
-            return 0.0
-        return float(elementary.log(np.abs(self.multipliers).max())) / self.time
+        return growth_rate(self.multipliers, self.time)
 
     @property
     def stability(self) -> str:

@@ -118,6 +118,13 @@ def kind_of(values: ComplexArray) -> str:
     return "hyperbolic" if off.all() else "mixed" if off.any() else "elliptic"
 
 
+def growth_rate(values: ComplexArray, time: float) -> float:
+    r"""$\ln\max|\mu|$ over the time of the loop; 0 if all multipliers are on the unit circle."""
+    if kind_of(values) in {"neutral", "elliptic"}:
+        return 0.0
+    return float(elementary.log(np.abs(values).max())) / time
+
+
 _CLOSED = 1e-9
 
 
@@ -185,9 +192,7 @@ class SymmetricOrbit(ReadOnlyArrays):
     @property
     def rate(self) -> float:
         r"""$\ln\max|\mu| / 2T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
-        if kind_of(self.multipliers) in {"neutral", "elliptic"}:
-            return 0.0
-        return float(elementary.log(np.abs(self.multipliers).max())) / self.return_time
+        return growth_rate(self.multipliers, self.return_time)
 
     @property
     def slowest(self) -> float:

@@ -51,6 +51,7 @@ _GOOD, _BAD = 0.2, 0.5
 
 _SAME = 1e-6
 _SECANTS, _TRIALS = 20, 8
+_TOO_SHORT = "the steps became too short"
 _LEAVES = ("branch", "double period")
 """Points at which another family begins."""
 
@@ -211,24 +212,21 @@ def orbit_family(
     follower = _Follower(system, name, momenta, as_number(longest_step, "longest_step", "a length"), run)
     orbits: list[PeriodicOrbit] = []
     points: list[FamilyPoint] = []
-    end = f"{most} orbits"
+    end = ""
     with run.deadline.running():
         follower.begin(start, mode, increasing=increasing)
         orbits.append(follower.orbit())
-        while len(orbits) < most:
+        while not end and len(orbits) < most:
             try:
                 end = follower.advance(bound)
+                if end == _TOO_SHORT:  # it has not moved
+                    break
                 orbits.append(follower.orbit())
                 points += follower.points_between(len(orbits) - 2, *orbits[-2:])
             except TimeLimitError:
                 end = "the time limit"
-                break
             run.tell(len(orbits) / most)
-            if end:
-                break
-        else:
-            end = f"{most} orbits"
-    return OrbitFamily(along, tuple(orbits), tuple(points), end)
+    return OrbitFamily(along, tuple(orbits), tuple(points), end or f"{most} orbits")
 
 
 class _Follower:
@@ -373,7 +371,7 @@ class _Follower:
                     break
             self.step /= 2
         else:
-            return "the steps became too short"
+            return _TOO_SHORT
         self.before = self.loops, self.tangent, length
         self.loops, self.tangent = new, tangent if cosine > 0 else -tangent
         if is_last:
