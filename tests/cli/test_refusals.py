@@ -42,6 +42,7 @@ REFUSED = (
     ("cite no.nc", "no.nc"),
     ("cite ' '", "empty"),
     # starts, leaves and energies: cli/starts.py
+    ("orbit kovalevskaya --start l1=1 --seed 0", "Leave --seed out"),
     ("orbit kovalevskaya --start 1,2,3", "must have 6 numbers (l1, l2, l3, alpha1, alpha2, alpha3); got 3"),
     ("orbit kovalevskaya --start l=1,2", "--start l must have 3 numbers; got 2"),
     ("orbit kovalevskaya --start gamma=1", "must name a field or a component; got 'gamma'. Known: l, alpha, l1"),
@@ -140,6 +141,7 @@ REFUSED = (
     ("lab kirchhoff --no-open --start m1=1e7", "Rescale"),
     ("lab --no-open --start l=1,0,0", "SYSTEM must be given"),
     ("lab kirchhoff --no-open --seed -1", "--seed"),
+    ("lab kirchhoff --no-open --start m1=1 --seed 0", "Leave --seed out"),
     ("lab kirchhoff --export a.pdf", ".html"),
     ("lab kirchhoff --export a.html --no-open", "exclude"),
     ("lab kirchhoff --no-open --with missing.nc", "missing.nc"),

@@ -50,8 +50,8 @@ def test_the_page_begins_with_the_surface_of_the_section_command():
 
 
 def test_surfaces_that_are_given_come_first_and_components_have_their_own_numbers():
-    record = carried(page_of(KIRCHHOFF, start=START, surfaces=["m1", "dot(m, p) - 1/2", "p2"]))
-    assert (record["surface"], record["surfaces"]["names"]) == (0, ["dot(m, p) - 1/2"])
+    record = carried(page_of(KIRCHHOFF, start=START, surfaces=["m1", "dot(m, m) - 1/2", "p2"]))
+    assert (record["surface"], record["surfaces"]["names"]) == (0, ["dot(m, m) - 1/2"])
     with pytest.raises(ParameterError, match="reads no formulas"):
         page_of(Field("plane", 2), start=[1, 0], surfaces=["x1 - x2"])
 
@@ -105,6 +105,7 @@ def test_what_the_page_cannot_have_is_refused():
     for given, words in (
         ({"start": [1, 2]}, "start"), ({"start": [1e7, 0, 0, 0, 0, 0]}, "start"), ({"start": [np.nan] * 6}, "start"),
         ({"surfaces": [["m1"]]}, "formulas"), ({"surfaces": {"m1"}}, "formulas"), ({"surfaces": b"m1"}, "formulas"),
+        ({"surfaces": "dot(m, p)"}, "constant on each leaf"), ({"surfaces": ("m1", "H")}, "constant of motion"),
         ({"trajectory": 1}, "trajectory must be left out where there is no result"),
     ):  # fmt: skip
         with pytest.raises(LiePoissonError, match=words):

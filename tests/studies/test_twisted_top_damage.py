@@ -27,7 +27,7 @@ def test_damaged_piece_is_named_and_what_to_do_is_said(tmp_path, monkeypatch):
         damaged.append(bytes(flipped))
     for version in damaged:
         path.write_bytes(version)
-        with pytest.raises(DamagedFileError, match=f"{re.escape(str(path))}.*--fresh"):
+        with pytest.raises(DamagedFileError, match=f"{re.escape(str(path))}.*start over"):
             store.load(path)
 
 

@@ -51,6 +51,8 @@ def test_a_sweep_is_loaded_as_it_was(tmp_path, kind):
         np.testing.assert_array_equal(again.outcome, sweep.outcome)
         assert again.dataset.drop_attrs().identical(sweep.dataset.drop_attrs())
         assert (again.held, again.method) == (sweep.held, sweep.method)
+    with pytest.raises(ParameterError, match="time_limit must be left out for a sweep"):
+        lp.rerun(store, time_limit=1.0)
 
 
 def test_a_sweep_that_was_interrupted_is_loaded_as_far_as_it_is(tmp_path):

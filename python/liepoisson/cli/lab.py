@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liepoisson.cli.options import SeedOption, SettingsOption, Where
+from liepoisson.cli.options import SeedOfStartOption, SettingsOption, Where
 from liepoisson.cli.output import announce, checked_file
 from liepoisson.cli.runs import check_limits
-from liepoisson.cli.starts import find_start, read_numeric_system
+from liepoisson.cli.starts import find_start, read_numeric_system, seed_of_start
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def lab(
     system: Annotated[str | None, typer.Argument(help=LAB_HELP, metavar="SYSTEM", show_default=False)] = None,
     *,
     where: Where,
-    seed: SeedOption = 0,
+    seed: SeedOfStartOption = None,
     surface: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=SURFACE_HELP)] = None,
     saved: Annotated[str | None, typer.Option("--with", metavar="FILE", help=WITH_HELP)] = None,
     export: Annotated[str | None, typer.Option(metavar="FILE", help=EXPORT_HELP)] = None,
@@ -39,11 +39,12 @@ def lab(
 
     The page is served on this machine alone, at an address with a token, until Ctrl-C.
     """
-    check_limits(seed=seed)
+    drawn = seed_of_start(where, seed)
+    check_limits(seed=drawn)
     file = None if export is None else checked_file(export, "--export", (".html",), "laboratory.html")
     if file is not None and no_open:
         raise ParameterError("--export and --no-open exclude each other: a file is not opened. Leave --no-open out.")
-    page = _page(system, where, seed, surfaces=surface or (), saved=saved, settings=settings or ())
+    page = _page(system, where, drawn, surfaces=surface or (), saved=saved, settings=settings or ())
     if file is not None:
         from liepoisson.laboratory.pages import write_page
 

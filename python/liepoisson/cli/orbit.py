@@ -13,6 +13,7 @@ from liepoisson.cli.options import (
     Format,
     FormatOption,
     LeafOption,
+    SeedOfStartOption,
     SeedOption,
     SystemArgument,
     TableOption,
@@ -30,7 +31,7 @@ from liepoisson.cli.runs import (
     unit_of_time,
     write_and_print,
 )
-from liepoisson.cli.starts import assignments, find_start, read_numeric_system, start_lines
+from liepoisson.cli.starts import assignments, find_start, read_numeric_system, seed_of_start, start_lines
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
 
@@ -61,7 +62,7 @@ def orbit(
     system: SystemArgument,
     where: Where,
     *,
-    seed: SeedOption = 0,
+    seed: SeedOfStartOption = None,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
     how: HowToRoundOff,
@@ -80,10 +81,11 @@ def orbit(
     check_end_time(t_end, forwards=False)
     if not 2 <= points <= _MOST_POINTS:
         raise ParameterError(f"--points must be from 2 to {_MOST_POINTS}; got {points}. Try 2001.")
-    check_limits(seed=seed, time_limit=time_limit)
+    drawn = seed_of_start(where, seed)
+    check_limits(seed=drawn, time_limit=time_limit)
     data, stem = result_files(files, chosen, common.values, "orbit")
     how.named()  # refused before anything is computed
-    begin = find_start(chosen, where, seed)
+    begin = find_start(chosen, where, drawn)
     unit = unit_of_time(chosen, begin.state)
     method, t_end = how.named(unit), _TIME * unit if t_end is None else t_end
     head = f"{chosen.name}: one orbit to t = {t_end:g}, {points} points"

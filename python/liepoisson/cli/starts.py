@@ -73,6 +73,13 @@ def find_start(system: System, where: Where, seed: int = 0) -> Start:
     )
 
 
+def seed_of_start(where: Where, seed: int | None) -> int:
+    """The seed of a command that draws nothing but its start; refused beside a start that is given."""
+    if seed is not None and where.start:
+        raise ParameterError("--seed and --start exclude each other: nothing is drawn at random. Leave --seed out.")
+    return 0 if seed is None else seed
+
+
 @dataclass(frozen=True)
 class Starts:
     """Where the orbits of a command begin."""

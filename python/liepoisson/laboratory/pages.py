@@ -24,6 +24,7 @@ from liepoisson.inputs.given import sequence
 from liepoisson.io.files import write_atomically
 from liepoisson.laboratory.description import description_of, picture_of, saved_of
 from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
+from liepoisson.poincare.section_arguments import check_that_it_varies
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -115,8 +116,8 @@ def page_of(
         trajectory: Which orbit of the result is drawn, and has the start.
 
     Raises:
-        ParameterError: the system asks for too much, the start is too large, a formula cannot be read, or the result
-            is of another system or kind, or has no such trajectory.
+        ParameterError: the system asks for too much, the start is too large, a formula cannot be read or is constant
+            along every orbit, or the result is of another system or kind, or has no such trajectory.
         ShapeError: the start has another number of components.
     """
     chosen = _several(surfaces)
@@ -235,6 +236,8 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
         return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
     names = component_names(system, start.size)
     chosen = {str(one): one for one in given}
+    for one in given if reads_formulas(system) else ():
+        check_that_it_varies(system, one, "surfaces")
     if not chosen:
         name, formula = _default_surface(system, start)
         chosen = {name: formula}

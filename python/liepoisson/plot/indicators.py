@@ -14,7 +14,7 @@ from liepoisson.inputs.given import sequence, texts
 from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.plot.exponents import time_axis
-from liepoisson.plot.labels import plain
+from liepoisson.plot.section import heading_of
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style, new_figure
 
 if TYPE_CHECKING:
@@ -195,7 +195,7 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
             _draw_running(left, result, trajectory)
             _draw_last(right, result, trajectory)
             left.set_ylim(-size, size)
-        panels[0, 0].set_title(plain(result.system.name))
+        panels[0, 0].set_title(heading_of(result, trajectory))
         panels[0, 1].set_title(f"at $t = {result.time[-1]:g}$\n± standard error")
         for ax, words in zip(panels[-1], (r"$t$", r"$k$"), strict=True):
             ax.set_xlabel(words)

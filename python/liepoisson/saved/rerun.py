@@ -113,7 +113,8 @@ def rerun(
     Args:
         source: The file, the dataset of a result, or the result.
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the rerun may take; by default as many as it needs.
+        time_limit: Seconds that the rerun may take; by default as many as it needs.  A sweep has none: what it has
+            computed is kept in its store, and it can be interrupted.
         progress: Called a few times a second with the fraction that is done.
         allow_code: Whether a sweep whose quantity is the name of a function, "package.module:function", may import and
             call it.  Without this what somebody else has saved is only data.
@@ -124,7 +125,7 @@ def rerun(
         DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
             components in another order, or be a part of the trajectories; an orbit without its first time, a part of
             the components, and of a growth or spectrum trajectories that do not follow each other have no run.
-        ParameterError: It is a sweep that names a function, and code is not allowed.
+        ParameterError: It is a sweep that names a function, and code is not allowed; or a sweep with a time limit.
 
     Warns:
         UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
@@ -137,6 +138,11 @@ def rerun(
     if spec is not None or given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
 
+        if as_time_limit(time_limit) != math.inf:
+            raise ParameterError(
+                f"time_limit must be left out for a sweep; got {time_limit!r:.40}. Interrupt it when you like: "
+                "lp.sweep(spec, store=...) keeps what is computed and goes on from there."
+            )
         return sweep(spec or given.spec, threads=threads, progress=progress, allow_code=allow_code)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]

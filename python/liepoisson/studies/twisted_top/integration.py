@@ -101,7 +101,7 @@ class RunStore:
                 raise lp.errors.ParameterError(
                     f"{foreign} holds work of a study with another number of trajectories "
                     f"than {self.run.members}. "
-                    "Use the same options to go on with it, choose another folder with --out, or discard it by --fresh."
+                    "Use the same options to go on with it, choose another folder (out), or discard it (fresh)."
                 )
         return [piece for piece in self.run.pieces() if not self.is_stored(self.piece_path(*piece))]
 
@@ -325,7 +325,7 @@ def _is_record(value: Any) -> bool:
 def _damaged(path: Path, reason: str, computed_anew: str = "only its part is") -> lp.errors.DamagedFileError:
     return lp.errors.DamagedFileError(
         f"{path} is damaged: {reason}. Remove this file and run the same command again ({computed_anew} computed "
-        "anew), or start over with --fresh."
+        "anew), or start over (fresh=True, --fresh)."
     )
 
 
@@ -337,5 +337,5 @@ def _check_fingerprint(path: Path, stored: Mapping[str, object], wanted: Mapping
     ]
     raise lp.errors.ParameterError(
         f"{path} holds work of a study with other options: {', '.join(differences)}. Use the same options to go on "
-        "with it, choose another folder with --out, or discard it with --fresh."
+        "with it, choose another folder (out), or discard it (fresh=True, --fresh)."
     )
