@@ -268,6 +268,13 @@ def _of_runs(add):
     add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
     add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
+    back, pendulum = (lp.sections.return_map(one, "l1", t_end=50) for one in (TOP, SPHERICAL))
+    point, given = {"states": X}, {"coordinates": ["l2", "l3", "alpha1", "beta1"]}
+    add("results.ReturnMap.orbit", "states:S", back, **point, n_returns=2)
+    add("results.ReturnMap.derivative", "states:S coordinates:o", back, **point, **given)
+    add("results.ReturnMap.density", "states:S coordinates:o", back, **point, **given)
+    add("results.ReturnMap.exponents", "states:S", back, **point, n_returns=2)
+    add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
     keep = ["l1", "alpha2"]
     add("sections.section", "starts:S start_side:1 keep:o", **run, surface="l3", t_end=20, start_side=[0], keep=keep)

@@ -187,6 +187,9 @@ COUNTED = {
     "orbits.periodic_orbits": lambda **limit: lp.orbits.periodic_orbits(
         HENON_HEILES, {}, energy="1/10", n_starts=MANY, **limit
     ),
+    "sections.return_map, cycles": lambda **limit: lp.sections.return_map(HENON_HEILES, "x", t_end=100).cycles(
+        {}, "1/10", n_starts=MANY, **limit
+    ),
     "orbits.rod": lambda **limit: lp.orbits.rod(ROD, STARTS[:10], length=1e7, n_points=MANY, **limit),
     "orbits.symmetric_homoclinic_orbits": lambda **limit: lp.orbits.symmetric_homoclinic_orbits(
         lp.phase_space.equilibrium(DUFFING, [0, 0]), n_starts=MANY, **limit
