@@ -236,7 +236,7 @@ class ReturnMap:
                     loops = problem.closing.solved(problem.loops(starts[some], times[some]))
                     for j in np.nonzero(loops.residual <= CLOSES)[0]:
                         one = problem.described(shortest(problem, loops.of(np.array([j]))))
-                        points = self._points(one, n, level.units)
+                        points = self._points(one, n)
                         if points is not None and not any(_share(points, other, level.units) for other in states):
                             found.append(one)
                             states.append(points)
@@ -291,13 +291,12 @@ class ReturnMap:
             raise OrbitError(f"states of the section must return {n} times; none does before t = {n * self.t_end:g}")
         return starts[order], run.time[last][order]
 
-    def _points(self, one: PeriodicOrbit, n: int, units: Array) -> Array | None:
+    def _points(self, one: PeriodicOrbit, n: int) -> Array | None:
         """The n points in which an orbit meets the section, shape (n, N); None if it is another number."""
         run = self.orbit(one.start, n + 1)
         if len(run.time) <= n or abs(run.time[n] - run.time[0] - one.period) > _SAME * one.period:
             return None
-        near = np.abs((run.state[1:] - run.state[0]) / units).max(axis=1) < _SAME
-        return run.state[:n].copy() if int(np.argmax(near)) == n - 1 else None
+        return run.state[:n].copy()  # its least period is that of n returns, so they are n points
 
 
 def _share(points: Array, others: Array, units: Array) -> bool:
