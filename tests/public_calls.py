@@ -132,6 +132,7 @@ def rows():
     _of_algebras(add)
     _of_systems(add)
     _of_runs(add)
+    _of_orbits_and_sections(add)
     _of_leaves_and_charts(add)
     _of_integrals(add)
     _of_results(add)
@@ -253,6 +254,10 @@ def _of_runs(add):
     add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, times=TIMES, attitude=unit)
     add("orbits.chart_orbit", "start:N times:1", chart=lp.charts.EulerChart(RIGID, state=Y), start=Y, times=TIMES)
     add("orbits.integrate", "starts:S times:1 tangents:N", **run, times=TIMES, tangents=[X, X[::-1]])
+
+
+def _of_orbits_and_sections(add):
+    run = {"system": TOP, "starts": X}
     rod = {"system": lp.Top.twisted(inertia=(1, 1, 2), a=(0, 0, 1), epsilon=1), "starts": Y, "arclengths": TIMES}
     add("orbits.rod", "starts:S arclengths:1 attitude:o origin:o", **rod, attitude=unit, origin=(1.0, 2, 3))
     heavy = lp.catalog.system("heavy-top")
