@@ -259,7 +259,7 @@ def _of_runs(add):
 def _of_orbits_and_sections(add):
     run = {"system": TOP, "starts": X}
     rod = {"system": lp.Top.twisted(inertia=(1, 1, 2), a=(0, 0, 1), epsilon=1), "starts": Y, "arclengths": TIMES}
-    add("orbits.rod", "starts:S arclengths:1 attitude:o origin:o", **rod, attitude=unit, origin=(1.0, 2, 3))
+    add("orbits.rod", "starts:S arclengths:1 attitude:o origin:o", **rod, attitude=(1.0, 0, 0, 0), origin=(1.0, 2, 3))
     heavy = lp.catalog.system("heavy-top")
     reversers = list(lp.systems.discrete_symmetries(heavy).reversers[:1])
     search = {"system": heavy, "leaf": {"C1": 0.2, "C2": 1}, "energy": 1.5, "n_starts": 1, "t_end": 1}
