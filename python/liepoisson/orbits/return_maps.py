@@ -110,7 +110,11 @@ class ReturnMap:
             n_returns: How many returns of each.
         """
         n = as_count(n_returns, "n_returns", least=1)
-        options = self._options | {"t_end": n * self.t_end, "n_crossings": n, "start_side": self.direction}
+        options: dict[str, Any] = self._options | {
+            "t_end": n * self.t_end,
+            "n_crossings": n,
+            "start_side": self.direction,
+        }
         return section(self.system, states, **options, time_limit=time_limit)
 
     @np.errstate(all="ignore")
