@@ -277,8 +277,8 @@ for k in range(60):
         raise KeyboardInterrupt
 
     signal.signal(signal.SIGINT, note)
-    threading.Timer(draw.uniform(0, 0.04), os.kill, (os.getpid(), signal.SIGINT)).start()
     try:
+        threading.Timer(draw.uniform(0, 0.04), os.kill, (os.getpid(), signal.SIGINT)).start()
         work()
         while not came.is_set():
             time.sleep(1e-3)
