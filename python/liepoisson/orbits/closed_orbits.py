@@ -22,6 +22,7 @@ from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
+from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.phase_functions import PhaseFunction
@@ -48,7 +49,7 @@ Momenta: TypeAlias = "Sequence[str | PhaseFunction] | Mapping[str, float]"
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class PeriodicOrbit(ReadOnlyArrays):
+class PeriodicOrbit(ReadOnlyArrays, Tabular):
     r"""A periodic orbit of a level, perhaps relative: $\varphi_T(x) = P\,e^{\sum_k\theta_k G_k}x$.
 
     Example:
@@ -123,6 +124,10 @@ class PeriodicOrbit(ReadOnlyArrays):
         "neutral" where there are no multipliers but the trivial ones.
         """
         return kind_of(self.multipliers)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: level, period, stability, start and multipliers."""
+        return orbit_columns((self,), self.system)
 
     def states(self, n_times: int = 201) -> Array:
         """States at evenly spaced times over one period, shape (n_times, N)."""
