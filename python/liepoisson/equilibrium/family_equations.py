@@ -14,13 +14,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.compile.symbols import evaluated
 from liepoisson.equilibrium.critical_points import VANISHES
 from liepoisson.equilibrium.linearisation import LinearFlow, leaf_tangent
 from liepoisson.equilibrium.stability import Equilibrium, equilibrium
@@ -30,7 +28,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import check_choice
 from liepoisson.leaf._checks import are_equal
-from liepoisson.model.free_parameter import FreeParameter, values_of
+from liepoisson.model.free_parameter import FreeParameter, StateAndParameter, values_of
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import linear
 
@@ -272,7 +270,36 @@ def value_of(one: Equilibrium, along: str) -> float:
     """What varies along a family, at an equilibrium of it."""
     if along in one.casimirs or along in one.omega:
         return float(one.system.functions.of(along)(one.state))
-    return float(cast("Any", flattened(values_of(one.system))[along]))
+    return FreeParameter(one.system, along).value
+
+
+def free_parameter(system: System, own: System, name: str, *others: str) -> FreeParameter | None:
+    """The parameter that varies, from its value in the system of a start; None where one of the others does.
+
+    Args:
+        system: The system that a caller names.
+        own: That of the start.
+        name: What varies.
+        others: What else it might be.
+
+    Raises:
+        ParameterError: it is none of these, or the systems differ in more than the value of the parameter.
+    """
+    given = flattened(values_of(own))
+    choices = (*others, *(key for key, value in given.items() if not getattr(value, "free_symbols", ())))
+    if not choices:
+        raise ParameterError(
+            f"along: wanted what varies; {own.name} has no Casimir and no parameter, and the start no integral. Write "
+            'System(bracket, hamiltonian, {"m": 1}), with m in the Hamiltonian'
+        )
+    check_choice(name, "along", choices, "a function whose value varies, or a parameter of the system")
+    if name in others:
+        return None
+    variable = FreeParameter(own, name)
+    is_there = name in flattened(values_of(system))
+    if not are_equal(variable.symbolic, FreeParameter(system, name).symbolic if is_there else system):
+        raise ParameterError(f"start: wanted one of {system.name!r}; got one of another system")
+    return variable
 
 
 def family_equations(system: System, start: Equilibrium, along: str) -> FamilyEquations:
@@ -282,48 +309,23 @@ def family_equations(system: System, start: Equilibrium, along: str) -> FamilyEq
         ParameterError: it is no equilibrium of the system, or lies on a singular leaf; or nothing of it has this name.
     """
     own, kept = start.system, tuple(start.omega)
-    casimirs, given = own.functions.casimirs, flattened(values_of(own))
-    numbers = [name for name, value in given.items() if not getattr(value, "free_symbols", ())]
-    if not (choices := (*casimirs, *kept, *numbers)):
-        raise ParameterError(
-            f"along: wanted what varies; {own.name} has no Casimir and no parameter, and the start no integral. Write "
-            'System(bracket, hamiltonian, {"m": 1}), with m in the Hamiltonian'
-        )
-    check_choice(along, "along", choices, "a Casimir, an integral of the start, or a parameter")
-    varies = along not in casimirs and along not in kept
-    variable = FreeParameter(own, along)
-    is_there = varies and along in flattened(values_of(system))
-    theirs = FreeParameter(system, along).symbolic if is_there else system
-    if not are_equal(variable.symbolic if varies else own, theirs):
-        raise ParameterError(f"start: wanted an equilibrium of {system.name!r}; got one of another system")
+    casimirs = own.functions.casimirs
+    variable = free_parameter(system, own, along, *casimirs, *kept)
+    if variable is None and not are_equal(own, system):
+        raise ParameterError(f"start: wanted one of {system.name!r}; got one of another system")
     if not start.leaf.is_regular or not start.leaf.rank:
         raise ParameterError(f"start: wanted an equilibrium on a regular leaf; got one on {start.leaf!r}")
-    n, rank, units = len(start.state), start.leaf.rank, start.leaf.in_units().units
+    rank, units = start.leaf.rank, start.leaf.in_units().units
     names = kept or tuple(name for name in own.invariants if name != "H" and name not in casimirs)
-    if not varies:
+    if variable is None:
         of, energy, tensor = own.functions.of, own.functions.energy, own.functions.poisson_tensor
         found = tuple(of(name if kept else own.invariants[name]) for name in names)
         held = casimirs | dict(zip(kept, found, strict=False))
         return FamilyEquations(start.state, rank, energy, held, along, kept, found, tensor, lambda _: own, units)
-    from sympy import Symbol
-
-    symbolic, components = variable.symbolic, (*own.component_names, along)
-    variables = (*symbolic.variables, Symbol(along))
-    space: Any = SimpleNamespace(
-        name=own.name, variables=variables, component_names=components, parts_of_state=components
-    )
-    entries: Any = tuple(cast("Any", symbolic.bracket.poisson_tensor()).flat())
-    found = tuple(
-        PhaseFunction(space, symbolic.expression(name) if kept else symbolic.invariants[name])
-        for name in names
-        if kept or name in symbolic.invariants
-    )
-    held = {f"C{k}": PhaseFunction(space, f) for k, f in enumerate(symbolic.bracket.casimirs(), start=1)}
+    space, known = StateAndParameter(variable), variable.symbolic.invariants
+    found = tuple(space.function(name if kept else known[name]) for name in names if kept or name in known)
+    held = space.functions()
+    energy = held.pop("H")
     held |= dict(zip(kept, found, strict=False))
     z, scale = np.append(start.state, variable.value), np.append(units, abs(variable.value) or 1.0)
-    energy = PhaseFunction(space, symbolic.hamiltonian)
-
-    def tensor_at(z: Array) -> Array:
-        return evaluated(variables, entries, z).reshape(n, n)
-
-    return FamilyEquations(z, rank, energy, held, None, kept, found, tensor_at, variable.at, scale)
+    return FamilyEquations(z, rank, energy, held, None, kept, found, space.poisson_tensor, variable.at, scale)

@@ -5,11 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.compile.field import QuadraticField, TapeField
+from liepoisson.compile.symbols import evaluated
+from liepoisson.errors import UnsupportedFieldError
 from liepoisson.formula.parameters import Parameter, flattened
+from liepoisson.inputs.arrays import Array
+from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.model.system import System
 from liepoisson.model.tops import Top
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +62,58 @@ class FreeParameter:
         flat = [value if name == self.name else entry for name, entry in flattened({key: old}).items()]
         n = len(flat) // len(old)
         return [flat[k : k + n] for k in range(0, len(flat), n)] if isinstance(old[0], tuple) else flat
+
+
+class StateAndParameter:
+    r"""A system with its parameter as a component of the state that does not move: $x' = f(x, p)$, $p' = 0$.
+
+    Its flow has the derivatives by the parameter among those by the state.
+
+    Args:
+        variable: The system and the parameter.
+    """
+
+    def __init__(self, variable: FreeParameter) -> None:
+        from sympy import S, Symbol
+
+        symbolic = variable.symbolic
+        self.name = symbolic.name
+        self.parameter = Symbol(variable.name)
+        self.variables: tuple[Symbol, ...] = (*symbolic.variables, self.parameter)
+        self.component_names = self.parts_of_state = (*symbolic.component_names, variable.name)
+        self._symbolic, self._rates = symbolic, (*symbolic.equations.values(), cast("Expr", S.Zero))
+
+    def field(self) -> QuadraticField | TapeField:
+        """The vector field as plain data."""
+        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+
+        try:
+            return quadratic_of_equations(self.variables, self._rates)
+        except UnsupportedFieldError:
+            return tape_of_equations(self.variables, self._rates)
+
+    def vector_field(self, states: Array) -> Array:
+        """The rates, shape (..., N + 1)."""
+        return evaluated(self.variables, self._rates, states)
+
+    def functions(self) -> dict[str, PhaseFunction]:
+        """H and the Casimirs."""
+        casimirs = {f"C{k}": f for k, f in enumerate(self._symbolic.bracket.casimirs(), start=1)}
+        return {name: self.function(f) for name, f in {"H": self._symbolic.hamiltonian, **casimirs}.items()}
+
+    def function(self, function: str | Expr) -> PhaseFunction:
+        """A function of the state and the parameter: an expression, or the text of one."""
+        expression = self._symbolic.expression(function) if isinstance(function, str) else function
+        return PhaseFunction(cast("Any", self), expression)
+
+    def poisson_tensor(self, state: Array) -> Array:
+        """The Poisson tensor of the system, shape (N, N), at one state with the parameter."""
+        n = len(self.variables) - 1
+        return evaluated(self.variables, self._entries, state).reshape(n, n)
+
+    @cached_property
+    def _entries(self) -> tuple[Expr, ...]:
+        return tuple(cast("Any", self._symbolic.bracket.poisson_tensor()).flat())
 
 
 def values_of(system: System) -> Mapping[str, Any]:

@@ -1,8 +1,9 @@
-r"""Families of periodic orbits at fixed parameters: followed in the energy or in a Casimir.
+r"""Families of periodic orbits: followed in the energy, in a Casimir, or in a parameter.
 
-With one of the held values set free, loops form a curve, which is followed by its tangent (pseudo-arclength), so that
-folds are no obstacle.  With $w_j = \mu_j + 1/\mu_j$ of the pairs of multipliers, the polynomial
-$p(w) = \prod_j(w - w_j)$ is real; along a family it changes its sign
+With one of the held values set free, or a parameter, as a component of the state that does not move, loops form a
+curve, which is followed by its tangent (pseudo-arclength), so that folds are no obstacle.
+With $w_j = \mu_j + 1/\mu_j$ of the pairs of multipliers, the polynomial $p(w) = \prod_j(w - w_j)$ is real; along a
+family it changes its sign
 
 * at $w = 2$ in a fold of the energy, or where another branch crosses (of orbits with less symmetry, say);
 * at $w = -2$ where a branch of orbits of the double period leaves;
@@ -23,18 +24,20 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.equilibrium.family_equations import free_parameter
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import check_choice, shown
+from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.model.free_parameter import FreeParameter
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, orbit_columns, problem_at, with_parameter
 from liepoisson.orbits.closing import GROWTH, Loops, guessed
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
@@ -92,7 +95,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         ('the wanted value', 8.62606259)
 
     Attributes:
-        along: What was set free: "energy", or the name of a Casimir.
+        along: What was set free: "energy", or the name of a Casimir or a parameter.
         found: The orbits.
         points: Folds, branches, double periods and collisions between them.
         end: Why it ends.
@@ -112,7 +115,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
 
     @property
     def value(self) -> Array:
-        """The energy, or the Casimir, of each orbit, shape (orbit,)."""
+        """The energy, the Casimir or the parameter of each orbit, shape (orbit,)."""
         return np.array([value_of(one, self.along) for one in self.found])
 
     @property
@@ -153,9 +156,9 @@ FamilyStart: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium | FamilyP
 
 
 def value_of(orbit: PeriodicOrbit, along: str) -> float:
-    """The energy of an orbit, or a Casimir."""
-    functions = orbit.system.functions
-    return float((functions.energy if along == "energy" else functions.casimirs[along])(orbit.start))
+    """The energy of an orbit, a Casimir or a parameter."""
+    functions = {"energy": orbit.system.functions.energy, **orbit.system.functions.casimirs}
+    return float(functions[along](orbit.start)) if along in functions else FreeParameter(orbit.system, along).value
 
 
 @shows_progress
@@ -174,7 +177,7 @@ def orbit_family(
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> OrbitFamily:
-    r"""The family of periodic orbits that an orbit belongs to, or that begins at an equilibrium, at fixed parameters.
+    r"""The family of periodic orbits that an orbit belongs to, or that begins at an equilibrium.
 
     Example:
         >>> henon = lp.catalog.system("henon-heiles")
@@ -189,7 +192,8 @@ def orbit_family(
         system: A system whose parameters are all numbers.
         start: An orbit; an equilibrium with imaginary eigenvalues, around which orbits are small; or one of the
             `points` of a family, where a branch or orbits of the double period leave it.
-        along: "energy", or the name of the Casimir that varies; everything else is held.
+        along: What varies: "energy", a Casimir by name, or a parameter of the system by its name in `parameters`, such
+            as "g", or "a3" of a vector a; of a `Top` I1, ..., a1, ..., b1, ..., epsilon. Everything else is held.
         until: The value at which the family ends; the last orbit has it to round-off.
         increasing: Whether the value increases at the beginning.
         mode: Of an equilibrium, which frequency, the largest first.
@@ -206,10 +210,12 @@ def orbit_family(
     """
     run = RunOptions.read(None, threads, time_limit, progress)
     system, most = as_system(system), as_count(max_orbits, "max_orbits", least=2, most=100_000)
-    check_choice(along, "along", ("energy", *system.functions.casimirs), "the energy is what varies by default")
+    own = getattr(start.orbit if isinstance(start, FamilyPoint) else start, "system", system)
+    variable = free_parameter(system, own, along, "energy", *system.functions.casimirs)
     bound = None if until is None else as_number(until, "until", "a number")
     name = "H" if along == "energy" else along
-    follower = _Follower(system, name, momenta, as_number(longest_step, "longest_step", "a length"), run)
+    longest = as_number(longest_step, "longest_step", "a length")
+    follower = _Follower(system if variable is None else own, name, momenta, longest, variable)
     orbits: list[PeriodicOrbit] = []
     points: list[FamilyPoint] = []
     end = ""
@@ -232,9 +238,15 @@ def orbit_family(
 class _Follower:
     """A loop that moves along a family."""
 
-    def __init__(self, system: System, name: str, momenta: Momenta, longest: float, run: RunOptions) -> None:
-        self.system, self.name, self.momenta, self.longest, self.run = system, name, momenta, longest, run
+    def __init__(
+        self, system: System, name: str, momenta: Momenta, longest: float, variable: FreeParameter | None
+    ) -> None:
+        self.system, self.name, self.momenta, self.longest, self.variable = system, name, momenta, longest, variable
         self.step = min(_FIRST, longest)
+
+    def _with_parameter(self, state: Array) -> Array:
+        """A state, with the parameter behind it if one varies."""
+        return state if self.variable is None else np.append(state, self.variable.value)
 
     def begin(self, start: FamilyStart, mode: int, *, increasing: bool) -> None:
         """The first loop, and the direction in which it goes on.
@@ -248,11 +260,13 @@ class _Follower:
         if isinstance(start, Equilibrium):
             self._begin_at_rest(start, mode)
         elif isinstance(start, (PeriodicOrbit, SymmetricOrbit)):  # pyright: ignore[reportUnnecessaryIsInstance]
-            symmetry = start.symmetry if isinstance(start, PeriodicOrbit) else None
-            time = start.time if isinstance(start, PeriodicOrbit) else start.period
+            symmetry, time = None, start.period
+            if isinstance(start, PeriodicOrbit) and self.variable is None:  # which may break the symmetry
+                symmetry, time = start.symmetry, start.time
             momenta = self.momenta or (dict(start.momenta) if isinstance(start, PeriodicOrbit) else ())
             self._problem(start.start, momenta, symmetry)
-            self.loops = self.closing.solved(self.problem.loops(start.start[None], np.array([time])))
+            state = self._with_parameter(start.start)
+            self.loops = self.closing.solved(self.problem.loops(state[None], np.array([time])))
             if not self.loops.residual[0] <= CLOSES:
                 raise OrbitError(
                     f"start: wanted an orbit that closes to {CLOSES:g}; it does to {self.loops.residual[0]:.1e}"
@@ -266,6 +280,8 @@ class _Follower:
 
     def _problem(self, state: Array, momenta: Momenta, symmetry: Any) -> None:
         self.problem = problem_at(self.system, state, momenta=momenta, symmetry=symmetry, threads=1)
+        if self.variable is not None:
+            self.problem = with_parameter(self.problem, self.variable)
         self.held = self.problem.closing
         self.closing = self.held.without(self.name)
         self.units = self.closing.level.units
@@ -279,7 +295,8 @@ class _Follower:
             raise ParameterError("start: wanted an orbit that closes without a symmetry, to be run through twice")
         self._problem(orbit.start, self.momenta or dict(orbit.momenta), orbit.symmetry)
         angles = loops_of * orbit.angles[None]
-        self.loops = self.problem.loops(orbit.start[None], np.array([loops_of * orbit.time]), angles)
+        start = self._with_parameter(orbit.start)
+        self.loops = self.problem.loops(start[None], np.array([loops_of * orbit.time]), angles)
         across = self.closing.null_space(self.loops, 2)
         along = linear.matmul(across, point.tangent)
         self.tangent = linear.matmul(np.array([-along[1], along[0]]) / linear.norm(along), across)
@@ -312,10 +329,10 @@ class _Follower:
         state = rest.state + _FIRST * length * direction / linear.norm(direction)
         self._problem(state, self.momenta, None)
         time = np.array([2 * np.pi / values[k].imag])
-        scaled = direction / self.units
-        extra = np.zeros(len(state) + 1 + len(self.closing.rotations))
+        scaled = direction / self.units[: len(state)]
+        extra = np.zeros(len(self.units) + 1 + len(self.closing.rotations))
         extra[: len(state)] = scaled / linear.norm(scaled)
-        self.loops = self.closing.solved(self.problem.loops(state[None], time), extra=extra)
+        self.loops = self.closing.solved(self.problem.loops(self._with_parameter(state)[None], time), extra=extra)
         if not self.loops.residual[0] <= CLOSES:
             raise OrbitError(
                 f"an orbit around the equilibrium must close to {CLOSES:g}; it does to {self.loops.residual[0]:.1e}. "
@@ -326,6 +343,10 @@ class _Follower:
         """The loop with its multipliers, on its own level."""
         loops = self.loops if loops is None else loops
         start = loops.state[0, 0]
+        if self.variable is not None:
+            system, state = self.variable.at(float(start[-1])), start[:-1]
+            problem = problem_at(system, state, momenta=tuple(self.problem.momenta), threads=1)
+            return problem.described(replace(loops, state=loops.state[..., :-1]))
         level = self.held.level
         if self.name == "H":
             level = replace(level, values={**level.values, "H": Fraction(float(self.system.functions.energy(start)))})
@@ -387,7 +408,7 @@ class _Follower:
     def _extent(self) -> float:
         """About the size of the orbit, in units of the level."""
         loops = self.loops
-        rate = self.system.vector_field(loops.state[0]) / self.units
+        rate = self.held.flow.system.vector_field(loops.state[0]) / self.units
         return float(linear.norm(rate, axis=1).max() * loops.time[0] / (2 * np.pi))
 
     def points_between(self, number: int, first: PeriodicOrbit, last: PeriodicOrbit) -> list[FamilyPoint]:
@@ -414,7 +435,7 @@ class _Follower:
         """Functions that change their signs where something changes."""
         sums = orbit.multipliers[: len(orbit.multipliers) // 2]
         sums = sums + 1 / sums
-        gradient = self.held.held[self.name][0].gradient(orbit.start) * self.units
+        gradient = self.held.held[self.name][0].gradient(self._with_parameter(orbit.start)) * self.units
         pairs = [sums[i] - sums[j] for i in range(len(sums)) for j in range(i)]
         return {
             "fold": float(linear.matmul(gradient, tangent[: len(gradient)])),
