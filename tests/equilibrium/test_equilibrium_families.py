@@ -19,6 +19,7 @@ def located(family):
     return [(point.kind, pytest.approx(point.value, abs=EXACT)) for point in family.points]
 
 
+@pytest.mark.thorough
 def test_a_pendulum_on_a_hoop_that_turns():
     """The lowest point is stable up to Omega^2 = g; then it is cos q = g/Omega^2."""
     family = follow(HOOP, equilibrium(HOOP, [0, 0]), along="Omega", until=2)
@@ -32,6 +33,7 @@ def test_a_pendulum_on_a_hoop_that_turns():
     assert {one.linear_stability for one in tilted} == {"stable spectrum"}
 
 
+@pytest.mark.thorough
 def test_both_folds_of_a_cubic():
     """h = q^3 - m q has its extrema at q^2 = m/3."""
     family = follow(CUSP, equilibrium(CUSP, [1, 0]), along="h", increasing=False, until=-1)
@@ -41,6 +43,7 @@ def test_both_folds_of_a_cubic():
     np.testing.assert_allclose(states**3 - states, family.value, atol=EXACT)
 
 
+@pytest.mark.thorough
 def test_a_cusp_is_a_branch_where_it_is_symmetric():
     family = follow(CUSP, equilibrium(CUSP, [0, 0]), along="m", increasing=False, until=-1)
     assert located(family) == [("branch", 0)]
@@ -48,6 +51,7 @@ def test_a_cusp_is_a_branch_where_it_is_symmetric():
     np.testing.assert_allclose([one.state[0] ** 2 for one in branch], branch.value, rtol=EXACT)
 
 
+@pytest.mark.thorough
 def test_the_sleeping_top_falls_at_its_least_spin():
     """l3^2 = 4 I1 a3 alpha3, for the top with other moments, too, and in its weight."""
     family = follow(LAGRANGE, equilibrium(LAGRANGE, [0, 0, 3, 0, 0, 1]), along="C1", increasing=False, until=-3)
@@ -60,6 +64,7 @@ def test_the_sleeping_top_falls_at_its_least_spin():
     assert located(family) == [("Hamiltonian Hopf", 4 / 3)]
 
 
+@pytest.mark.thorough
 def test_a_spinning_hanging_top_tilts():
     """w = mu alpha with mu^2 (I3 - I1) alpha3 = a3; it leaves the vertical where mu^2 = 2."""
     hanging = equilibrium(LAGRANGE, [0, 0, 0, 0, 0, -1])
@@ -72,6 +77,18 @@ def test_a_spinning_hanging_top_tilts():
     np.testing.assert_allclose(omega, rate[:, None] * alpha, atol=EXACT)
     np.testing.assert_allclose(rate**2 * alpha[:, 2], -2, rtol=EXACT)
     assert {one.nullity for one in tilted} == {1}  # a circle of them
+
+
+@pytest.mark.thorough
+def test_the_rotation_of_kovalevskayas_top_about_its_mass_forks():
+    """I = (2, 2, 1), a = (-1, 0, 0), the mass above: others leave where w^2 (I1 - I3) = |a|, l = 2 w."""
+    top = lp.catalog.system("kovalevskaya")
+    family = follow(top, equilibrium(top, [-0.2, 0, 0, -1, 0, 0]), along="C1", until=3)
+    assert located(family) == [("branch", 2)]
+    turned = follow(top, family.points[0], along="C1", max_equilibria=6)
+    omega, alpha = np.split(np.array([one.state for one in turned]) / [2, 2, 1, 1, 1, 1], 2, axis=1)
+    np.testing.assert_allclose(np.cross(omega, alpha), 0, atol=EXACT)
+    assert np.abs(alpha[:, 2]).min() > 1e-3
 
 
 def cubic_discriminant(spin, linear, constant):
@@ -96,6 +113,7 @@ def test_the_twisted_sleeping_top_wakes_where_its_polynomial_has_double_roots():
     assert point.equilibrium.state[2] == pytest.approx(spin, rel=EXACT)
 
 
+@pytest.mark.thorough
 def test_steady_precessions_in_their_spin():
     """With l.alpha = 1 and u = alpha3, u l3^2 - (1 + u^2) l3 + u + (1 - u^2)^2 = 0; the circle ends upside down."""
     (one,) = lp.equilibria(LAGRANGE, {"C1": 1, "C2": 1}, along=["l3"], values={"l3": 0.9}, n_starts=20)
@@ -111,6 +129,7 @@ def test_steady_precessions_in_their_spin():
         assert {e.linear_stability for e in each} == {"stable spectrum"}
 
 
+@pytest.mark.thorough
 def test_precessions_in_the_weight_obey_the_quadratic_equation_of_their_rate():
     """I1 alpha3 W^2 - l3 W + a3 = 0 for the rate W, the multiplier of l.alpha."""
     one = lp.phase_space.equilibrium_near(LAGRANGE, [0.1, 0, 2, 0.3, 0, 0.9], along=("l3",))
@@ -150,6 +169,7 @@ def test_a_table_has_a_row_for_each_equilibrium():
     assert repr(family).startswith("3 equilibria of a family of 'hoop', Omega 1 to ")
 
 
+@pytest.mark.thorough
 def test_a_family_goes_on_from_its_last_member():
     first = follow(HOOP, equilibrium(HOOP, [0, 0]), along="Omega", max_equilibria=3)
     again = follow(HOOP, first[-1], along="Omega", until=1.5)
@@ -180,6 +200,7 @@ def test_what_is_refused(given, words):
         follow(**(REST | given))
 
 
+@pytest.mark.thorough
 def test_no_family_begins_at_a_branch_point_or_leaves_a_fold():
     bare = lp.System(lp.canonical(1), "p1^2/2 + q1^4/4 - m*q1^2/2 - h*q1", {"m": 0, "h": 0})
     with pytest.raises(lp.errors.ParameterError, match="isolated"):

@@ -80,6 +80,7 @@ def test_a_relative_orbit_of_a_symmetric_top():
     assert orbit.period == pytest.approx(np.diff(peaks).mean() / 100, abs=0.01)
 
 
+@pytest.mark.thorough
 def test_a_function_of_the_casimirs_in_the_hamiltonian_changes_energies_only():
     bracket, body = lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + alpha3"
     plain, lifted = (lp.System(bracket, text) for text in (body, body + " + dot(alpha, alpha)"))

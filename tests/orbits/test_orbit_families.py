@@ -78,6 +78,7 @@ def test_a_family_in_a_casimir_leaves_the_energy():
     np.testing.assert_allclose(values, 1, rtol=1e-12)
 
 
+@pytest.mark.thorough
 def test_the_pendulum_in_its_weight():
     """T = 4 K(sqrt((E + g)/2g))/sqrt(g) at the energy E."""
     heavy = lp.System(lp.canonical(1), "p1^2/2 - g*cos(q1)", {"g": 1})
@@ -108,6 +109,7 @@ def test_bifurcations_in_a_parameter_are_those_in_the_energy():
     assert np.abs(libration[1].states(50)[:, 0]).max() > 1e-3
 
 
+@pytest.mark.thorough
 def test_an_orbit_in_the_strength_of_the_cocycle_keeps_the_casimirs_that_depend_on_it():
     top, level = lp.Top.kovalevskaya(epsilon=1), {"C1": 1, "C2": "1/2", "C3": 1}
     one = lp.orbits.symmetric_periodic_orbits(top, level, energy="1/2", n_starts=40)[0]
@@ -120,6 +122,7 @@ def test_an_orbit_in_the_strength_of_the_cocycle_keeps_the_casimirs_that_depend_
     assert max(each.pair_defect for each in family) < 1e-10
 
 
+@pytest.mark.thorough
 def test_a_relative_orbit_in_the_weight_of_a_symmetric_top():
     top = lp.catalog.system("lagrange")
     start = lp.sample_states(top, 1, seed=3)[0]

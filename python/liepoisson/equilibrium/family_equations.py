@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -244,7 +244,8 @@ class FamilyEquations:
     def squares(self, place: Place) -> NDArray[np.complex128]:
         r"""The squares of the eigenvalues of the linearised flow, one of each pair $\pm\mu$."""
         flow = self._flows(place)[0]
-        values = np.asarray(linear.eigvals(linear.solve(flow.form, flow.hessian)) if flow.size else [], dtype=complex)
+        found: Any = linear.eigvals(linear.solve(flow.form, flow.hessian)) if flow.size else np.zeros(0)
+        values: NDArray[np.complex128] = found.astype(np.complex128)
         real = np.sort(values.real[values.imag == 0])
         chosen = np.append(values[values.imag > 0], real[(len(real) + 1) // 2 :])
         return linear.times(chosen, chosen)
@@ -261,7 +262,8 @@ class FamilyEquations:
 def _gaps(squares: NDArray[np.complex128]) -> Array:
     """The squares of the differences of two where they are real, else their sizes, which are not zero."""
     size = float(np.abs(squares).max(initial=0.0)) ** 2
-    gaps = np.array([linear.times(a - b, a - b) for a, b in combinations(squares, 2)], dtype=complex)
+    found: Any = np.array([linear.times(a - b, a - b) for a, b in combinations(squares, 2)])
+    gaps: NDArray[np.complex128] = found.astype(np.complex128)
     found = np.where(np.abs(gaps.imag) <= _IS_REAL * size, gaps.real, np.abs(gaps))
     return np.where(np.abs(found) <= _EQUAL * size, size, found)
 
