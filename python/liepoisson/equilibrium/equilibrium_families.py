@@ -222,8 +222,8 @@ class _Follower:
         equations = self.equations
         if equations.is_singular(self.place):
             raise ParameterError(
-                f"start: wanted an equilibrium at which the gradients of {', '.join(equations.held)} are independent; "
-                "they are not. Leave out integrals that are critical there"
+                f"start: wanted independent gradients of {', '.join(equations.held)}; got dependent ones. Leave out "
+                "integrals that are critical there"
             )
         if isinstance(start, EquilibriumFamilyPoint):
             return self._begin_a_branch(start)
