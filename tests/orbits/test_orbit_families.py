@@ -143,6 +143,19 @@ def test_a_family_that_ends_at_a_separatrix_has_no_orbit_twice():
     assert np.abs(np.diff([one.start for one in family], axis=0)).max(axis=1).min() > 0
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("omega", [1, 10])
+def test_a_family_that_shrinks_ends_at_the_equilibrium(omega):
+    """It neither goes through it and out again, nor turns there, in the energy and in the weight."""
+    swing = lp.System(lp.canonical(1), "p1^2/2 - w*w*g*cos(q1)", {"w": omega, "g": 1})
+    start = lp.orbits.periodic_orbit(swing, [1, 0], period=7 / float(swing.parameters["w"]))
+    for along in ("energy", "g"):
+        family = lp.orbits.orbit_family(swing, start, along=along, increasing=False)
+        assert family.end == "an equilibrium"
+        assert (np.diff(family.value) < 0).all()
+        assert not family.points
+
+
 def test_a_table_has_a_row_for_each_orbit():
     rest = lp.phase_space.equilibrium(PENDULUM, [0, 0])
     family = lp.orbits.orbit_family(PENDULUM, rest, max_orbits=4)

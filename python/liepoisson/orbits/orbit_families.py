@@ -54,7 +54,9 @@ _GOOD, _BAD = 0.2, 0.5
 
 _SAME = 1e-6
 _SECANTS, _TRIALS = 20, 8
-_TOO_SHORT = "the steps became too short"
+_SMALL = 0.1
+"""An orbit that is smaller than this part of both neighbours is at an equilibrium; at a fold all are about as large."""
+_TOO_SHORT, _AT_REST = "the steps became too short", "an equilibrium"
 _LEAVES = ("branch", "double period")
 """Points at which another family begins."""
 
@@ -228,6 +230,10 @@ def orbit_family(
                 if end == _TOO_SHORT:  # it has not moved
                     break
                 orbits.append(follower.orbit())
+                if follower.passes_rest(*orbits[-2:]):
+                    orbits.pop()
+                    end = _AT_REST
+                    break
                 points += follower.points_between(len(orbits) - 2, *orbits[-2:])
             except TimeLimitError:
                 end = "the time limit"
@@ -393,23 +399,30 @@ class _Follower:
             self.step /= 2
         else:
             return _TOO_SHORT
+        tangent = tangent if cosine > 0 else -tangent
         self.before = self.loops, self.tangent, length
-        self.loops, self.tangent = new, tangent if cosine > 0 else -tangent
+        self.loops, self.tangent = new, tangent
         if is_last:
             return "the wanted value"
         if angle < _GOOD:
             self.step = min(self.longest, 1.5 * self.step)
-        if self._extent() < _SAME:
-            return "an equilibrium"
         if np.abs(self.closing.linearised(new.state, new.time, new.angle).segments).max() > GROWTH**2:
             self.loops = self.closing.solved(self.problem.loops(new.state[:, 0], new.time, new.angle))
         return ""
 
-    def _extent(self) -> float:
-        """About the size of the orbit, in units of the level."""
-        loops = self.loops
-        rate = self.held.flow.system.vector_field(loops.state[0]) / self.units
-        return float(linear.norm(rate, axis=1).max() * loops.time[0] / (2 * np.pi))
+    def passes_rest(self, first: PeriodicOrbit, last: PeriodicOrbit) -> bool:
+        """Whether the family comes to an equilibrium and out again between the last two orbits.
+
+        The free value turns as in a fold, and the orbit at which it does is small beside both.
+        """
+        tests = [self._tests(first, self.before[1])["fold"], self._tests(last, self.tangent)["fold"]]
+        if tests[0] * tests[1] >= 0:
+            return False
+        between, _ = self._located("fold", *tests)
+        around = [first, last] if between is None else [first, last, between]
+        units = self.units[: len(first.start)]
+        sizes = [float(linear.norm(one.system.vector_field(one.start) / units)) * one.time for one in around]
+        return len(sizes) == 3 and sizes[2] < _SMALL * min(sizes[:2])
 
     def points_between(self, number: int, first: PeriodicOrbit, last: PeriodicOrbit) -> list[FamilyPoint]:
         """What changes between the last two orbits, located by the secant method (Illinois) in the step.
