@@ -1,4 +1,6 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.equilibrium.equilibrium_families import EquilibriumFamily as EquilibriumFamily
+from liepoisson.equilibrium.equilibrium_families import EquilibriumFamilyPoint as EquilibriumFamilyPoint
 from liepoisson.equilibrium.equilibrium_list import Equilibria as Equilibria
 from liepoisson.equilibrium.sleeping import SleepingTop as SleepingTop
 from liepoisson.equilibrium.stability import Equilibrium as Equilibrium

@@ -155,6 +155,7 @@ CURVES = {
 }  # fmt: skip
 SYMMETRIC = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 6*l3^2)/2", name="with a circle of equilibria")
 LOOP = {"start": [0, -0.1461901394453099, 0.4201732609406907, 0], "period": 6.794384826845275, "level": {"H": "1/10"}}
+UPRIGHT = lp.catalog.system("lagrange")
 SPHERE = {"level": {"C1": 1}, "box": lp.proofs.Box([-2, -2, -2], [2, 2, 2])}
 COUNTED = {
     "integrability.galois_obstruction": lambda **limit: OF.galois_obstruction(
@@ -196,6 +197,14 @@ COUNTED = {
     ),
     "orbits.symmetric_periodic_orbits": lambda **limit: lp.orbits.symmetric_periodic_orbits(
         HENON_HEILES, {}, energy="1/10", n_starts=MANY, **limit
+    ),
+    "phase_space.equilibrium_family": lambda **limit: lp.phase_space.equilibrium_family(
+        UPRIGHT,
+        lp.phase_space.equilibrium(UPRIGHT, [0, 0, 3, 0, 0, 1]),
+        along="C1",
+        max_equilibria=100_000,
+        longest_step=1e-5,
+        **limit,
     ),
     "phase_space.equilibria": lambda **limit: lp.equilibria(LINE, {}, n_starts=MANY, **limit),
     "phase_space.equilibria, relative": lambda **limit: lp.equilibria(

@@ -80,12 +80,82 @@ def test_a_family_in_a_casimir_leaves_the_energy():
     np.testing.assert_allclose(values, 1, rtol=1e-12)
 
 
+@pytest.mark.thorough
+def test_the_pendulum_in_its_weight():
+    """T = 4 K(sqrt((E + g)/2g))/sqrt(g) at the energy E."""
+    heavy = lp.System(lp.canonical(1), "p1^2/2 - g*cos(q1)", {"g": 1})
+    start = lp.orbits.periodic_orbit(heavy, [1, 0], period=7)
+    family = lp.orbits.orbit_family(heavy, start, along="g", until=3)
+    assert family.end == "the wanted value"
+    assert family.value[-1] == 3
+    assert family[-1].system.parameters["g"] == 3
+    energy, g = start.energy, family.value
+    np.testing.assert_allclose([one.energy for one in family], energy, rtol=1e-13)
+    np.testing.assert_allclose(family.period, 4 * ellipk((energy + g) / (2 * g)) / np.sqrt(g), rtol=1e-13)
+    back = lp.orbits.orbit_family(heavy, family[-1], along="g", until=1, increasing=False)
+    assert back.period[-1] == pytest.approx(start.period, rel=1e-13)
+
+
+@pytest.mark.thorough
+def test_bifurcations_in_a_parameter_are_those_in_the_energy():
+    """In units in which the potential is x^2 y - y^3/3 times k, the energy counts as k^2 E."""
+    text = "(px^2 + py^2 + x^2 + y^2)/2 + k*(x^2*y - y^3/3)"
+    scaled = lp.System(lp.canonical(names=("x", "y"), momenta=("px", "py")), text, {"k": 1})
+    start = lp.orbits.periodic_orbit(scaled, [0, 0, 0, 0.5], period=6.3)
+    family = lp.orbits.orbit_family(scaled, start, along="k", until=1.148, longest_step=0.1)
+    branches = [one for one in family.points if one.kind == "branch"]
+    k = [float(one.orbit.system.parameters["k"]) for one in branches]
+    np.testing.assert_allclose(6 * start.energy * np.array(k) ** 2, BRACK, rtol=3e-10)
+    libration = lp.orbits.orbit_family(scaled, branches[1], along="k", max_orbits=2, longest_step=0.02)
+    assert libration[0].stability == "hyperbolic"
+    assert np.abs(libration[1].states(50)[:, 0]).max() > 1e-3
+
+
+@pytest.mark.thorough
+def test_an_orbit_in_the_strength_of_the_cocycle_keeps_the_casimirs_that_depend_on_it():
+    top, level = lp.Top.kovalevskaya(epsilon=1), {"C1": 1, "C2": "1/2", "C3": 1}
+    one = lp.orbits.symmetric_periodic_orbits(top, level, energy="1/2", n_starts=40)[0]
+    family = lp.orbits.orbit_family(top, one, along="epsilon", until="6/5")
+    values = np.array([[*each.level.leaf.casimirs.values(), each.energy] for each in family])
+    np.testing.assert_allclose(values, np.broadcast_to([1, 0.5, 1, 0.5], values.shape), rtol=1e-13)
+    again = lp.orbits.periodic_orbit(lp.Top.kovalevskaya(epsilon="6/5"), family[-1], leaf=level, energy="1/2")
+    assert family.period[-1] == pytest.approx(again.period, rel=1e-13)
+    assert max(each.residual for each in family) < 1e-13
+    assert max(each.pair_defect for each in family) < 1e-10
+
+
+@pytest.mark.thorough
+def test_a_relative_orbit_in_the_weight_of_a_symmetric_top():
+    top = lp.catalog.system("lagrange")
+    start = lp.sample_states(top, 1, seed=3)[0]
+    orbit = lp.orbits.periodic_orbit(top, start, period=3, momenta=["l3"])
+    family = lp.orbits.orbit_family(top, orbit, along="a3", until=1.2)
+    last = family[-1]
+    assert last.momenta == {"l3": pytest.approx(start[2], rel=1e-13)}
+    heavier = lp.catalog.system("lagrange", {"a": [0, 0, 1.2]})
+    again = lp.orbits.periodic_orbit(heavier, last, momenta=["l3"])
+    assert (again.period, again.angles[0]) == pytest.approx((last.period, last.angles[0]), rel=1e-12)
+
+
 def test_a_family_that_ends_at_a_separatrix_has_no_orbit_twice():
     """The period grows beyond all bounds at the energy 1 of the upright pendulum."""
     rest = lp.phase_space.equilibrium(PENDULUM, [0, 0])
     family = lp.orbits.orbit_family(PENDULUM, rest, until=2)
     assert family.end == "the steps became too short"
     assert np.abs(np.diff([one.start for one in family], axis=0)).max(axis=1).min() > 0
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("omega", [1, 10])
+def test_a_family_that_shrinks_ends_at_the_equilibrium(omega):
+    """It neither goes through it and out again, nor turns there, in the energy and in the weight."""
+    swing = lp.System(lp.canonical(1), "p1^2/2 - w*w*g*cos(q1)", {"w": omega, "g": 1})
+    start = lp.orbits.periodic_orbit(swing, [1, 0], period=7 / float(swing.parameters["w"]))
+    for along in ("energy", "g"):
+        family = lp.orbits.orbit_family(swing, start, along=along, increasing=False)
+        assert family.end == "an equilibrium"
+        assert (np.diff(family.value) < 0).all()
+        assert not family.points
 
 
 def test_a_table_has_a_row_for_each_orbit():
@@ -101,6 +171,7 @@ def test_a_table_has_a_row_for_each_orbit():
 REFUSED = (
     ({"start": [1, 0]}, "wanted a periodic orbit or an equilibrium"),
     ({"along": "C7"}, "along"),
+    ({"along": "g"}, "a parameter of the system"),
     ({"mode": 1}, "frequenc"),
     ({"longest_step": 0}, "longest_step"),
     ({"longest_step": np.nan}, "longest_step"),

@@ -10,8 +10,9 @@ References: [lyapunov1907]; [seydel2010], multiple shooting; [munozalmaraz2003],
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from liepoisson.inputs.given import named, sequence
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+from liepoisson.model.free_parameter import FreeParameter, StateAndParameter
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
@@ -265,7 +267,8 @@ def problem_at(
         raise ParameterError(
             f"symmetry: wanted one of discrete_symmetries(system) that keeps time and {level.text}; got {symmetry.text}"
         )
-    held = {name: (function, level.number(name)) for name, function in level.functions.items()}
+    functions = {"H": system.functions.energy, **system.functions.casimirs}
+    held = {name: (function, level.number(name)) for name, function in functions.items()}
     names, rotations = _rotations(system, momenta, state)
     if holds_period:
         del held["H"]
@@ -273,6 +276,20 @@ def problem_at(
     momentum_values = {name: value for name, (_, value) in names.items()}
     closing = Closing(level, Flow(system, threads), held | names, matrix, rotations, holds_period)
     return Problem(closing, symmetry, momentum_values)
+
+
+def with_parameter(problem: Problem, variable: FreeParameter) -> Problem:
+    """The problem for the state with a parameter behind it, which is held like H and the Casimirs."""
+    closing, space, number = problem.closing, StateAndParameter(variable), variable.value
+    functions = {**space.functions(), **{name: space.function(name) for name in problem.momenta}}
+    held = {name: (functions[name], value) for name, (_, value) in closing.held.items()}
+    held[variable.name] = space.function(space.parameter), number
+    k, n = len(closing.rotations), len(closing.level.units) + 1
+    rotations = np.zeros((k, n, n))
+    rotations[:, :-1, :-1] = closing.rotations
+    level: Any = SimpleNamespace(units=np.append(closing.level.units, abs(number) or 1.0), system=space)
+    flow = Flow(cast("Any", space), closing.flow.threads)
+    return replace(problem, closing=Closing(level, flow, held, np.eye(n), rotations))
 
 
 def _rotations(system: System, momenta: Momenta, state: Array) -> tuple[dict[str, tuple[PhaseFunction, float]], Array]:

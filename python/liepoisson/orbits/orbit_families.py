@@ -1,8 +1,9 @@
-r"""Families of periodic orbits at fixed parameters: followed in the energy or in a Casimir.
+r"""Families of periodic orbits: followed in the energy, in a Casimir, or in a parameter.
 
-With one of the held values set free, loops form a curve, which is followed by its tangent (pseudo-arclength), so that
-folds are no obstacle.  With $w_j = \mu_j + 1/\mu_j$ of the pairs of multipliers, the polynomial
-$p(w) = \prod_j(w - w_j)$ is real; along a family it changes its sign
+With one of the held values set free, or a parameter, as a component of the state that does not move, loops form a
+curve, which is followed by its tangent (pseudo-arclength), so that folds are no obstacle.
+With $w_j = \mu_j + 1/\mu_j$ of the pairs of multipliers, the polynomial $p(w) = \prod_j(w - w_j)$ is real; along a
+family it changes its sign
 
 * at $w = 2$ in a fold of the energy, or where another branch crosses (of orbits with less symmetry, say);
 * at $w = -2$ where a branch of orbits of the double period leaves;
@@ -23,18 +24,28 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.equilibrium.family_equations import free_parameter
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.refusals import check_choice, counted, shown
+from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.model.free_parameter import FreeParameter
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, Momenta, PeriodicOrbit, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import (
+    CLOSES,
+    ISOLATED,
+    Momenta,
+    PeriodicOrbit,
+    orbit_columns,
+    problem_at,
+    with_parameter,
+)
 from liepoisson.orbits.closing import GROWTH, Loops, guessed
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.multipliers import HYPERBOLIC, SymmetricOrbit
@@ -105,7 +116,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         ('the wanted value', 8.62606259)
 
     Attributes:
-        along: What was set free: "energy", or the name of a Casimir.
+        along: What was set free: "energy", or the name of a Casimir or a parameter.
         found: The orbits.
         points: Folds, branches, double periods and collisions between them.
         end: Why it ends.
@@ -125,7 +136,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
 
     @property
     def value(self) -> Array:
-        """The energy, or the Casimir, of each orbit, shape (orbit,)."""
+        """The energy, the Casimir or the parameter of each orbit, shape (orbit,)."""
         return np.array([value_of(one, self.along) for one in self.found])
 
     @property
@@ -173,9 +184,9 @@ FamilyStart: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium | FamilyP
 
 
 def value_of(orbit: PeriodicOrbit, along: str) -> float:
-    """The energy of an orbit, or a Casimir."""
-    functions = orbit.system.functions
-    return float((functions.energy if along == "energy" else functions.casimirs[along])(orbit.start))
+    """The energy of an orbit, a Casimir or a parameter."""
+    functions = {"energy": orbit.system.functions.energy, **orbit.system.functions.casimirs}
+    return float(functions[along](orbit.start)) if along in functions else FreeParameter(orbit.system, along).value
 
 
 @shows_progress
@@ -194,7 +205,7 @@ def orbit_family(
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> OrbitFamily:
-    r"""The family of periodic orbits that an orbit belongs to, or that begins at an equilibrium, at fixed parameters.
+    r"""The family of periodic orbits that an orbit belongs to, or that begins at an equilibrium.
 
     Example:
         >>> henon = lp.catalog.system("henon-heiles")
@@ -209,7 +220,8 @@ def orbit_family(
         system: A system whose parameters are all numbers.
         start: An orbit; an equilibrium with imaginary eigenvalues, around which orbits are small; or one of the
             `points` of a family, where a branch or orbits of the double period leave it.
-        along: "energy", or the name of the Casimir that varies; everything else is held.
+        along: What varies: "energy", a Casimir by name, or a parameter of the system by its name in `parameters`, such
+            as "g", or "a3" of a vector a; of a `Top` I1, ..., a1, ..., b1, ..., epsilon. Everything else is held.
         until: The value at which the family ends; the last orbit has it to round-off.
         increasing: Whether the value increases at the beginning; by default it moves towards `until`, or increases.  Of
             a branch that can only go one way it is not asked.
@@ -229,11 +241,12 @@ def orbit_family(
     """
     run = RunOptions.read(None, threads, time_limit, progress)
     system, most = as_system(system), as_count(max_orbits, "max_orbits", least=2, most=100_000)
-    check_choice(along, "along", ("energy", *system.functions.casimirs), "the energy is what varies by default")
+    own = getattr(start.orbit if isinstance(start, FamilyPoint) else start, "system", system)
+    variable = free_parameter(system, own, along, "energy", *system.functions.casimirs)
     bound = None if until is None else as_energy(until, "until")
     name = "H" if along == "energy" else along
     longest = as_positive(longest_step, "longest_step", "a length in units of the level", example=_LONGEST)
-    follower = _Follower(system, name, momenta, longest, run)
+    follower = _Follower(system if variable is None else own, name, momenta, longest, variable)
     orbits: list[PeriodicOrbit] = []
     points: list[FamilyPoint] = []
     end = ""
@@ -262,10 +275,15 @@ def orbit_family(
 class _Follower:
     """A loop that moves along a family."""
 
-    def __init__(self, system: System, name: str, momenta: Momenta, longest: float, run: RunOptions) -> None:
-        self.system, self.name, self.momenta, self.longest, self.run = system, name, momenta, longest, run
+    def __init__(
+        self, system: System, name: str, momenta: Momenta, longest: float, variable: FreeParameter | None
+    ) -> None:
+        self.system, self.name, self.momenta, self.longest, self.variable = system, name, momenta, longest, variable
         self.step, self.is_branch = min(_FIRST, longest), False
-        self.free = system.functions.energy if name == "H" else system.functions.casimirs[name]
+
+    def _with_parameter(self, state: Array) -> Array:
+        """A state, with the parameter behind it if one varies."""
+        return state if self.variable is None else np.append(state, self.variable.value)
 
     def begin(self, start: FamilyStart, mode: int | None) -> None:
         """The first loop, and a direction of the family.
@@ -281,11 +299,13 @@ class _Follower:
         if isinstance(start, Equilibrium):
             self._begin_at_rest(start, 0 if mode is None else mode)
         elif isinstance(start, (PeriodicOrbit, SymmetricOrbit)):  # pyright: ignore[reportUnnecessaryIsInstance]
-            symmetry = start.symmetry if isinstance(start, PeriodicOrbit) else None
-            time = start.time if isinstance(start, PeriodicOrbit) else start.period
+            symmetry, time = None, start.period
+            if isinstance(start, PeriodicOrbit) and self.variable is None:  # which may break the symmetry
+                symmetry, time = start.symmetry, start.time
             momenta = self.momenta or (dict(start.momenta) if isinstance(start, PeriodicOrbit) else ())
             self._problem(start.start, momenta, symmetry)
-            self.loops = self.held.solved(self.problem.loops(start.start[None], np.array([time])))
+            state = self._with_parameter(start.start)
+            self.loops = self.held.solved(self.problem.loops(state[None], np.array([time])))
             if not self.loops.residual[0] <= CLOSES:
                 raise OrbitError(
                     f"start: wanted an orbit that closes to {CLOSES:g}; it does to {self.loops.residual[0]:.1e}"
@@ -308,7 +328,7 @@ class _Follower:
             self.tangent = -self.tangent
 
     def _value(self, loops: Loops) -> float:
-        """The energy, or the Casimir that varies."""
+        """The energy, the Casimir or the parameter that varies."""
         return float(self.free(loops.state[0, 0]))
 
     def _tangent_of(self, loops: Loops, like: Array | None = None) -> Array:
@@ -322,13 +342,18 @@ class _Follower:
     def _problem(self, state: Array, momenta: Momenta, symmetry: Any, on: Array | None = None) -> None:
         """The equations near a state, with the values of H, of Casimirs and of momenta there, or at a state `on`."""
         self.problem = problem_at(self.system, state, momenta=momenta, symmetry=symmetry, threads=1)
-        closing = self.problem.closing
-        held = dict(closing.held)
+        functions, held = self.system.functions, dict(self.problem.closing.held)
+        self.free = functions.energy if self.name == "H" else functions.casimirs.get(self.name, functions.energy)
+        if self.variable is not None:
+            self.problem = with_parameter(self.problem, self.variable)
+            held = dict(self.problem.closing.held)
+            self.free = held[self.name][0]
+        elif self.name != "H":  # the whole of it, with what depends on the Casimir that varies
+            held["H"] = functions.energy, float(functions.energy(state))
         if on is not None:
-            held = {name: (function, float(function(on))) for name, (function, _) in held.items()}
-        if self.name != "H":  # the whole of it, with what depends on the Casimir that varies
-            held["H"] = self.system.functions.energy, float(self.system.functions.energy(state if on is None else on))
-        self.held = closing = replace(closing, held=held)
+            at = self._with_parameter(on)
+            held = {name: (function, float(function(at))) for name, (function, _) in held.items()}
+        self.held = replace(self.problem.closing, held=held)
         self.closing = self.held.without(self.name)
         self.units = self.closing.level.units
 
@@ -341,7 +366,8 @@ class _Follower:
             raise ParameterError("start: wanted an orbit that closes without a symmetry, to be run through twice")
         self._problem(orbit.start, self.momenta or dict(orbit.momenta), orbit.symmetry)
         angles = loops_of * orbit.angles[None]
-        self.loops = self.problem.loops(orbit.start[None], np.array([loops_of * orbit.time]), angles)
+        start = self._with_parameter(orbit.start)
+        self.loops = self.problem.loops(start[None], np.array([loops_of * orbit.time]), angles)
         across = self.closing.null_space(self.loops, 2)
         along = linear.matmul(across, point.tangent)
         self.tangent = linear.matmul(np.array([-along[1], along[0]]) / linear.norm(along), across)
@@ -372,10 +398,14 @@ class _Follower:
         for n in range(_TRIALS):  # how small the orbits must be, only the nonlinear terms know
             state = rest.state + _FIRST * 10.0**-n * length * direction
             self._problem(state, self.momenta, None, rest.state)
-            extra = np.zeros(len(state) + 1 + len(self.closing.rotations))
-            extra[: len(state)] = direction / self.units / linear.norm(direction / self.units)
+            scaled, extra = (
+                direction / self.units[: len(state)],
+                np.zeros(len(self.units) + 1 + len(self.closing.rotations)),
+            )
+            extra[: len(state)] = scaled / linear.norm(scaled)
             with np.errstate(all="ignore"):
-                self.loops = self.closing.solved(self.problem.loops(state[None], np.array([time])), extra=extra)
+                loops = self.problem.loops(self._with_parameter(state)[None], np.array([time]))
+                self.loops = self.closing.solved(loops, extra=extra)
             if self.loops.residual[0] <= CLOSES and abs(self.loops.time[0] / time - 1) < _NEAR:
                 return
         raise OrbitError(
@@ -388,6 +418,11 @@ class _Follower:
         """The loop with its multipliers, on its own level."""
         loops = self.loops if loops is None else loops
         start = loops.state[0, 0]
+        if self.variable is not None:
+            system, state = self.variable.at(float(start[-1])), start[:-1]
+            problem = problem_at(system, state, momenta=tuple(self.problem.momenta), threads=1)
+            found = problem.described(replace(loops, state=loops.state[..., :-1]))
+            return replace(found, is_isolated=bool((np.abs(found.multipliers - 1) > HYPERBOLIC).all()))
         level = self.held.level
         if self.name == "H":
             level = replace(level, values={**level.values, "H": Fraction(float(self.system.functions.energy(start)))})
@@ -422,8 +457,8 @@ class _Follower:
                 and (old - bound) * (value - bound) <= 0
             ):
                 function = self.held.held[self.name][0]
-                wanted = float(function(new.state[0, 0])) + bound - value  # less what depends on Casimirs alone
-                closing = replace(self.held, held={**self.held.held, self.name: (function, wanted)})
+                rest = 0.0 if function is self.free else float(function(new.state[0, 0])) - value  # of Casimirs alone
+                closing = replace(self.held, held={**self.held.held, self.name: (function, bound + rest)})
                 length *= (bound - old) / (value - old)
                 new, is_last = closing.solved(self.moved(length)), True
             if new.residual[0] <= CLOSES:
@@ -458,7 +493,8 @@ class _Follower:
 
         After it come the same orbits again, from half a period later.
         """
-        rates = [self.system.vector_field(one.state[0, 0]) / self.units for one in (self.loops, loops)]
+        field = self.closing.flow.system.vector_field
+        rates = [field(one.state[0, 0]) / self.units for one in (self.loops, loops)]
         return bool(linear.matmul(rates[0], rates[1]) < 0)
 
     def points_between(self, number: int, first: PeriodicOrbit, last: PeriodicOrbit) -> list[FamilyPoint]:
@@ -491,7 +527,7 @@ class _Follower:
         """Functions that change their signs where something changes."""
         sums = orbit.multipliers[: len(orbit.multipliers) // 2]
         sums = sums + 1 / sums
-        gradient = self.free.gradient(orbit.start) * self.units
+        gradient = self.free.gradient(self._with_parameter(orbit.start)) * self.units
         pairs = [sums[i] - sums[j] for i in range(len(sums)) for j in range(i)]
         return {
             "fold": float(linear.matmul(gradient, tangent[: len(gradient)])),
