@@ -245,5 +245,6 @@ def test_streams_keep_their_numbers():
     """A seed gives the same starts for ever: a purpose that is new gets a number that was never used."""
     assert {one.name: one.value for one in streams.Purpose} == {
         "STATES": 0, "TANGENTS": 1, "FRAMES": 2, "TRIANGLES": 3, "ALIGNMENT": 4, "EQUILIBRIA": 5, "LEAF": 10,
-        "CHAINS": 11, "SYMMETRIC_ORBITS": 12, "HOMOCLINIC_ORBITS": 13, "PERIODIC_ORBITS": 14, "SECTION": 0x5EC7,
+        "CHAINS": 11, "SYMMETRIC_ORBITS": 12, "HOMOCLINIC_ORBITS": 13, "PERIODIC_ORBITS": 14, "CONNECTING_ORBITS": 15,
+        "DIRECTIONS": 16, "SECTION": 0x5EC7,
     }  # fmt: skip
