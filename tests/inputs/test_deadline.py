@@ -178,6 +178,9 @@ COUNTED = {
     "fits.window_scan, many windows": lambda **limit: lp.fits.window_scan(
         **CURVES, windows=[(10 + k / MANY, 1000) for k in range(MANY)], **limit
     ),
+    "orbits.connecting_orbits": lambda **limit: lp.orbits.connecting_orbits(
+        lp.phase_space.equilibrium(DUFFING, [0, 0]), n_starts=MANY, **limit
+    ),
     "orbits.orbit_family": lambda **limit: lp.orbits.orbit_family(
         DUFFING, lp.phase_space.equilibrium(DUFFING, [1, 0]), max_orbits=100_000, longest_step=1e-5, **limit
     ),

@@ -115,22 +115,22 @@ class InvariantManifold(ReadOnlyArrays):
         e = self.amplitude * e / linear.norm(e, axis=1, keepdims=True)
         return _states(self.space, *_frames(self.space, np.broadcast_to(theta, len(e))), e)
 
-    def spread(self, n: int, *, seed: int = 0) -> tuple[Array, Array]:
+    def spread(self, n_starts: int, *, seed: int = 0) -> tuple[Array, Array]:
         """Directions, shape (n, k), and phases, shape (n,), spread over all starts.
 
         With one direction they alternate between both sides, with two they go round evenly, with more they are random.
         """
-        return _spread(self.space, as_count(n, "n", least=1), as_seed(seed))
+        return _spread(self.space, as_count(n_starts, "n_starts", least=1), as_seed(seed))
 
-    def starts(self, n: int, *, seed: int = 0) -> Array:
+    def starts(self, n_starts: int, *, seed: int = 0) -> Array:
         """So many starts, spread over all, shape (n, N); of a curve there are only two."""
-        return self.at(*self.spread(n, seed=seed))
+        return self.at(*self.spread(n_starts, seed=seed))
 
-    def followed(self, n: int, t_end: float, *, n_times: int = 1001, seed: int = 0, **options: Any) -> Orbit:
+    def followed(self, n_starts: int, t_end: float, *, n_times: int = 1001, seed: int = 0, **options: Any) -> Orbit:
         """Orbits of the manifold from so many starts, as `integrate` returns them; stable ones run backwards.
 
         Args:
-            n: How many.
+            n_starts: How many.
             t_end: How long they are followed.
             n_times: The number of times at which states are kept.
             seed: Draws directions, where there are more than two.
@@ -138,33 +138,34 @@ class InvariantManifold(ReadOnlyArrays):
         """
         n_times = as_count(n_times, "n_times", least=2)
         t_end = self.space.direction * as_time(t_end, "t_end", example=10.0)
-        return integrate(self.system, self.starts(n, seed=seed), times=np.linspace(0.0, t_end, n_times), **options)
+        return integrate(
+            self.system, self.starts(n_starts, seed=seed), times=np.linspace(0.0, t_end, n_times), **options
+        )
 
-    def section(self, surface: Any, *, n: int, t_end: float, seed: int = 0, **options: Any) -> Section:
+    def section(self, surface: Any, *, n_starts: int, t_end: float, seed: int = 0, **options: Any) -> Section:
         """Where orbits of the manifold cross a surface, as `section` returns it; stable ones run backwards.
 
         Args:
             surface: The surface, as for `section`.
-            n: From how many starts.
+            n_starts: From how many starts.
             t_end: How long they are followed.
             seed: Draws directions, where there are more than two.
             **options: As for `section`: `direction`, `n_crossings`, ...
         """
         t_end = self.space.direction * as_time(t_end, "t_end", example=10.0)
-        return section(self.system, self.starts(n, seed=seed), surface=surface, t_end=t_end, **options)
+        return section(self.system, self.starts(n_starts, seed=seed), surface=surface, t_end=t_end, **options)
 
-    def errors(self, n: int, t: float = 0.0) -> Array:
+    def errors(self, n_starts: int, t: float = 0.0) -> Array:
         """The measured distances from the manifold, in units of the level, after a time, of so many starts, shape (n,).
 
         They are measured between orbits that begin at d and earlier, at d/2 or less, across the tangent space there.
 
         Args:
-            n: How many.
+            n_starts: How many.
             t: How long they were followed; 0 for the starts.
         """
-        n = as_count(n, "n", least=1)
         time = 0.0 if t == 0 else as_time(t, "t", example=10.0)
-        return _errors(self.space, self.amplitude, *_spread(self.space, n), time)
+        return _errors(self.space, self.amplitude, *_spread(self.space, as_count(n_starts, "n_starts", least=1)), time)
 
     def __repr__(self) -> str:
         return (
@@ -185,7 +186,7 @@ def invariant_manifold(
     Example:
         >>> well = lp.System(lp.canonical(1), "p1^2/2 - q1^2/2 + q1^4/4")
         >>> manifold = lp.orbits.invariant_manifold(lp.phase_space.equilibrium(well, [0, 0]))
-        >>> manifold.section("p1", n=2, t_end=20).state[:, 0].round(9)  # sqrt(2)/cosh(t) on both sides
+        >>> manifold.section("p1", n_starts=2, t_end=20).state[:, 0].round(9)  # sqrt(2)/cosh(t) on both sides
         array([-1.414213562,  1.414213562])
 
     Args:
@@ -210,15 +211,19 @@ def invariant_manifold(
     run = RunOptions.read(None, 1, time_limit)
     given = None if amplitude is None else as_positive(amplitude, "amplitude", "a positive number", example=1e-4)
     with run.deadline.running():
-        space = unstable_space(base, direction=KINDS[kind], wholly=False)
-        sample = _spread(space, _SAMPLES)
-        if given is None:
-            least, power = float(np.finfo(float).eps), 4 if space.is_whole else 3
-            largest = float(elementary.power(least, 1 / power))
-            bend = float(_errors(space, largest, *sample, 0.0).max()) / largest**2
-            given = float(elementary.power(least / max(bend, 1.0), 1 / power))
-        error = float(_errors(space, given, *sample, 0.0).max())
-    return InvariantManifold(base, kind, space, given, error)
+        return manifold_of(base, kind, given)
+
+
+def manifold_of(base: Base, kind: str, amplitude: float | None = None, name: str = "base") -> InvariantManifold:
+    """The manifold of a base that is an argument of this name, with the measured error of its starts."""
+    space = unstable_space(base, direction=KINDS[kind], wholly=False, name=name)
+    sample = _spread(space, _SAMPLES)
+    if amplitude is None:
+        least, power = float(np.finfo(float).eps), 4 if space.is_whole else 3
+        largest = float(elementary.power(least, 1 / power))
+        bend = float(_errors(space, largest, *sample, 0.0).max()) / largest**2
+        amplitude = float(elementary.power(least / max(bend, 1.0), 1 / power))
+    return InvariantManifold(base, kind, space, amplitude, float(_errors(space, amplitude, *sample, 0.0).max()))
 
 
 def _spread(space: UnstableSpace, n: int, seed: int = 0) -> tuple[Array, Array]:

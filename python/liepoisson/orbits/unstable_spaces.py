@@ -145,42 +145,43 @@ class UnstableSpace(ReadOnlyArrays):
         return states, frames
 
 
-def unstable_space(origin: Base, *, direction: int = 1, wholly: bool = True) -> UnstableSpace:
+def unstable_space(origin: Base, *, direction: int = 1, wholly: bool = True, name: str = "origin") -> UnstableSpace:
     """The linear unstable space of a periodic orbit at its start, or of an equilibrium.
 
     Args:
         origin: The periodic orbit or equilibrium.
         direction: -1 for the stable space.
         wholly: Whether it must be hyperbolic, and not only have unstable directions.
+        name: The argument that it is, for refusals.
 
     Raises:
         ParameterError: it is no such thing, or moves with rotations, or has no unstable direction, or is not
             hyperbolic: some multiplier is on the unit circle, some eigenvalue of the leaf on the imaginary axis.
         LeafError: the leaf of the equilibrium is not regular.
     """
-    if isinstance(origin, (SymmetricOrbit, PeriodicOrbit)):
-        return _of_orbit(origin, direction, wholly=wholly)
+    if isinstance(origin, SymmetricOrbit) or (isinstance(origin, PeriodicOrbit) and not wholly):
+        return _of_orbit(origin, direction, name, wholly=wholly)
     if isinstance(origin, Equilibrium):  # pyright: ignore[reportUnnecessaryIsInstance]
-        return _of_equilibrium(origin, direction, wholly=wholly)
+        return _of_equilibrium(origin, direction, name, wholly=wholly)
+    wanted = "a symmetric periodic orbit or an equilibrium" if wholly else "a periodic orbit or an equilibrium"
     raise ParameterError(
-        f"origin: wanted a symmetric periodic orbit or an equilibrium; got {origin!r:.60}; take one of "
-        "symmetric_periodic_orbits or of equilibria"
+        f"{name}: wanted {wanted}; got {origin!r:.60}; take one of symmetric_periodic_orbits or of equilibria"
     )
 
 
-def _of_orbit(orbit: SymmetricOrbit | PeriodicOrbit, direction: int, *, wholly: bool) -> UnstableSpace:
+def _of_orbit(orbit: SymmetricOrbit | PeriodicOrbit, direction: int, name: str, *, wholly: bool) -> UnstableSpace:
     if wholly and orbit.stability != "hyperbolic":
-        raise ParameterError(f"origin: wanted a hyperbolic orbit; got one that is {orbit.stability}, {orbit!r}")
+        raise ParameterError(f"{name}: wanted a hyperbolic orbit; got one that is {orbit.stability}, {orbit!r}")
     if isinstance(orbit, SymmetricOrbit):
         closing, time = linear.matmul(orbit.last.matrix, orbit.first.matrix), orbit.return_time
     elif orbit.is_relative:
-        raise ParameterError(f"origin: wanted an orbit that closes; got a relative one, {orbit!r}")
+        raise ParameterError(f"{name}: wanted an orbit that closes; got a relative one, {orbit!r}")
     else:
         closing, time = np.eye(len(orbit.start)), orbit.time
         closing = closing if orbit.symmetry is None else orbit.symmetry.matrix.astype(np.float64)
     k = int((np.abs(orbit.multipliers) > 1 + HYPERBOLIC).sum())
     if not k:
-        raise ParameterError(f"origin: wanted unstable directions; the orbit is a centre, {orbit!r}")
+        raise ParameterError(f"{name}: wanted hyperbolic directions; the orbit is a centre, {orbit!r}")
     level, units = orbit.level, orbit.level.units
     _, matrix = Flow(orbit.system, 1).matrix(orbit.start, direction * time)
     gradients, rate = level.gradients(orbit.start), orbit.system.vector_field(orbit.start)
@@ -191,7 +192,7 @@ def _of_orbit(orbit: SymmetricOrbit | PeriodicOrbit, direction: int, *, wholly: 
     basis, loop = _invariant(small, k)
     slowest = float(elementary.log(np.abs(linear.eigvals(loop)).min())) / time
     if not slowest > 0:
-        raise ParameterError(f"origin: wanted a hyperbolic orbit; that of {orbit!r} cannot be told from a neutral one")
+        raise ParameterError(f"{name}: wanted a hyperbolic orbit; that of {orbit!r} cannot be told from a neutral one")
     return UnstableSpace(
         level,
         orbit.start,
@@ -208,12 +209,12 @@ def _of_orbit(orbit: SymmetricOrbit | PeriodicOrbit, direction: int, *, wholly: 
     )
 
 
-def _of_equilibrium(origin: Equilibrium, direction: int, *, wholly: bool) -> UnstableSpace:
+def _of_equilibrium(origin: Equilibrium, direction: int, name: str, *, wholly: bool) -> UnstableSpace:
     if any(origin.omega.values()):
-        raise ParameterError(f"origin: wanted an equilibrium at rest; got a relative one, omega = {origin.omega}")
+        raise ParameterError(f"{name}: wanted an equilibrium at rest; got a relative one, omega = {origin.omega}")
     is_whole = not (np.abs(origin.spectrum.real) <= HYPERBOLIC * np.abs(origin.spectrum).max(initial=0.0)).any()
     if wholly and not is_whole:
-        raise ParameterError(f"origin: wanted a hyperbolic equilibrium; got one with the spectrum {origin.spectrum}")
+        raise ParameterError(f"{name}: wanted a hyperbolic equilibrium; got one with the spectrum {origin.spectrum}")
     if not origin.leaf.is_regular:
         raise LeafError(f"leaf must be a regular one; got {origin.leaf!r}")
     level = level_of(origin.system, origin.leaf, origin.energy)
@@ -226,12 +227,12 @@ def _of_equilibrium(origin: Equilibrium, direction: int, *, wholly: bool) -> Uns
     k = int((values.real > HYPERBOLIC * np.abs(values).max(initial=0.0)).sum())
     if not k:
         raise ParameterError(
-            f"origin: wanted unstable directions; the equilibrium is a centre, with the spectrum {origin.spectrum}"
+            f"{name}: wanted hyperbolic directions; the equilibrium is a centre, with the spectrum {origin.spectrum}"
         )
     basis, rates = _invariant(small, k, of_rates=True)
     slowest = float(linear.eigvals(rates).real.min())
     if not slowest > 0:
-        raise ParameterError(f"origin: wanted a hyperbolic equilibrium; the unstable space of {origin!r} is not known")
+        raise ParameterError(f"{name}: wanted a hyperbolic equilibrium; the unstable space of {origin!r} is not known")
     return UnstableSpace(
         level,
         origin.state,
