@@ -55,11 +55,11 @@ class InvariantManifold(ReadOnlyArrays):
     r"""The unstable or stable manifold of an equilibrium or a periodic orbit, by orbits from its linear one.
 
     Example:
-        >>> pendulum = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
+        >>> pendulum = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)", name="pendulum")
         >>> upright = lp.phase_space.equilibrium(pendulum, [-np.pi, 0])
         >>> manifold = lp.orbits.invariant_manifold(upright)
         >>> manifold
-        <InvariantManifold of 'pendulum': unstable, dimension 1, amplitude 0.00012, error 1e-12 at the start>
+        <InvariantManifold of 'pendulum': unstable, dimension 1, amplitude 0.00012, error 2e-14 at the start>
 
     Attributes:
         base: The equilibrium or the periodic orbit.
@@ -155,16 +155,16 @@ class InvariantManifold(ReadOnlyArrays):
         t_end = self.space.direction * as_time(t_end, "t_end", example=10.0)
         return section(self.system, self.starts(n_starts, seed=seed), surface=surface, t_end=t_end, **options)
 
-    def errors(self, n_starts: int, t: float = 0.0) -> Array:
+    def errors(self, n_starts: int, t_end: float = 0.0) -> Array:
         """The measured distances from the manifold, in units of the level, after a time, of so many starts, shape (n,).
 
         They are measured between orbits that begin at d and earlier, at d/2 or less, across the tangent space there.
 
         Args:
             n_starts: How many.
-            t: How long they were followed; 0 for the starts.
+            t_end: How long they were followed; 0 for the starts.
         """
-        time = 0.0 if t == 0 else as_time(t, "t", example=10.0)
+        time = 0.0 if t_end == 0 else as_time(t_end, "t_end", example=10.0)
         return _errors(self.space, self.amplitude, *_spread(self.space, as_count(n_starts, "n_starts", least=1)), time)
 
     def __repr__(self) -> str:
@@ -187,7 +187,7 @@ def invariant_manifold(
         >>> well = lp.System(lp.canonical(1), "p1^2/2 - q1^2/2 + q1^4/4")
         >>> manifold = lp.orbits.invariant_manifold(lp.phase_space.equilibrium(well, [0, 0]))
         >>> manifold.section("p1", n_starts=2, t_end=20).state[:, 0].round(9)  # sqrt(2)/cosh(t) on both sides
-        array([-1.414213562,  1.414213562])
+        array([ 1.41421356, -1.41421356])
 
     Args:
         base: An equilibrium, or a periodic orbit that closes without rotations.
