@@ -132,6 +132,7 @@ def rows():
     _of_algebras(add)
     _of_systems(add)
     _of_runs(add)
+    _of_orbits_and_sections(add)
     _of_leaves_and_charts(add)
     _of_integrals(add)
     _of_results(add)
@@ -253,8 +254,12 @@ def _of_runs(add):
     add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, times=TIMES, attitude=unit)
     add("orbits.chart_orbit", "start:N times:1", chart=lp.charts.EulerChart(RIGID, state=Y), start=Y, times=TIMES)
     add("orbits.integrate", "starts:S times:1 tangents:N", **run, times=TIMES, tangents=[X, X[::-1]])
+
+
+def _of_orbits_and_sections(add):
+    run = {"system": TOP, "starts": X}
     rod = {"system": lp.Top.twisted(inertia=(1, 1, 2), a=(0, 0, 1), epsilon=1), "starts": Y, "arclengths": TIMES}
-    add("orbits.rod", "starts:S arclengths:1 attitude:o origin:o", **rod, attitude=unit, origin=(1.0, 2, 3))
+    add("orbits.rod", "starts:S arclengths:1 attitude:o origin:o", **rod, attitude=(1.0, 0, 0, 0), origin=(1.0, 2, 3))
     heavy = lp.catalog.system("heavy-top")
     reversers = list(lp.systems.discrete_symmetries(heavy).reversers[:1])
     search = {"system": heavy, "leaf": {"C1": 0.2, "C2": 1}, "energy": 1.5, "n_starts": 1, "t_end": 1}
@@ -268,6 +273,13 @@ def _of_runs(add):
     add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
     add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
+    back, pendulum = (lp.sections.return_map(one, "l1", t_end=50) for one in (TOP, SPHERICAL))
+    point, given = {"states": X}, {"coordinates": ["l2", "l3", "alpha1", "beta1"]}
+    add("results.ReturnMap.orbit", "states:S", back, **point, n_returns=2)
+    add("results.ReturnMap.derivative", "states:S coordinates:o", back, **point, **given)
+    add("results.ReturnMap.density", "states:S coordinates:o", back, **point, **given)
+    add("results.ReturnMap.exponents", "states:S", back, **point, n_returns=2)
+    add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
     keep = ["l1", "alpha2"]
     add("sections.section", "starts:S start_side:1 keep:o", **run, surface="l3", t_end=20, start_side=[0], keep=keep)

@@ -52,6 +52,9 @@ from liepoisson.orbits.orbit_families import FamilyPoint as FamilyPoint
 from liepoisson.orbits.orbit_families import OrbitFamily as OrbitFamily
 from liepoisson.orbits.refine import PreciseMidpoint as PreciseMidpoint
 from liepoisson.orbits.refine import PreciseSegment as PreciseSegment
+from liepoisson.orbits.return_maps import Cycles as Cycles
+from liepoisson.orbits.return_maps import MapExponents as MapExponents
+from liepoisson.orbits.return_maps import ReturnMap as ReturnMap
 from liepoisson.poincare.first_return import FirstReturn as FirstReturn
 from liepoisson.poincare.section import Section as Section
 from liepoisson.proofs.enclosures import FlowEnclosure as FlowEnclosure

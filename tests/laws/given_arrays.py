@@ -63,6 +63,11 @@ def attitude() -> lp.results.Attitude:
 
 
 @cache
+def manifold() -> lp.results.InvariantManifold:
+    return lp.orbits.invariant_manifold(lp.phase_space.equilibrium(PENDULUM, [np.pi, 0]))
+
+
+@cache
 def covariant() -> lp.results.CovariantVectors:
     spectrum = lp.lyapunov_spectrum(TOP, STATES[:1], t_end=6, interval=2, transient=4, covariant=True)
     assert spectrum.covariant is not None
@@ -99,6 +104,7 @@ def crossings() -> lp.results.Section:
     return lp.section(TOP, STATES, surface="l3", t_end=30)
 
 
+PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)", name="pendulum")
 SLEEPING = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="sleeping top")
 
 
@@ -183,6 +189,10 @@ CASES: dict[str, Case] = {
     "LeafConstants.of": Case(lambda state: numbers_of("euler", state), {"state": STATE}),
     "LogFit.curve": Case(lambda time: fits()[1].curve(time), {"time": LONG}),
     "Orbit.go_on": Case(lambda times: orbit().go_on(times=times), {"times": orbit().time[-1] + LATER}),
+    "InvariantManifold.at": Case(
+        lambda directions, phases: manifold().at(directions, phases),
+        {"directions": np.ones((2, 1)), "phases": np.array([0.25, 0.5])},
+    ),
     "Orbit.at": Case(lambda times: orbit().at(times), {"times": TIMES}),
     "OrdinaryLagrange.__init__": Case(
         lambda state: [str(lp.charts.OrdinaryLagrange(LAGRANGE, state=state).hamiltonian)], {"state": ORDINARY}

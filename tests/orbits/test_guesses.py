@@ -98,7 +98,9 @@ def test_orbits_of_a_level_are_found_and_are_those_of_another_integrator():
         )
         largest = np.abs(one.multipliers).max()
         assert np.abs(run.y[:, -1] - one.start).max() < 1e-10 * (1 + largest)
-    assert list(found.to_dataframe().columns[:2]) == ["period", "rate"]
+    table = found.to_dataframe()
+    assert list(table.columns[:5]) == ["energy", "C1", "C2", "C3", "period"]
+    np.testing.assert_allclose(table[["energy", "C1", "C2", "C3"]], [[0.5, 1, 0.5, 1]] * len(found), rtol=1e-13)
 
 
 REFUSED = (

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 CLOSES = 1e-12
 """Largest residual of an orbit, in units of its level."""
-_ISOLATED = 1e-8
+ISOLATED = 1e-8
 """The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
 _SAME = 1e-6
 
@@ -141,12 +141,14 @@ class PeriodicOrbit(ReadOnlyArrays):
         )
 
 
-def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """The columns of a table of orbits: period, stability, start and multipliers of each."""
+def orbit_columns(orbits: Sequence[PeriodicOrbit], system: System) -> dict[str, NDArray[Any]]:
+    """The columns of a table of orbits: energy, Casimirs, period, stability, start and multipliers of each."""
     listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+    names, functions = system.component_names, system.functions
     starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
     multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
     return {
+        **{name: f(starts) for name, f in {"energy": functions.energy, **functions.casimirs}.items()},
         **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
         **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
         **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
@@ -223,7 +225,7 @@ class Problem:
         found = loop_spectrum(linear.matmul(undone, forwards), linear.matmul(backwards, turn), gradients, rates)
         return PeriodicOrbit(
             level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
-            bool(loops.regularity[row] > _ISOLATED), found.values, found.pair_defect, found.trivial_defect,
+            bool(loops.regularity[row] > ISOLATED), found.values, found.pair_defect, found.trivial_defect,
         )  # fmt: skip
 
     @property

@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import OrbitError, ParameterError
+from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_time
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
-from liepoisson.inputs.given import ordered
 from liepoisson.inputs.refusals import check_choice
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.run_options import RunOptions
@@ -99,7 +99,7 @@ class InvariantManifold(ReadOnlyArrays):
             phases: $\theta$, the parts of the period after the start of the orbit, shape (n,), or one for all; of no
                 meaning at an equilibrium.
         """
-        e = np.atleast_2d(ordered(directions, "directions"))
+        e = np.atleast_2d(as_array(directions, "directions"))
         if (
             e.ndim != 2
             or e.shape[1] != self.n_directions
@@ -109,7 +109,7 @@ class InvariantManifold(ReadOnlyArrays):
             raise ParameterError(
                 f"directions: wanted vectors that are not zero, of shape (n, {self.n_directions}); got shape {e.shape}"
             )
-        theta = np.asarray(ordered(phases, "phases"), dtype=np.float64)
+        theta = as_array(phases, "phases")
         if theta.shape not in {(), (1,), (len(e),)} or not np.isfinite(theta).all():
             raise ParameterError(f"phases: wanted one, or one for each of {len(e)} directions; got shape {theta.shape}")
         e = self.amplitude * e / linear.norm(e, axis=1, keepdims=True)

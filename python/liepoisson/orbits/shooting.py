@@ -13,7 +13,7 @@ References: [devogelaere1958]; [lamb1998].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -24,7 +24,7 @@ from liepoisson.formula.scalars import MOST, TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_memory
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -80,10 +80,12 @@ class Flow:
     Attributes:
         system: The system.
         threads: How many threads survey many starts at once; None for all.
+        method: How they are integrated.
     """
 
     system: System
     threads: int | None = None
+    method: Method = field(default_factory=Taylor)
 
     def ends(self, starts: Array, times: Array, tangents: Array | None = None) -> tuple[Array, Array]:
         """States and tangent vectors of each trajectory at its own time; NaN where it did not reach it.
@@ -113,7 +115,7 @@ class Flow:
                 starts[some],
                 times=-grid if backwards else grid,
                 tangents=np.swapaxes(vectors[some], 1, 2) if vectors.shape[2] else None,
-                method=Taylor(),
+                method=self.method,
                 kernel="lanes",  # one trajectory alone is then the same as among others
                 threads=1,
             )
@@ -145,7 +147,7 @@ class Flow:
             self.system,
             starts,
             times=grid,
-            method=Taylor(),
+            method=self.method,
             kernel="lanes",
             threads=self.threads,
             time_limit=time_limit,
