@@ -13,7 +13,7 @@ import pytest
 
 import liepoisson
 from liepoisson import streams
-from liepoisson.orbits import homoclinic_orbits
+from liepoisson.orbits import unstable_spaces
 from liepoisson.portable import elementary, linear
 
 ROOT = Path(liepoisson.__file__).parent
@@ -218,7 +218,7 @@ def test_the_unstable_space_of_a_defective_saddle():
     """q' = J q with Jordan blocks 1 and -1: the space of the block of 1 is q1, q2, however its vectors are ordered."""
     jordan = np.array([[1.0, 1, 0, 0], [0, 1, 0, 0], [0, 0, -1, 0], [0, 0, 1, -1]])
     for order in itertools.permutations(range(4)):
-        basis, rates = homoclinic_orbits._invariant(jordan[np.ix_(order, order)], 2, of_rates=True)
+        basis, rates = unstable_spaces._invariant(jordan[np.ix_(order, order)], 2, of_rates=True)
         assert np.allclose(np.linalg.eigvals(rates), 1, atol=1e-7)
         assert np.allclose(basis[[order.index(2), order.index(3)]], 0, atol=1e-7)
 
@@ -259,5 +259,6 @@ def test_streams_keep_their_numbers():
     """A seed gives the same starts for ever: a purpose that is new gets a number that was never used."""
     assert {one.name: one.value for one in streams.Purpose} == {
         "STATES": 0, "TANGENTS": 1, "FRAMES": 2, "TRIANGLES": 3, "ALIGNMENT": 4, "EQUILIBRIA": 5, "LEAF": 10,
-        "CHAINS": 11, "SYMMETRIC_ORBITS": 12, "HOMOCLINIC_ORBITS": 13, "PERIODIC_ORBITS": 14, "SECTION": 0x5EC7,
+        "CHAINS": 11, "SYMMETRIC_ORBITS": 12, "HOMOCLINIC_ORBITS": 13, "PERIODIC_ORBITS": 14, "CONNECTING_ORBITS": 15,
+        "DIRECTIONS": 16, "SECTION": 0x5EC7,
     }  # fmt: skip
