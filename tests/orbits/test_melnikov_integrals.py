@@ -208,6 +208,26 @@ def test_an_orbit_that_does_not_fit_into_memory(monkeypatch):
         lp.orbits.melnikov(top, middle, "alpha1", origin=limit, integrals=["l3"])
 
 
+@pytest.mark.parametrize("slip", [0, 1e-6, 0.3, 2])
+def test_rates_without_eigenvectors(slip):
+    r"""The variations u of a double well with $c(p^2/2 + V)$ added: u = (a + ct)x', and Jordan blocks at the saddle.
+
+    With $x = \sqrt2\,\mathrm{sech}\,t$; of $xu^2$, $-2\int uxx'dt = -2a\int xx'^2dt = -a\pi/\sqrt2$; c's part is odd.
+    """
+    energy = "pu^2/2 - x^2/2 + x^4/4"
+    system = lp.System(lp.canonical(names=["x", "u"], momenta=["px", "pu"]), f"px*pu + (x^3 - x)*u + {slip}*({energy})")
+    origin = lp.phase_space.equilibrium(system, [0] * 4)
+    found = lp.orbits.melnikov(system, [2**0.5, 0, -0.4 * 2**0.5, 0], "u^2*x", origin=origin, integrals=[energy])
+    assert abs(found.value[0, 0] + 0.4 * np.pi / 2**0.5) < 2e-15
+    assert found.error[0, 0] < 1e-13
+
+
+def on_the_first_top(time):
+    """A state of the first of TOPS long after the middle of its orbit."""
+    top, _, middle = sleeping(*TOPS[0])
+    return lp.integrate(top, middle[0], times=[0, time]).state[0, -1]
+
+
 REFUSED = (
     ({"integrals": ["l1"]}, "wanted constants of motion; l1 is none"),
     ({"integrals": []}, "at least one"),
@@ -220,6 +240,7 @@ REFUSED = (
     ({"perturbation": "l1*sqrt(alpha3)"}, "smooth along the orbits; its bracket with l3 is no finite number at l1 = "),
     ({"starts": sleeping(*TOPS[0])[1]}, "orbit 0 starts at the equilibrium itself"),
     ({"starts": sleeping(*TOPS[0])[2] + 1e-6}, "at most 1.5e-08 of their size off; orbit 0 comes no nearer than"),
+    ({"starts": on_the_first_top(8.0)}, "equilibrium is reached to 1e-07 of the orbit's size by t = -"),
     ({"starts": [1.0, 0, 1]}, "starts must have shape"),
     ({"starts": np.full(9, np.nan)}, "starts: wanted finite numbers"),
 )

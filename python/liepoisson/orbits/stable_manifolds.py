@@ -171,9 +171,9 @@ class StableManifold:
         if (far := left >= NEAR * size).any():
             k = int(far.argmax())
             raise OrbitError(
-                f"starts: wanted states near the middles of orbits; orbit {first + k} is still {left[k]:.2g} from the "
-                f"equilibrium at t = {self.way * self.segment * m:.4g}; start {'later' if self.way > 0 else 'earlier'} "
-                "on it"
+                f"starts: wanted states from which the equilibrium is reached to {NEAR:.0e} of the orbit's size by "
+                f"t = {self.way * self.segment * m:.4g}; orbit {first + k} is still {left[k]:.2g} from it; start "
+                "nearer to its middle"
             )
         return AsymptoticOrbits(node, slope, conormal, triangle, off, aside)
 
