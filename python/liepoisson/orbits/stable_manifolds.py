@@ -207,7 +207,7 @@ class StableManifold:
 
     def _has_values(self, nodes: Array) -> NDArray[np.bool_]:
         """Where all invariants of the system are real numbers, shape (orbit,)."""
-        fine = np.isfinite(nodes).all(axis=(1, 2))
+        fine = np.asarray(np.isfinite(nodes).all(axis=(1, 2)))
         for lost in without_value(self.system, np.where(fine[:, None, None], nodes, self.limit)).values():
             fine &= ~lost.any(axis=1)
         return fine
