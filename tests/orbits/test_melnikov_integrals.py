@@ -164,6 +164,58 @@ def test_saddle_foci(turning):
     assert off.max() < 1e-14
 
 
+def beside_the_flow(system, states, integral):
+    """The length of X_K orthogonal to the flow."""
+    gradient = system.functions.of(integral).gradient(states)
+    field = np.einsum("nij,nj->ni", system.functions.poisson_tensor(states), gradient)
+    flow = system.vector_field(states)
+    flow /= np.linalg.norm(flow, axis=1, keepdims=True)
+    return np.linalg.norm(field - (field * flow).sum(axis=1, keepdims=True) * flow, axis=1)
+
+
+def adjoint_cases():
+    """Systems, starts on homoclinic surfaces, equilibria, perturbations, integrals."""
+    for rate in (1, 1.5, 3):
+        system, integral, product, turn = wells(rate)
+        starts = np.concatenate([on_loops(rate, np.array([-0.4, 0.2]), d) for d in (-0.6, -0.1, 0.3)]) @ turn.T
+        yield system, starts, np.zeros(4), product, integral
+    for case in TOPS:
+        top, rest, middle = sleeping(*case)
+        yield top, middle[[0, 1, 2, 5]], rest, "l1*l2 + alpha1", "l3"
+
+
+@pytest.mark.parametrize("case", list(adjoint_cases()))
+def test_the_adjoint_equation_has_the_gradient_of_the_integral(case):
+    """With $X_K = aX_H + bv$, M_K is b times the integral of v, and b has one sign, as the orientation has."""
+    system, starts, rest, perturbation, integral = case
+    origin = lp.phase_space.equilibrium(system, rest)
+    wanted = lp.orbits.melnikov(system, starts, perturbation, origin=origin, integrals=[integral])
+    found = lp.orbits.melnikov(system, starts, perturbation, origin=origin)
+    assert found.integrals == ("adjoint",)
+    beside = beside_the_flow(system, starts, integral)
+    sign = np.sign((wanted.value * found.value).sum())
+    off = np.abs(wanted.value[:, 0] - sign * beside * found.value[:, 0])
+    assert np.abs(wanted.value).max() > 1e-3
+    assert (off <= wanted.error[:, 0] + beside * found.error[:, 0]).all(), (off, found.error)
+    assert found.error.max() < 1e-11
+
+
+def test_an_orbit_that_persists_has_no_integral():
+    system = lp.System(
+        lp.canonical(names=["x", "y"], momenta=["px", "py"]),
+        "px^2/2 - x^2/2 + x^4/4 + py^2/2 - y^2 + y^4/4 + x^2*y^2/7",
+    )
+    origin = lp.phase_space.equilibrium(system, [0] * 4)
+    with pytest.raises(lp.errors.OrbitError, match=r"orbit 0 are 1\.\d+ rad apart beside the flow"):
+        lp.orbits.melnikov(system, [2**0.5, 0, 0, 0], "x*y", origin=origin)
+
+
+def test_a_plane_has_nothing_beside_the_flow():
+    duffing = lp.System(lp.canonical(1, names=["x"]), "p_x^2/2 - x^2/2 + x^4/4")
+    with pytest.raises(lp.errors.ParameterError, match="two growing directions"):
+        lp.orbits.melnikov(duffing, [2**0.5, 0], "x", origin=lp.phase_space.equilibrium(duffing, [0, 0]))
+
+
 def test_orbits_that_were_found_by_newtons_method():
     """Middles that are known to 1e-9 only serve: the error says so."""
     system, integral, _, _ = wells(2.5)
@@ -198,6 +250,7 @@ def test_no_starts():
     found = lp.orbits.melnikov(top, np.zeros((0, 9)), "alpha1", origin=limit, integrals=["l3"])
     assert found.value.shape == found.error.shape == (0, 1)
     assert repr(found).startswith("<Melnikov: 0 orbits")
+    assert lp.orbits.melnikov(top, np.zeros((0, 9)), "alpha1", origin=limit).value.shape == (0, 1)
 
 
 def test_an_orbit_that_does_not_fit_into_memory(monkeypatch):
@@ -235,9 +288,16 @@ REFUSED = (
     ({"starts": [1.0, 0, 1, 0, 0, 1, 0, 0, 0]}, "no nearer than"),
     ({"origin": [0, 0, 1]}, "origin: wanted an equilibrium"),
     ({"perturbation": "l4"}, "l4"),
-    ({"perturbation": "log(l1)"}, "smooth at the equilibrium; its bracket with l3 has no derivative there, at l1 = 0"),
+    (
+        {"perturbation": "log(l1)"},
+        "smooth at the equilibrium; the integrand of M for l3 has no derivative there, at l1 = 0",
+    ),
+    ({"perturbation": "log(l1)", "integrals": None}, "equilibrium; the integrand of M for adjoint has no derivative"),
     ({"perturbation": "sqrt(l1^2 + l2^2)*l1*l2/(l1^2 + l2^2)"}, "smooth at the equilibrium"),
-    ({"perturbation": "l1*sqrt(alpha3)"}, "smooth along the orbits; its bracket with l3 is no finite number at l1 = "),
+    (
+        {"perturbation": "l1*sqrt(alpha3)"},
+        "smooth along the orbits; the integrand of M for l3 is no finite number at l1 = ",
+    ),
     ({"starts": sleeping(*TOPS[0])[1]}, "orbit 0 starts at the equilibrium itself"),
     ({"starts": sleeping(*TOPS[0])[2] + 1e-6}, "at most 1.5e-08 of their size off; orbit 0 comes no nearer than"),
     ({"starts": on_the_first_top(8.0)}, "equilibrium is reached to 1e-07 of the orbit's size by t = -"),

@@ -11,7 +11,7 @@ orbit is computed both ways from the given state, on the stable and on the unsta
 $x_*$ that the linearised flow does the rest, $-\nabla\{K, H_1\}\cdot A^{-1}\xi$ with the stable part $\xi$ of the
 distance.
 
-References: [melnikov1963]; [holmes1983], for tops.
+References: [melnikov1963]; [holmes1983], for tops; [palmer1984].
 """
 
 from __future__ import annotations
@@ -37,8 +37,10 @@ from liepoisson.leaf._checks import are_equal, as_system
 from liepoisson.numeric.methods import Taylor
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_states, given_starts
+from liepoisson.numeric.systems import HasField, component_names
 from liepoisson.orbits.closing import exponential
 from liepoisson.orbits.stable_manifolds import NEAR, UNDER_WAY, AsymptoticOrbits, StableManifold
+from liepoisson.orbits.variations import Variations, Work, common_variation
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -66,7 +68,7 @@ class Melnikov(ReadOnlyArrays, Tabular):
         (('l3',), 8.0, True)
 
     Attributes:
-        integrals: The names of K.
+        integrals: The names of K; "adjoint" where none was given.
         start: The middles of the orbits, shape (orbit, component).
         value: $M_K$, shape (orbit, integral).
         error: How far the values are from those with twice the step and with orbits cut ten times earlier, and what
@@ -101,7 +103,7 @@ def melnikov(
     perturbation: str | PhaseFunction,
     *,
     origin: Equilibrium,
-    integrals: Sequence[str | PhaseFunction],
+    integrals: Sequence[str | PhaseFunction] | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -128,13 +130,17 @@ def melnikov(
             they are off, at most 1.5e-8 of the orbit's size, is part of the error.
         perturbation: $H_1$.
         origin: The equilibrium from which the orbits come, and to which they go.
-        integrals: K, one or several.
+        integrals: K, one or several.  None where there is none that is known, for manifolds of dimension two that are
+            tangent along the orbits, as they are where one exists: $\nabla K$ is then replaced by the bounded solution
+            $\psi$ of the adjoint equation [palmer1984] for which $J\psi$ is, at the start, a unit vector orthogonal to
+            the flow.  The flow and $J\psi$ have the same orientation on the stable manifold for all orbits.
 
     Returns:
         The values, with errors.
 
     Raises:
-        OrbitError: an orbit does not come from the equilibrium, or does not go back to it, or a start is at rest.
+        OrbitError: an orbit does not come from the equilibrium, or does not go back to it, or a start is at rest, or,
+            without integrals, the manifolds are not tangent along an orbit, which then persists.
         ParameterError: an integral is not constant along orbits or does not rest at the equilibrium, the equilibrium
             is not hyperbolic, or $\{K, H_1\}$ is not smooth there or is no number along an orbit.
         MemoryLimitError: one orbit does not fit into memory, as near equilibria whose rates are almost zero.
@@ -143,21 +149,33 @@ def melnikov(
     run = RunOptions.read(Taylor(tol=1e-15), threads, time_limit, progress)
     system = as_system(system)
     states = as_states(given_starts(system, starts), len(system.component_names), names=system.component_names)
-    functions = _integrals(system, integrals)
+    functions = {} if integrals is None else _integrals(system, integrals)
     change = system.functions.of(perturbation)
-    brackets = {
-        name: system.functions.of(system.bracket(one.expression, change.expression)) for name, one in functions.items()
-    }
     _require_rest(system, functions, origin)
+    limit, matrix = origin.state, system.functions.jacobian(origin.state)
     with run.deadline.running(), np.errstate(all="ignore"):
-        halves = [_Half.of(system, origin, brackets, way) for way in (1, -1)]
-        value, error = np.zeros((2, len(states), len(brackets)))
+        manifolds = [StableManifold.of(system, limit, matrix, way) for way in (1, -1)]
+        if integrals is None:
+            limit, matrix = np.concatenate([limit, 0 * limit]), np.kron(np.eye(2), matrix).astype(np.float64)
+            lifted = [StableManifold.of(Variations(system), limit, matrix, way) for way in (1, -1)]
+            halves = [_Half.of(one, {"adjoint": Work(change)}) for one in lifted]
+        else:
+            brackets = {
+                name: system.functions.of(system.bracket(one.expression, change.expression))
+                for name, one in functions.items()
+            }
+            halves = [_Half.of(one, brackets) for one in manifolds]
+        names = tuple(halves[0].brackets)
+        value, error = np.zeros((2, len(states), len(names)))
         together = min(one.together for one in halves)
         for first in range(0, len(states), together):
             some = slice(first, first + together)
-            value[some], error[some] = _sums(halves, states[some], first, run)
+            begin = states[some]
+            if integrals is None:
+                begin = np.concatenate([begin, common_variation(system, manifolds, begin, first, run)], axis=1)
+            value[some], error[some] = _sums(halves, begin, first, run)
             run.tell(min(first + together, len(states)) / len(states))
-    return Melnikov(tuple(functions), states, value, error)
+    return Melnikov(names, states, value, error)
 
 
 def _sums(halves: Sequence[_Half], states: Array, first: int, run: RunOptions) -> tuple[Array, Array]:
@@ -192,43 +210,42 @@ def _require_rest(system: System, functions: Mapping[str, PhaseFunction], limit:
     """
     if not isinstance(limit, Equilibrium) or limit.omega or not are_equal(limit.system, system):
         raise ParameterError(f"origin: wanted an equilibrium of {shown(system)}; got {shown(limit)}")
-    fields = HamiltonianFields(system, list(functions.values())).fields(limit.state)
+    fields = HamiltonianFields(system, [system.functions.energy, *functions.values()]).fields(limit.state)
     scale = np.abs(system.functions.jacobian(limit.state)).max() or 1.0
-    for k, name in enumerate(functions):
+    for k, name in enumerate(functions, start=1):
         if np.abs(fields[:, k]).max() > _RESTS * scale * (np.abs(limit.state).max() or 1.0):
             raise ParameterError(f"integrals: wanted some whose flows rest at the equilibrium; that of {name} does not")
 
 
 @dataclass(frozen=True)
 class _Half:
-    """The trapezoidal rule over the times after 0, or before, without the middle.
+    r"""The trapezoidal rule over the times after 0, or before, without the middle.
 
     Attributes:
         manifold: Of the orbits that go to the equilibrium then.
-        brackets: The integrands by the names of K.
+        brackets: The integrands by the names of K: $\{K, H_1\}$, or the work.
         slopes: Their gradients at the equilibrium, shape (K, N).
     """
 
     manifold: StableManifold
-    brackets: Mapping[str, PhaseFunction]
+    brackets: Mapping[str, PhaseFunction] | Mapping[str, Work]
     slopes: Array
 
     @classmethod
-    def of(cls, system: System, limit: Equilibrium, brackets: Mapping[str, PhaseFunction], way: int) -> _Half:
+    def of(cls, manifold: StableManifold, brackets: Mapping[str, PhaseFunction] | Mapping[str, Work]) -> _Half:
         """One half of all orbits to an equilibrium.
 
         Raises:
-            ParameterError: no eigenvalue has a real part, or an integrand has no derivative at the equilibrium.
+            ParameterError: an integrand has no derivative at the equilibrium.
             MemoryLimitError: an orbit has too many segments.
         """
-        manifold = StableManifold.of(system, limit.state, way)
-        check_memory(manifold.n_segments * cls._bytes(len(limit.state)), "origin")
-        slopes = np.stack([f.gradient(limit.state) for f in brackets.values()])
+        check_memory(manifold.n_segments * cls._bytes(len(manifold.limit)), "origin")
+        slopes = np.stack([f.gradient(manifold.limit) for f in brackets.values()])
         for name, slope in zip(brackets, slopes, strict=True):
             if not np.isfinite(slope).all():
                 raise ParameterError(
-                    f"perturbation: wanted a function that is smooth at the equilibrium; its bracket with {name} has "
-                    f"no derivative there, at {_named(system, limit.state)}"
+                    f"perturbation: wanted a function that is smooth at the equilibrium; the integrand of M for {name} "
+                    f"has no derivative there, at {_named(manifold.system, manifold.limit)}"
                 )
         return cls(manifold, brackets, slopes)
 
@@ -282,7 +299,7 @@ class _Half:
         if not np.isfinite(values).all():
             k, i, j = (int(place[0]) for place in np.nonzero(~np.isfinite(values)))
             raise ParameterError(
-                f"perturbation: wanted a function that is smooth along the orbits; its bracket with "
+                f"perturbation: wanted a function that is smooth along the orbits; the integrand of M for "
                 f"{list(self.brackets)[j]} is no finite number at {_named(self.manifold.system, states[k, i])}, on "
                 f"orbit {first + k} at t = {times[i]:.4g}"
             )
@@ -330,6 +347,7 @@ class _Half:
         return total
 
 
-def _named(system: System, state: Array) -> str:
+def _named(system: HasField, state: Array) -> str:
     """A state in words."""
-    return ", ".join(f"{name} = {x:.4g}" for name, x in zip(system.component_names, state.tolist(), strict=True))
+    names = component_names(system, len(state))
+    return ", ".join(f"{name} = {x:.4g}" for name, x in zip(names, state.tolist(), strict=True))

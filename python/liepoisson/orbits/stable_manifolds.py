@@ -15,7 +15,6 @@ References: [beyn1990].
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,19 +24,16 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.systems import without_value
+from liepoisson.numeric.systems import HasField, without_value
 from liepoisson.orbits.closing import exponential
 from liepoisson.portable import elementary, linear
-
-if TYPE_CHECKING:
-    from liepoisson.model.system import System
 
 NEAR = 1e-7
 """How near to the equilibrium orbits are cut, relative to their largest distance: the rest is linear up to the square
 of this."""
 _SAFETY = 4.0
 """An orbit is followed for so much longer than ln(1/NEAR), in units of the slowest rate."""
-_OFF = float(np.finfo(float).eps) ** 0.5
+OFF = float(np.finfo(float).eps) ** 0.5
 """How far a start may be from the manifold, relative to the largest distance: what depends on it changes by a first
 order in this, which can be reported, and the second is round-off."""
 _HYPERBOLIC = 1e-6
@@ -85,7 +81,7 @@ class StableManifold:
         rates: The linearised flow in these, shape (s, s).
     """
 
-    system: System
+    system: HasField
     limit: Array
     way: int
     segment: float
@@ -96,13 +92,13 @@ class StableManifold:
     rates: Array
 
     @classmethod
-    def of(cls, system: System, limit: Array, way: int) -> StableManifold:
-        """The manifold of an equilibrium.
+    def of(cls, system: HasField, limit: Array, matrix: Array, way: int) -> StableManifold:
+        """The manifold of an equilibrium at which the field has these derivatives.
 
         Raises:
             ParameterError: no eigenvalue has a real part.
         """
-        matrix = way * system.functions.jacobian(limit)
+        matrix = way * matrix
         values, stable = _falling(matrix)
         if not stable.shape[1]:
             raise ParameterError("origin: wanted an equilibrium with a growing direction; it has only oscillations")
@@ -154,17 +150,17 @@ class StableManifold:
             node[active] += moves
             slope[active] = slopes
             largest = linear.norm(moves, axis=2).max(axis=1) / size[active]
-            good[active] = largest < _OFF
-            active = active[(largest >= _OFF) & (largest < 1) & self._has_values(node[active])]
+            good[active] = largest < OFF
+            active = active[(largest >= OFF) & (largest < 1) & self._has_values(node[active])]
         xi = node[:, -1] - self.limit
         off = linear.norm(node[:, 0] - starts, axis=1)
         aside = linear.norm(xi - linear.matmul(linear.matmul(xi, self.inward.T), self.stable.T), axis=1)
-        good &= np.maximum(off, aside) < _OFF * size
+        good &= np.maximum(off, aside) < OFF * size
         if not good.all():
             k = int(good.argmin())
             raise OrbitError(
                 "starts: wanted states on orbits that go to the equilibrium both ways, at most "
-                f"{_OFF:.1e} of their size off; orbit {first + k} comes no nearer than {closest[k]:.2g} at t "
+                f"{OFF:.1e} of their size off; orbit {first + k} comes no nearer than {closest[k]:.2g} at t "
                 f"{'>' if self.way > 0 else '<'} 0, as far as such a state decides where it goes"
             )
         left = linear.norm(xi, axis=1)
@@ -180,7 +176,7 @@ class StableManifold:
     def _guesses(self, starts: Array, first: int, run: RunOptions) -> tuple[Array, Array]:
         """States between segments, and how near each orbit comes to the equilibrium.
 
-        An orbit is followed as long as an error of `_OFF` in its start cannot have grown to its distance from the
+        An orbit is followed as long as an error of `OFF` in its start cannot have grown to its distance from the
         equilibrium, and goes on by the linearised flow on the stable directions.
 
         Raises:
@@ -196,7 +192,7 @@ class StableManifold:
                 "the equilibrium itself, and stays there; start at the orbit's middle"
             )
         growth = linear.norm(tangent, axis=(2, 3))
-        followed = np.logical_and.accumulate(distance > _OFF * growth * distance[:, :1], axis=1)
+        followed = np.logical_and.accumulate(distance > OFF * growth * distance[:, :1], axis=1)
         last = followed.sum(axis=1) - 1
         flow = linear.matmul(self.stable, linear.matmul(exponential(self.segment * self.rates), self.inward))
         for i in range(1, m + 1):
