@@ -85,7 +85,7 @@ def lyapunov(
     """
     check_limits(seed=seed, **asdict(limits))
     chosen = read_numeric_system(system, common.values)
-    data, stem = result_files(files, chosen, common.values, "exponents")
+    data, stem = result_files(files, chosen, common.values, "spectrum" if spectrum else "exponents")
     begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
     drawn, unit, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=_TIME, precision=precision)
     if lines := drawn.lines(chosen):
