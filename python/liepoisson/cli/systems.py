@@ -51,9 +51,10 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
 
 
 def with_symbols(file: SystemFile, settings: Sequence[str], names: Sequence[str]) -> SystemFile:
-    """The file with values that were set, and symbols for other parameters that have one, vectors by their components."""
+    """The file with values that were set, and symbols for other parameters that have one, vectors by components."""
     file = with_settings(file, settings)
-    values, declared, given = dict(file.parameters), list(file.symbols), {setting.partition("=")[0].strip() for setting in settings}
+    given = {setting.partition("=")[0].strip() for setting in settings}
+    values, declared = dict(file.parameters), list(file.symbols)
     for name in names:
         if name in given:
             raise ParameterError(f"--set and --free exclude each other; {name} has both. Leave one of them out.")
