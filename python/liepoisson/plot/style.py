@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -113,6 +114,27 @@ def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> 
     import matplotlib.pyplot as plt
 
     return plt.figure(figsize=(width, height)).add_subplot()
+
+
+_HEADING = "liepoisson_heading"
+"""The attribute of axes with the title that we gave them."""
+_SEVERAL = re.compile(r"\d+ levels of ")
+"""How the line of a title begins that counts what is drawn."""
+
+
+def set_heading(ax: Axes, heading: str, *, is_new: bool) -> None:
+    """Our title of new axes; a title of ours that is there keeps the lines that are true of what is drawn now, too.
+
+    Axes of the caller, or with a title of the caller's, stay as they are.
+    """
+    if not is_new:
+        old = getattr(ax, _HEADING, None)
+        if old is None or ax.get_title(loc="left") != old:
+            return
+        lines = heading.split("\n")
+        heading = "\n".join(line for line in old.split("\n") if line in lines and not _SEVERAL.match(line))
+    ax.set_title(heading)
+    setattr(ax, _HEADING, heading)
 
 
 def as_colours(colour: Any) -> tuple[Any, ...]:
