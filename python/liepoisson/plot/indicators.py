@@ -81,9 +81,14 @@ def indicators(
         raise ShapeError(f"growth and angle must be of the same trajectories; got {len(mean)} and {len(sali)}.")
     given = range(len(mean)) if members is None else sequence(members, "members", "numbers", "members=[0, 1]")
     chosen = [as_count(k, "members", most=len(mean) - 1) for k in given]
+    if not chosen:
+        raise ParameterError("members: wanted at least one trajectory; got none; leave it out for all of them")
     labels = None if labels is None else texts(labels, "labels", "texts", 'labels=["regular", "chaotic"]')
     if labels is not None and len(labels) != len(chosen):
         raise ParameterError(f"labels: wanted one for each of {len(chosen)} trajectories; got {len(labels)}")
+    from liepoisson.indicators.verdict import as_rule
+
+    chosen_rule = as_rule(rule)
     mark = None if decided_at is None else as_number(decided_at, "decided_at", "a time")
     from matplotlib.ticker import FixedLocator
 
@@ -101,9 +106,6 @@ def indicators(
         top.plot(torus_time, np.log(torus_time / first), label=r"$\ln(t/t_0)$", **reference)
         middle.axhline(2.0, **reference)
         low.axhline(1e-16, **reference)
-        from liepoisson.indicators.verdict import Rule
-
-        chosen_rule = Rule() if rule is None else rule
         for ax, thresholds in ((middle, chosen_rule.megno), (low, chosen_rule.sali)):
             for threshold in thresholds:
                 ax.axhline(threshold, color=MUTED, linewidth=0.5, zorder=1)

@@ -21,7 +21,14 @@ from liepoisson.inputs.names import ANGLE
 from liepoisson.inputs.refusals import check_choice, not_a
 from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.labels import formula, label, name_of_system, number, plain
-from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure, set_heading
+from liepoisson.plot.style import (
+    as_colours,
+    axes_or_new,
+    check_title_of_figure,
+    house_style,
+    new_figure,
+    set_heading,
+)
 from liepoisson.poincare.section_coordinates import (
     Levels,
     component_axes,
@@ -152,8 +159,7 @@ def section(
         chosen &= np.isin(member, _as_trajectories(trajectories, points, member))
     colours = as_colours(colour)
     diameter = None if size is None else as_positive(size, "size", "a positive number of printer's points", example=2)
-    if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise not_a("a text", title, "title", 'write title="...", or leave it out')
+    check_title_of_figure(title)
     plane = _plane(points, (x, y), chosen, window=window, turns=(None, None) if before is None else before.turns)
     heading = _heading(points, np.unique(member[plane.shown])) if title is None else title
     panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
