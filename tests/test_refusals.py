@@ -69,11 +69,6 @@ def loops():
     return lp.orbits.periodic_orbits(PENDULUM, {}, energy=0, n_starts=5)
 
 
-def family():
-    """A family of them."""
-    return lp.orbits.orbit_family(PENDULUM, lp.phase_space.equilibrium(PENDULUM, [0, 0]), until=0)
-
-
 def drawn_as_said(orbit):
     """What a refusal of `draw` says."""
     return lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))
@@ -279,10 +274,9 @@ ADVICE = (
      lambda: lp.plot.section(section(), colour="#1668b8")),
     (lambda: lp.plot.draw(loop()), "write lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))",
      lambda: drawn_as_said(loop())),
-    *((lambda found=found: lp.plot.draw(found()),
-       "orbit = found[0]: lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))",
-       lambda found=found: (found().columns(), found().to_dataframe(), drawn_as_said(found()[0])))
-      for found in (family, loops)),
+    (lambda: lp.plot.draw(loops()),
+     "orbit = found[0]: lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))",
+     lambda: (loops().columns(), loops().to_dataframe(), drawn_as_said(loops()[0]))),
     (lambda: lp.plot.draw(lp.equilibria(PENDULUM, {})), "found.to_dataframe() is a table",
      lambda: lp.equilibria(PENDULUM, {}).to_dataframe()),
 )

@@ -15,6 +15,7 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
+from liepoisson.plot.families import family
 from liepoisson.plot.indicators import spectrum
 from liepoisson.plot.labels import formula, label, number, plain
 from liepoisson.plot.orbits import orbit
@@ -33,9 +34,9 @@ _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTU
 
 @explains_its_arguments
 def draw(result: Any, **options: Any) -> Figure:
-    """The figure of the result of a run, whatever its kind.
+    """The figure of the result of a run, whatever its kind, or of a family of orbits.
 
-    What a search found, such as periodic orbits and equilibria, is no run and has none: the refusal says what to draw.
+    What else a search found, such as periodic orbits and equilibria, has none: the refusal says what to draw.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -49,8 +50,8 @@ def draw(result: Any, **options: Any) -> Figure:
 
     Args:
         result: What a run returned, or what `liepoisson.load` gave.
-        **options: Those of the figure of this kind: `orbit`, `section`, `spectrum`, `convergence`, `rod`, `sweep`; or
-            `ax`, axes to draw into.
+        **options: Those of the figure of this kind: `orbit`, `section`, `spectrum`, `convergence`, `rod`, `sweep`,
+            `family`; or `ax`, axes to draw into.
 
     Returns:
         The figure; `.axes` are its axes, `.savefig(path)` writes it.
@@ -58,12 +59,15 @@ def draw(result: Any, **options: Any) -> Figure:
     Raises:
         ParameterError: it is no result of a run; of a list or an orbit it says how it is drawn.
     """
+    from liepoisson.orbits.orbit_families import OrbitFamily
+
     kind = getattr(type(result), "kind", None)
-    if not isinstance(result, Result) or kind not in _FIGURES:
+    figure = family if isinstance(result, OrbitFamily) else _FIGURES.get(kind) if isinstance(result, Result) else None
+    if figure is None:
         raise ParameterError(f"result: wanted what a run returned; got {_instead(result)}")
     from matplotlib.axes import Axes
 
-    drawn: Any = _FIGURES[kind](result, **options)
+    drawn: Any = figure(result, **options)
     return cast("Figure", drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn)
 
 
