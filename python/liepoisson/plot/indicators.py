@@ -224,7 +224,7 @@ def _explained(result: Spectrum, n: int) -> list[Any]:
         handles.append(Line2D([], [], color=colour, marker="o", markersize=4, label=words))
     handles.append(Patch(color=MUTED, alpha=0.13, label=r"consistent with zero: $|\lambda| \leq 3\,\ln(t/T)/t$"))
     if _is_whole(result):
-        ring = {"markersize": 8, "markerfacecolor": "none", "markeredgecolor": MUTED, "linestyle": ""}
+        ring: dict[str, Any] = {"markersize": 8, "markerfacecolor": "none", "markeredgecolor": MUTED, "linestyle": ""}
         words = rf"mirror images $-\lambda_{{{n + 1} - k}}$"
         handles.append(Line2D([], [], marker="o", label=words, **ring))
     return handles

@@ -61,8 +61,11 @@ def draw(result: Any, **options: Any) -> Figure:
     """
     from liepoisson.orbits.orbit_families import OrbitFamily
 
-    kind = getattr(type(result), "kind", None)
-    figure = family if isinstance(result, OrbitFamily) else _FIGURES.get(kind) if isinstance(result, Result) else None
+    figure: Callable[..., Any] | None = None
+    if isinstance(result, OrbitFamily):
+        figure = family
+    elif isinstance(result, Result):
+        figure = _FIGURES.get(getattr(type(result), "kind", ""))
     if figure is None:
         raise ParameterError(f"result: wanted what a run returned; got {_instead(result)}")
     from matplotlib.axes import Axes
@@ -74,7 +77,7 @@ def draw(result: Any, **options: Any) -> Figure:
 def _instead(given: Any) -> str:
     """What is not drawn, and what to draw instead."""
     name, is_list = type(given).__name__, isinstance(given, Found)
-    one: Any = next(iter(cast("Any", given)), None) if is_list else given
+    one: Any = next(iter(given), None) if is_list else given
     times = next((f"orbit.{word}" for word in ("period", "time") if hasattr(one, word)), "")
     follow = (
         f"lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end={times}))"
