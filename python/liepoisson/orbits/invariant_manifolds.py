@@ -231,7 +231,7 @@ def _spread(space: UnstableSpace, n: int, seed: int = 0) -> tuple[Array, Array]:
     phases: Array = numbers / n
     if k == 1:  # both sides have the same phases
         phases = (numbers // 2) / max(1, (n + 1) // 2)
-        return 1.0 - 2.0 * (numbers % 2)[:, None], phases
+        return np.where(numbers % 2, -1.0, 1.0)[:, None], phases
     if k == 2:
         turns = 2 * np.pi * (numbers * _GOLDEN if space.loop_time else phases)
         return np.stack([elementary.cos(turns), elementary.sin(turns)], axis=1), phases
