@@ -1,8 +1,8 @@
 """A first result of an installed package: does it import from where it was installed, and compute, save and read?
 
-Run it from a folder without the sources, with the Python of the environment that is asked:
+Run it with the Python of the environment that is asked; the folder does not matter:
 
-    cd /tmp && /path/to/environment/bin/python /path/to/repository/.ci/first_result.py
+    /path/to/environment/bin/python /path/to/repository/.ci/first_result.py
 """
 
 import sys

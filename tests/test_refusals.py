@@ -19,6 +19,7 @@ SO3 = lp.so(3)
 PAIR, SE2 = SO3 @ lp.semidirect(2), lp.algebras.se(2) @ lp.trivial()
 TOP, TWISTED, LAGRANGE = lp.Top.kovalevskaya(), lp.Top.twisted_kovalevskaya(), lp.Top.lagrange()
 HEAVY, OSCILLATOR = lp.catalog.system("heavy-top"), lp.catalog.system("henon-heiles")
+PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
 FREE, TODA = lp.catalog.system("free-rigid-body"), lp.catalog.system("toda")
 SYMBOLIC = lp.System(SO3 @ lp.trivial(), "l1^2/A + l2^2/B + l3^2/C", symbols=["A", "B", "C"])
 GYROSTAT = (SO3 @ lp.trivial()).with_constant({("l1", "l2"): 1})
@@ -56,6 +57,21 @@ def view(*given, **options):
 def section(**options):
     """A section of the twisted top."""
     return lp.section(TWISTED, X, surface="l3", t_end=50, **options)
+
+
+def loop():
+    """A periodic orbit of the pendulum."""
+    return lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=7)
+
+
+def loops():
+    """Periodic orbits of it that a search found."""
+    return lp.orbits.periodic_orbits(PENDULUM, {}, energy=0, n_starts=5)
+
+
+def drawn_as_said(orbit):
+    """What a refusal of `draw` says."""
+    return lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))
 
 
 def orbit():
@@ -256,6 +272,13 @@ ADVICE = (
      lambda: lp.plot.exponent_distribution(np.arange(6.0).reshape(3, 2)[:, -1])),
     (lambda: lp.plot.section(section(), colour="blurple"), 'Try "#1668b8"',
      lambda: lp.plot.section(section(), colour="#1668b8")),
+    (lambda: lp.plot.draw(loop()), "write lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))",
+     lambda: drawn_as_said(loop())),
+    (lambda: lp.plot.draw(loops()),
+     "orbit = found[0]: lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end=orbit.period))",
+     lambda: (loops().columns(), loops().to_dataframe(), drawn_as_said(loops()[0]))),
+    (lambda: lp.plot.draw(lp.equilibria(PENDULUM, {})), "found.to_dataframe() is a table",
+     lambda: lp.equilibria(PENDULUM, {}).to_dataframe()),
 )
 
 # A refused call and the words that matter.
@@ -291,6 +314,11 @@ REFUSED = (
     (lambda: lp.inspect(TOP.field()), "a field does not know its bracket"),
     (lambda: lp.inspect(3), "wanted a system"),
     (lambda: lp.sections.good_surface(3), "wanted a system"),
+    (lambda: lp.System(PAIR, "l1", name=""), 'wanted a text that is not empty; got \'\'; write for example "heavy'),
+    (lambda: lp.plot.draw(orbit(), title=5), "title: wanted a text; got 5"),
+    (lambda: lp.plot.draw(section(), title=5), "title: wanted a text; got 5"),
+    (lambda: lp.plot.draw(section(), x="l1", y="l2", trajectories=[]), "trajectories must be at least one"),
+    (lambda: lp.plot.save_figure(lp.plot.orbit(orbit()), 5), "stem: wanted a path"),
     # what is no algebra, extension, leaf, result
     (lambda: lp.trivial() @ SO3, "write algebra @ extension, as in so(3) @ trivial()"),
     (lambda: SO3 @ SO3, "extension: wanted an Extension; got so(3); try leibniz"),

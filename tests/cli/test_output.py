@@ -120,3 +120,13 @@ def test_a_command_without_a_result_says_why_with_exit_code_1(command, arguments
 def test_every_command_has_a_place_on_the_page():
     page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
     assert [name for name in COMMANDS if f"liepoisson {name}" not in page and f"`{name}`" not in page] == []
+
+
+def test_every_kind_of_figure_has_a_name_of_its_own(here, command):
+    """What one command draws must not stand where another one, or itself with another option, drew something else."""
+    kinds = ("orbit", "section", "lyapunov", "lyapunov --spectrum")
+    for kind in kinds:
+        starts = () if kind in {"orbit", "section"} else ("--starts", "1")
+        code, _, said = command(*kind.split(), "kovalevskaya", "--plot", "--t-end", "20", *starts)
+        assert code == 0, said
+    assert len(list(here.glob("*.png"))) == len(kinds)

@@ -64,7 +64,9 @@ REFUSED = (
     ("orbit kovalevskaya --energy 1 --energy 2", "--energy must be given once; it comes twice. Remove one"),
     ("orbit kovalevskaya --energy -5", "On this leaf the energy lies between"),
     ("lyapunov lagrange --start 1,0,0,0,0,1 --starts 3", "--starts and --start exclude each other"),
-    ("lyapunov lagrange --ensemble cube --energy 1", "--ensemble and --leaf exclude each other"),
+    ("lyapunov lagrange --ensemble cube --energy 1", "--ensemble and --energy exclude each other"),
+    ("decide lagrange --ensemble cube --leaf C1=1", "--ensemble and --leaf exclude each other"),
+    ("lyapunov lagrange --ensemble cube --start 1,0,0,0,0,1", "--ensemble and --start exclude each other"),
     ("lyapunov lagrange --ensemble sphere", "wanted one of unit-vectors, cube, gaussian; got 'sphere'"),
     # times and methods
     ("orbit kovalevskaya --t-end 0", "--t-end must be a finite time other than 0"),
@@ -118,6 +120,8 @@ REFUSED = (
     ("families clebsch --free a --positive a", "wanted names of a1, a2, a3"),
     ("families clebsch --free a --on m1", "not invariant"),
     ("families clebsch --free a --degree 0", "degree"),
+    ("families free.toml --set k=2 --free k --degree 1", "--set and --free exclude each other; k has both"),
+    ("families clebsch --set a=1,2,3 --free a", "--set and --free exclude each other; a has both"),
     ("integrals log.toml", "wanted a polynomial"),
     ("integrals clebsch --degree 2 --weight 2", "got both"),
     ("integrals clebsch --on m1=0", "orbits do not leave"),
@@ -127,7 +131,9 @@ REFUSED = (
     ("painleve henon-heiles-kdv --weights 1,2", "one for each of x, y, p_x, p_y"),
     ("painleve henon-heiles-kdv --weights a,b,c,d", "rational numbers"),
     ("painleve henon-heiles-kdv --free nosuch", "--free must name a parameter"),
+    ("painleve free.toml --free k --set k=3", "--set and --free exclude each other; k has both"),
     ("equilibria lagrange --along l3", "--along must be name=value; got 'l3'. Write for example --along l3=1/2"),
+    ("equilibria kovalevskaya --start alpha=0,0,1 --leaf C2=2", "--start and --leaf exclude each other"),
     ("equilibria lagrange --along l4=1", "the name 'l4' is unknown. l has 3 components. Known are"),
     ("prove kovalevskaya", "no certificate is shipped"),
     ("prove twisted-kovalevskaya --certificate none.json", "no such file"),
@@ -165,6 +171,7 @@ def here(tmp_path, monkeypatch):
     for name, text in {
         "matrix": MATRIX + 'expression = "dot(l, A*l)"\n',
         "long": f'name = "{"n" * 200_000}"\n{MATRIX}expression = "dot(l, A*l)"\n',
+        "free": MATRIX.replace("A = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]", "k = 1") + 'expression = "k*l1^2 + l2^2"\n',
         "twist": TWIST,
         "many": TWIST.replace('{name = "epsilon", values = [1]}', ", ".join(axes)),
         "large": TWIST.replace("n_starts = 1", "n_starts = 2147483648"),
@@ -200,6 +207,8 @@ def test_a_refusal_is_a_sentence_and_writes_nothing(here, command, line, words):
     assert len(err.strip().splitlines()) <= 6
     name, *given = shlex.split(line)
     assert not options_that_are_not_there(name, err) - {*given}
+    for pair in re.findall(r"(--[a-z-]+) and (--[a-z-]+) exclude each other", " ".join(err.split())):
+        assert {*pair} <= {*given}, "it speaks of an option that was not given"
     assert {path: path.read_bytes() for path in here.iterdir()} == before
 
 

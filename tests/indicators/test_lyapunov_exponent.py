@@ -1,5 +1,7 @@
 """Largest exponents with errors, exponents energy by energy, goodness of the fit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -63,6 +65,15 @@ def test_a_run_stops_only_when_its_halves_agree_too():
     assert mean_error(jump)[0] < 0.05
     assert list(_is_done(np.concatenate([steady, jump]), 20.0, 0.05, np.ones(2))) == [True, False]
     assert not _is_done(steady, 20.0, 1e-7, np.ones(1))[0]
+
+
+def test_the_text_has_the_values_of_both_halves():
+    estimate = lyapunov_exponent(TOP, lp.sample_states(TOP, 1, seed=1), t_end=1280, block=20, method=FAST)
+    first, second = estimate.finite_time(640)[0]
+    assert f"halves {first:#.2g} and {second:#.2g}, " in str(estimate)
+    rates = np.where(np.arange(64) < 32, 0.1, 0.2)[None] + 1e-4 * estimate.rates
+    assert "halves 0.10 and 0.20 differ, " in str(replace(estimate, rates=rates))
+    assert "too short for halves" in str(replace(estimate, rates=rates[:, :5]))
 
 
 def test_intervals_have_the_quantile_of_student():

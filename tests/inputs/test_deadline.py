@@ -216,6 +216,9 @@ COUNTED = {
     "proofs.enclose_equilibria": lambda **limit: lp.proofs.enclose_equilibria(
         SYMMETRIC, **SPHERE, max_boxes=10**9, **limit
     ),
+    "proofs.find_certificate": lambda **limit: lp.proofs.find_certificate(
+        lp.catalog.heavy_top_on("so(3)", [1, 1, 2], [1, 0, 0]), {"C1": "1/2", "C2": 1}, 1, n_starts=MANY, **limit
+    ),
     "proofs.prove_periodic_orbit": lambda **limit: lp.proofs.prove_periodic_orbit(
         HENON_HEILES, **LOOP, n_sections=250, **limit
     ),

@@ -58,6 +58,8 @@ def test_every_result_is_a_table_and_a_file(tmp_path, kind):
     result = ALL[kind]()
     frame = result.to_dataframe()
     assert len(frame) == rows_of(result)
+    if isinstance(result, lp.results.Result) and hasattr(result, "t_end"):
+        assert {"time", "t_end"} & {*frame.columns}, "how long the runs were"
     assert len(frame.columns) > 1
     assert frame.columns.is_unique
     assert set(map(np.ndim, result.columns().values())) == {1}

@@ -137,3 +137,15 @@ def test_bands_and_levels_are_named_in_a_figure_by_default():
     mixed = lp.finite_time_exponents(system, lp.sample_states(system, 3, seed=1), t_end=10)
     assert plot.convergence(mixed).get_title(loc="left") == "heavy-top\n3 levels of $H$, $C_{1}$, $C_{2}$"
     assert plot.orbit(lp.integrate(system, starts, t_end=1), trajectory=2).get_suptitle() == ax.get_title(loc="left")
+
+
+def test_a_curve_of_another_system_leaves_no_false_title():
+    tops = lp.Top.kovalevskaya(), lp.Top.lagrange()
+    first, second = (lp.finite_time_exponents(top, lp.sample_states(top, 1, seed=1), t_end=50) for top in tops)
+    ax = lp.plot.convergence(first)
+    whole = ax.get_title(loc="left")
+    lp.plot.convergence(first, ax=ax)
+    assert ax.get_title(loc="left") == whole
+    assert whole.startswith("Kovalevskaya")
+    lp.plot.convergence(second, ax=ax)
+    assert "Kovalevskaya" not in ax.get_title(loc="left")

@@ -102,10 +102,17 @@ def test_every_function_refuses_a_wrong_object_in_its_own_words():
                 try:
                     getattr(lp.plot, name)(**others | dict.fromkeys(arguments, value))
                     drawn |= set() if others else {name}
-                except lp.errors.LiePoissonError:
-                    pass
+                except lp.errors.LiePoissonError as error:
+                    if others and "which has no '" in str(error):  # an option is told what it must be
+                        wrong.append(f"{name}({', '.join(arguments)}={value!r:.40}): {error}")
                 except Exception as error:
                     wrong.append(f"{name}({', '.join(arguments)}={value!r:.40}): {type(error).__name__}: {error}")
                 plt.close("all")
     assert not wrong, "\n".join(wrong)
     assert drawn <= NUMBERS
+
+
+def test_a_figure_is_saved_under_a_text_or_a_path(tmp_path):
+    figure = lp.plot.orbit(lp.integrate(TOP, STARTS[0], t_end=5))
+    written = [lp.plot.save_figure(figure, stem, formats=["svg"]) for stem in (f"{tmp_path}/one", tmp_path / "two")]
+    assert [path.name for (path,) in written] == ["one.svg", "two.svg"]

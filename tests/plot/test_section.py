@@ -1,12 +1,14 @@
 """Figures of sections: which points they show, in which colours, under which labels."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.labels import label as plain_name
+from liepoisson.plot.section import _best_turn, titled_section
 from liepoisson.plot.section import section as draw
-from liepoisson.plot.section import titled_section
 from liepoisson.plot.style import SEQUENCE
 from liepoisson.poincare.section_coordinates import default_axes
 
@@ -95,9 +97,10 @@ def test_both_directions_are_drawn_side_by_side():
     )
     assert [len(ax.lines[0].get_xdata()) for ax in (left, right)] == [(run.sign > 0).sum(), (run.sign < 0).sum()]
     assert left.get_xlim() == right.get_xlim()
-    mine = draw(run, ax=left)
-    assert mine is left, "given axes get all crossings"
-    assert len(mine.lines[-1].get_xdata()) == len(run.time)
+    with pytest.raises(ParameterError, match="one of the two sheets"):
+        draw(run, ax=left)
+    mine = draw(run, ax=plt.figure().add_subplot())
+    assert len(mine.lines[-1].get_xdata()) == len(run.time), "given axes get all crossings"
 
 
 def test_orbits_of_several_levels_are_told_and_those_of_one_have_its_values():
@@ -153,6 +156,57 @@ def test_all_that_is_drawn_into_one_pair_of_axes_has_the_same_turn():
         draw(run, "q1", "p1", window=0)
 
 
+def test_no_island_is_cut_at_a_gap_that_is_no_wider_than_those_beside_it():
+    """The largest gap of dense angles with thin ones among them is where these are thin."""
+    rng = np.random.default_rng(0)
+    angles = np.concatenate([rng.uniform(0, 4, 10_000), rng.uniform(4, 2 * np.pi, 1000)])
+    assert _best_turn(angles) == -np.pi
+    assert _best_turn(angles[(angles < 4.9) | (angles > 5)]) == pytest.approx(4.95 - 2 * np.pi, abs=0.01)
+    chain = np.concatenate([k * 2 * np.pi / 5 + rng.uniform(-0.5, 0.5, 100) for k in range(5)])
+    begin = _best_turn(chain)
+    assert np.abs((begin - np.pi / 5) / (2 * np.pi / 5) % 1 - 0.5) > 0.4, "between two islands"
+    assert [_best_turn(np.array(few)) for few in ([], [1.0])] == [-np.pi] * 2
+
+
+def test_axes_with_a_section_keep_their_coordinates_and_no_false_title(points):
+    other = lp.section(lp.Top.lagrange(), lp.sample_states(lp.Top.lagrange(), 2, seed=1), surface="l1", t_end=60)
+    ax = draw(points, "alpha1", "l1", trajectories=[0])
+    system, level = ax.get_title(loc="left").split("\n")
+    draw(points, trajectories=[0], ax=ax)
+    np.testing.assert_array_equal(ax.lines[1].get_xydata(), points.of(0)[:, [3, 0]])
+    assert ax.get_title(loc="left").split("\n") == [system, level]
+    draw(points, trajectories=[1], ax=ax)
+    assert ax.get_title(loc="left") == system, "on another level"
+    for wrong in ({"x": "l2"}, {"y": "alpha3"}, {"x": "l1", "y": "alpha1"}):
+        with pytest.raises(ParameterError, match="which these axes show; got"):
+            draw(points, **wrong, ax=ax)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\alpha_{1}$", r"$\ell_{1}$")
+    draw(other, ax=ax)
+    assert ax.get_title(loc="left") == ""
+    np.testing.assert_array_equal(ax.lines[-1].get_xydata(), other.of(1)[:, [3, 0]])
+    draw(points, "l2", xlabel="first or second", ax=ax)
+    draw(points, points.state[:, 0], ax=ax)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("first or second", r"$\ell_{1}$")
+    mine = draw(points, title="mine")
+    draw(other, "alpha3", ax=mine)
+    assert mine.get_title(loc="left") == "mine"
+    with pytest.raises(ParameterError, match="x must be given: these axes show values"):
+        draw(points, ax=draw(points, points.time, "l1"))
+
+
+@pytest.mark.parametrize("n", [0, 1])
+def test_the_default_axes_of_hardly_any_crossing_vary_on_the_surface(n):
+    for system, surface in ((TOP, "alpha3"), (TOP, "l2 - 1/10"), (lp.catalog.system("henon-heiles"), "y")):
+        start = lp.sample_states(system, 1, seed=3)[0] / 5
+        run = lp.section(system, start, surface=surface, t_end=100, n_crossings=1)
+        if not n:
+            run = lp.section(system, start, surface=surface, t_end=run.time[0] / 2)
+        assert len(run.time) == n
+        assert surface.split()[0] not in run.default_axes
+        drawn = draw(run.dataset)
+        assert plain_name(surface.split()[0]) not in {drawn.get_xlabel(), drawn.get_ylabel()}
+
+
 def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
     def shown(expression, axes, start):
         system = lp.System(lp.canonical(names=["theta", "x"]), expression)
@@ -193,6 +247,7 @@ def test_coordinates_that_are_not_there_are_refused(points):
     ("options", "message"),
     [
         ({"trajectories": [8]}, "from 0 to 7"),
+        ({"trajectories": []}, "trajectories must be at least one"),
         ({"trajectories": [1.5]}, "from 0 to 7"),
         ({"sign": 7}, "sign: wanted"),
         ({"size": -1}, "size: wanted"),

@@ -22,6 +22,26 @@ def test_curves_and_points_are_those_of_the_trajectory():
     assert right.get_xlabel() == "$k$"
 
 
+def test_the_figure_says_what_it_shows():
+    result = lyapunov_spectrum(TOP, lp.sample_states(TOP, 2, seed=1), t_end=100)
+    figure = draw(result, trajectory=1)
+    assert figure.axes[0].get_title(loc="left").split("\n")[-1] == "trajectory 1, one of 2"
+    (legend,) = figure.legends
+    said = [text.get_text() for text in legend.get_texts()]
+    assert said[:3] == [
+        r"$\lambda_{1}$, $\lambda_{9}$",
+        r"$\lambda_{2}$, $\lambda_{8}$",
+        r"$\lambda_{3}$ to $\lambda_{7}$",
+    ]
+    assert any("consistent with zero" in words for words in said)
+    assert any("mirror images" in words for words in said)
+    part = draw(lyapunov_spectrum(TOP, lp.sample_states(TOP, 1, seed=1), t_end=100, n_exponents=2))
+    assert "trajectory" not in part.axes[0].get_title(loc="left")
+    said = [text.get_text() for text in part.legends[0].get_texts()]
+    assert said[:2] == [r"$\lambda_{1}$", r"$\lambda_{2}$"], "the first two of nine are no partners"
+    assert not any("mirror" in words for words in said)
+
+
 def test_a_trajectory_without_values_is_refused():
     result = lyapunov_spectrum(TOP, np.array([np.ones(9), np.full(9, 1e200)]), t_end=20)
     draw(result, enlarged=False)

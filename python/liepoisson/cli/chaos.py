@@ -85,7 +85,7 @@ def lyapunov(
     """
     check_limits(seed=seed, **asdict(limits))
     chosen = read_numeric_system(system, common.values)
-    data, stem = result_files(files, chosen, common.values, "exponents")
+    data, stem = result_files(files, chosen, common.values, "spectrum" if spectrum else "exponents")
     begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
     drawn, unit, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=_TIME, precision=precision)
     if lines := drawn.lines(chosen):
@@ -173,8 +173,8 @@ def _spectrum_lines(spectrum: Spectrum, *, mixed: bool) -> list[str]:
         f"exponents at t = {spectrum.time[-1]:g}, in inverse time, of the {_runs(finished.sum())}:",
         "   k       mean      error      least    largest  error of one run",
     ]
-    for k, row in enumerate(zip(mean, error, least, largest, typical, strict=True), start=1):
-        lines.append("{:4}  {:9.5f}  {:9.1e}  {:9.5f}  {:9.5f}  {:16.1e}".format(k, *row))
+    for k, (m, e, low, high, own) in enumerate(zip(mean, error, least, largest, typical, strict=True), start=1):
+        lines.append(f"{k:4}  {m:z9.5f}  {e:9.1e}  {low:z9.5f}  {high:z9.5f}  {own:16.1e}")
     over = "over the starts, of the mean" if finished.sum() > 1 else "over the time of the one run"
     lines.append(f"error: standard error {over}; error of one run: over its time, the median of the runs")
     if finished.sum() > 1:

@@ -20,7 +20,7 @@ from liepoisson.cli.options import (
     show,
 )
 from liepoisson.cli.progress import listening
-from liepoisson.cli.systems import read_file, read_system, with_settings, with_symbols
+from liepoisson.cli.systems import read_file, read_system, with_symbols
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import FAMILY_LIMIT, SEARCH_LIMIT
 
@@ -218,7 +218,7 @@ def families(
     from liepoisson.integrability.families import integrable_families
 
     check_limits(time_limit=time_limit)
-    file = with_symbols(with_settings(read_file(system), common.values), free or ())
+    file = with_symbols(read_file(system), common.values, free or ())
     if not file.symbols:
         known = ", ".join(name for name in file.parameters if len(file.scope.shapes[name]) < 2)
         raise ParameterError(

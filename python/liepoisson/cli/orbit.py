@@ -143,6 +143,10 @@ def equilibria(
     from liepoisson.equilibrium.leaf_equilibria import equilibria as find_equilibria
 
     check_limits(seed=seed, time_limit=time_limit)
+    if start and leaf:
+        raise ParameterError(
+            "--start and --leaf exclude each other: a start is on its own leaf. Leave one of them out."
+        )
     chosen = read_numeric_system(system, common.values)
     data = data_file(out, f"{name_of_files(chosen, common.values)}-equilibria.csv", endings=TABLE_ENDINGS)
     place = find_start(chosen, Where(start=start, leaf=leaf), seed).leaf

@@ -111,7 +111,12 @@ def find_starts(
         states = sample_states(system, n, seed=seed, ensemble=drawn)
         return Starts(states, f"{n} random start{'s' if n > 1 else ''} ({drawn}, seed {seed})", None)
     if ensemble is not None:
-        raise ParameterError("--ensemble and --leaf exclude each other: on a leaf states follow the Liouville measure.")
+        if where.start:
+            raise ParameterError("--ensemble and --start exclude each other: nothing is drawn. Leave --ensemble out.")
+        option = "--leaf" if where.leaf else "--guess" if where.guess else "--energy"
+        raise ParameterError(
+            f"--ensemble and {option} exclude each other: on a leaf states follow the Liouville measure. Leave one out."
+        )
     begin = find_start(system, where, seed)
     if where.start:
         return Starts(begin.state[None], "one orbit", begin)

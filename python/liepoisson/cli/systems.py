@@ -50,10 +50,14 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
     return replace(file, name=title) if settings else file
 
 
-def with_symbols(file: SystemFile, names: Sequence[str]) -> SystemFile:
-    """The file with symbols for some parameters that have values, vectors by their components."""
+def with_symbols(file: SystemFile, settings: Sequence[str], names: Sequence[str]) -> SystemFile:
+    """The file with values that were set, and symbols for other parameters that have one, vectors by components."""
+    file = with_settings(file, settings)
+    given = {setting.partition("=")[0].strip() for setting in settings}
     values, declared = dict(file.parameters), list(file.symbols)
     for name in names:
+        if name in given:
+            raise ParameterError(f"--set and --free exclude each other; {name} has both. Leave one of them out.")
         shape = file.scope.shapes.get(name, ())
         if name not in values or len(shape) > 1:
             known = [known for known in values if len(file.scope.shapes[known]) < 2]

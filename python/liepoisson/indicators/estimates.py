@@ -47,7 +47,7 @@ class Estimate(NamedTuple):
         if not (math.isfinite(self.standard_error) and self.standard_error > 0):
             return f"{self.value:.6g} ± {self.standard_error:.2g}"
         places = max(0, 1 - math.floor(math.log10(self.standard_error)))
-        return f"{self.value:.{places}f} ± {self.standard_error:.{places}f}"
+        return f"{self.value:z.{places}f} ± {self.standard_error:.{places}f}"
 
     def contains(self, number: float) -> bool:
         """Whether `number` lies in the confidence interval."""

@@ -69,8 +69,9 @@ class ExponentEstimate(Run):
         error: Its standard error as an average over the time of this one orbit, from the autocorrelation of the blocks
             and from batches of them (`mean_error`), shape (trajectory,).
         is_zero: Whether the value is consistent with zero at time t, below $3\ln(t/T)/t$, as on a regular orbit.  It
-            then falls with time and has neither an error bar nor an interval.  This bounds nothing: a chaotic orbit
-            that has stuck to an island until t looks the same.  `decide` is the rule for regular and chaotic.
+            then falls with time: `error` is that of the average until t and of no limit, and there is no interval.
+            This bounds nothing: a chaotic orbit that has stuck to an island until t looks the same.  `decide` is the
+            rule for regular and chaotic.
         converged: Whether the run finished with an exponent: not `is_zero`, both halves agree within three of their
             combined errors, and the error is at most `wanted_error`, if one was wanted.  If none was, the error may be
             of any size, also as large as the exponent.
@@ -212,9 +213,13 @@ class ExponentEstimate(Run):
 
     def _agreement(self, k: int) -> str:
         """What speaks for the value of a trajectory: its halves, and its error if one was wanted."""
-        rates = self.rates[k]
-        agree = _difference_of_halves(rates[np.isfinite(rates)][None])[0] <= _HALVES
-        halves = "halves agree" if agree else "halves differ"
+        rates = self.rates[k, np.isfinite(self.rates[k])]
+        apart = _difference_of_halves(rates[None])[0]
+        halves = "too short for halves"
+        if math.isfinite(apart):
+            first, second = (part.mean() for part in np.split(rates, [len(rates) // 2]))
+            differ = "" if apart <= _HALVES else " differ"
+            halves = f"halves {first:#.2g} and {second:#.2g}{differ}, {apart:.1f} of their errors apart"
         if self.wanted_error is None:
             return halves
         return f"{halves}, error {'' if self.error[k] <= self.wanted_error else 'not '}as wanted"
@@ -243,10 +248,11 @@ def lyapunov_exponent(
     on from where it is, half as long again each time, until its error is that small and its halves agree, its
     value is consistent with zero and $3\ln(t/T)/t$ is that small, or `t_end` is reached.
 
-    A value below $3\ln(t/T)/t$ is what a regular orbit shows, with T its `time_scale`; then `is_zero` holds, and there
-    is neither error bar nor
-    bound: a sticky orbit may look regular for thousands of natural times.  No error can tell of a region that the orbit
-    has not visited yet, and the halves of one that has stuck to an island for most of the run agree.
+    A value below $3\ln(t/T)/t$ is what a regular orbit shows, with T its `time_scale`; then `is_zero` holds, there is
+    no interval, and `error` is that of the average so far and no bound of a limit: a sticky orbit may look regular for
+    thousands of natural times.  No error can tell of a region that the orbit has not visited yet, and the halves of
+    one that has stuck to an island for most of the run agree.  Of one that sticks in a part of the run they do, too,
+    as their errors are wide: the text of the result has the values of both, `finite_time` those of shorter windows.
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")

@@ -90,7 +90,9 @@ def check_title(title: object, what: str, most: int | None = MAX_TITLE) -> str:
     """
     if not isinstance(title, str):
         raise ParameterError(f'{what}: wanted a text; got {title!r:.60}; write for example "heavy top"')
-    if not title.isprintable() or " ".join(title.split()) != title or not title:
+    if not title:
+        raise ParameterError(f'{what}: wanted a text that is not empty; got {title!r}; write for example "heavy top"')
+    if not title.isprintable() or " ".join(title.split()) != title:
         raise ParameterError(
             f"{what}: wanted one line of printable characters, with single blanks between words; got {title!r:.60}; "
             "remove the others"

@@ -8,6 +8,7 @@ where follows from the labels of the fields of the result (`liepoisson.io.result
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -59,7 +60,10 @@ def dataset_of(result: Result) -> Dataset:
 
 
 def columns_of(result: Result) -> dict[str, NDArray[Any]]:
-    """The columns of the table of a result: what belongs to its rows; of curves along time the last values."""
+    """The columns of the table of a result: what belongs to its rows; of curves along time the last values.
+
+    Where no column is a time, one says how long the runs were.
+    """
     found = [
         (item.name, label, np.asarray(getattr(result, item.name)))
         for item in fields(result)  # pyright: ignore[reportArgumentType]  # results are dataclasses
@@ -93,6 +97,11 @@ def columns_of(result: Result) -> dict[str, NDArray[Any]]:
             is_bare = name == "state" and parts and "_".join(parts) not in taken
             column = "_".join(parts if is_bare else [label.numbers or name, *parts])
             (vectors if extra else table)[column] = values[(..., *place)].reshape(-1)
+    if "time" not in table and (end := getattr(result, "t_end", None)) is not None:
+        names = list(table)
+        after = 1 + names.index("outcome") if "outcome" in names else 0
+        ends = np.full(math.prod(shape), float(end))
+        table = {name: table.get(name, ends) for name in (*names[:after], "t_end", *names[after:])}
     return table | vectors
 
 

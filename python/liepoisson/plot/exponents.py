@@ -16,7 +16,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, sequence
 from liepoisson.inputs.refusals import not_a
 from liepoisson.plot.section import heading_of
-from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style
+from liepoisson.plot.style import INK, MUTED, as_colour, axes_or_new, house_style, set_heading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +44,7 @@ def convergence(
     the curves of all trajectories are given, a light band holds the middle 90% of them.  Without label and fit the
     legend says so.  A fit is drawn solid inside its window and dotted outside.  Of one orbit there is one curve and no
     band.  Above a new figure stand the system and the energy and Casimirs of the orbits, or how many levels of these
-    there are.
+    there are; of this the lines stay that are true of all that is drawn into it later.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -72,8 +72,7 @@ def convergence(
     colour = as_colour(colour)
     with house_style():
         is_new, ax = ax is None, axes_or_new(ax)
-        if is_new:
-            ax.set_title(heading_of(growth))
+        set_heading(ax, heading_of(growth), is_new=is_new)
         if not isinstance(growth, MeanCurve) and len(alone := _finished(growth)) == 1 and fit is None:
             return _draw_one(ax, np.asarray(growth.time), alone[0], label, colour)
         curve = growth if isinstance(growth, MeanCurve) else _mean_of(growth, confidence)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.plot.labels import label, number, plain
-from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, axes_or_new, house_style
+from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, axes_or_new, house_style, set_heading
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,13 +42,19 @@ def family(found: OrbitFamily, *, ax: Axes | None = None) -> Axes:
         found: What `orbit_family` returned; call it again with the same `ax` for a branch.
 
     Raises:
-        ParameterError: it is no family of orbits.
+        ParameterError: it is no family of orbits, or the axes show another quantity.
     """
     from liepoisson.orbits.orbit_families import OrbitFamily
 
     check_kind(found, OrbitFamily, "found", "what orbit_family returns", "call it first")
     with house_style():
         is_new, ax = ax is None, axes_or_new(ax)
+        varies = "$H$" if found.along == "energy" else label(found.along)
+        if ax.get_xlabel() not in {"", varies}:
+            raise ParameterError(
+                f"found: wanted a family along what these axes show, {ax.get_xlabel()}; this one is along {varies}. "
+                "Draw it into other axes."
+            )
         told = set(ax.get_legend_handles_labels()[1])
 
         def name(words: str) -> str:
@@ -68,13 +75,11 @@ def family(found: OrbitFamily, *, ax: Axes | None = None) -> Axes:
                 zorder=4,
                 label=name(point.kind),
             )
-        varies = "$H$" if found.along == "energy" else label(found.along)
         ax.set(xlabel=varies, ylabel="period $T$")
-        if is_new:
-            held = {"H": found[0].energy, **found[0].level.leaf.casimirs}
-            del held["H" if found.along == "energy" else found.along]
-            words = ", ".join(f"{label(key)} = ${number(one)}$" for key, one in held.items())
-            ax.set_title("\n".join(filter(None, [plain(found.system.name), words])))
+        held = {"H": found[0].energy, **found[0].level.leaf.casimirs}
+        held.pop("H" if found.along == "energy" else found.along, None)
+        words = ", ".join(f"{label(key)} = ${number(one)}$" for key, one in held.items())
+        set_heading(ax, "\n".join(filter(None, [plain(found.system.name), words])), is_new=is_new)
         ax.legend()
     return ax
 

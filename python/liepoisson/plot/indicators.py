@@ -81,9 +81,14 @@ def indicators(
         raise ShapeError(f"growth and angle must be of the same trajectories; got {len(mean)} and {len(sali)}.")
     given = range(len(mean)) if members is None else sequence(members, "members", "numbers", "members=[0, 1]")
     chosen = [as_count(k, "members", most=len(mean) - 1) for k in given]
+    if not chosen:
+        raise ParameterError("members: wanted at least one trajectory; got none; leave it out for all of them")
     labels = None if labels is None else texts(labels, "labels", "texts", 'labels=["regular", "chaotic"]')
     if labels is not None and len(labels) != len(chosen):
         raise ParameterError(f"labels: wanted one for each of {len(chosen)} trajectories; got {len(labels)}")
+    from liepoisson.indicators.verdict import as_rule
+
+    chosen_rule = as_rule(rule)
     mark = None if decided_at is None else as_number(decided_at, "decided_at", "a time")
     from matplotlib.ticker import FixedLocator
 
@@ -101,9 +106,6 @@ def indicators(
         top.plot(torus_time, np.log(torus_time / first), label=r"$\ln(t/t_0)$", **reference)
         middle.axhline(2.0, **reference)
         low.axhline(1e-16, **reference)
-        from liepoisson.indicators.verdict import Rule
-
-        chosen_rule = Rule() if rule is None else rule
         for ax, thresholds in ((middle, chosen_rule.megno), (low, chosen_rule.sali)):
             for threshold in thresholds:
                 ax.axhline(threshold, color=MUTED, linewidth=0.5, zorder=1)
@@ -155,8 +157,9 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
 
     All axes are linear.  Below, the middle of the same is enlarged, so that zeros can be told from small exponents.
     The shaded band is $|\lambda| \le 3\ln(t/T)/t$: what is inside is consistent with zero at that time.  Error bars on
-    the right are one standard error over the time of this orbit; open circles are the mirror images $-\lambda_k$, which
-    fall on the others where the spectrum comes in pairs.
+    the right are one standard error over the time of this orbit; open circles are the mirror images
+    $-\lambda_{n+1-k}$, which fall on the others where the spectrum comes in pairs.  Partners have one colour.  A legend
+    says so, and above stand system, energy and Casimirs and, of several trajectories, which one it is.
 
     Example:
         >>> top = lp.Top.twisted_kovalevskaya()
@@ -189,19 +192,42 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
     near = 2.0 * float(zero_threshold(result.time[-1], result.time_scale[trajectory]))
     rows = [largest, near] if enlarged and near < 0.9 * largest else [largest]
     with house_style():
-        figure = new_figure(8.0, 4.2 if len(rows) == 1 else 6.8)
+        figure = new_figure(8.0, 4.6 if len(rows) == 1 else 7.2)
         panels = np.atleast_2d(figure.subplots(len(rows), 2, sharey="row", sharex="col", width_ratios=(2.2, 1)))
         for (left, right), size in zip(panels, rows, strict=True):
             _draw_running(left, result, trajectory)
             _draw_last(right, result, trajectory)
             left.set_ylim(-size, size)
-        panels[0, 0].set_title(heading_of(result, trajectory))
+        which = [f"trajectory {result.first + trajectory % n}, one of {n}"] if n > 1 else []
+        panels[0, 0].set_title("\n".join(filter(None, [heading_of(result, trajectory), *which])))
         panels[0, 1].set_title(f"at $t = {result.time[-1]:g}$\n± standard error")
         for ax, words in zip(panels[-1], (r"$t$", r"$k$"), strict=True):
             ax.set_xlabel(words)
         if len(rows) > 1:
             panels[1, 0].set_title(f"the same, enlarged {largest / near:.2g} times")
+        figure.legend(handles=_explained(result, curves.shape[1]), loc="outside lower center", ncols=3)
     return figure
+
+
+def _explained(result: Spectrum, n: int) -> list[Any]:
+    """What the legend has: the exponents of each colour, the band, and the rings where there are some."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    colours = [_colour(k, result) for k in range(n)]
+    handles: list[Any] = []
+    for colour in dict.fromkeys(colours):
+        places = [k for k in range(n) if colours[k] == colour]
+        names = [rf"$\lambda_{{{k + 1}}}$" for k in places]
+        in_a_row = len(places) > 2 and places[-1] - places[0] == len(places) - 1
+        words = f"{names[0]} to {names[-1]}" if in_a_row else ", ".join(names)
+        handles.append(Line2D([], [], color=colour, marker="o", markersize=4, label=words))
+    handles.append(Patch(color=MUTED, alpha=0.13, label=r"consistent with zero: $|\lambda| \leq 3\,\ln(t/T)/t$"))
+    if _is_whole(result):
+        ring: dict[str, Any] = {"markersize": 8, "markerfacecolor": "none", "markeredgecolor": MUTED, "linestyle": ""}
+        words = rf"mirror images $-\lambda_{{{n + 1} - k}}$"
+        handles.append(Line2D([], [], marker="o", label=words, **ring))
+    return handles
 
 
 def _draw_running(ax: Axes, result: Spectrum, trajectory: int) -> None:
@@ -209,7 +235,7 @@ def _draw_running(ax: Axes, result: Spectrum, trajectory: int) -> None:
     bound = zero_threshold(result.time, result.time_scale[trajectory])
     ax.fill_between(result.time, -bound, bound, color=MUTED, alpha=0.13, linewidth=0)
     for k, curve in enumerate(curves.T):
-        ax.plot(result.time, curve, color=_colour(k, curves.shape[1]), linewidth=1.1)
+        ax.plot(result.time, curve, color=_colour(k, result), linewidth=1.1)
     ax.axhline(0.0, color=INK, linewidth=0.6)
     ax.set(xlim=(0.0, result.time[-1]), ylabel=r"$\lambda_k(t)$")
 
@@ -220,15 +246,23 @@ def _draw_last(ax: Axes, result: Spectrum, trajectory: int) -> None:
     ax.axhspan(-bound, bound, color=MUTED, alpha=0.13, linewidth=0)
     numbers = np.arange(1, len(values) + 1)
     for k, number in enumerate(numbers):
-        colour = _colour(k, len(values))
+        colour = _colour(k, result)
         ax.errorbar(number, values[k], yerr=errors[k], color=colour, marker="o", markersize=4, elinewidth=1.0)
-    if len(values) == len(result.components):
+    if _is_whole(result):
         ax.plot(numbers, -values[::-1], "o", markersize=8, markerfacecolor="none", markeredgecolor=MUTED, linestyle="")
     ax.axhline(0.0, color=INK, linewidth=0.6)
     ax.set_xticks(numbers)
 
 
-def _colour(k: int, n: int) -> str:
-    """Partners have the same colour; the middle is grey."""
+def _is_whole(result: Spectrum) -> bool:
+    """Whether all exponents were computed, so that each has its partner."""
+    return result.exponent.shape[-1] == len(result.components)
+
+
+def _colour(k: int, result: Spectrum) -> str:
+    """Partners have the same colour, the middle is grey; of a part of a spectrum the first ones have their own."""
+    n = result.exponent.shape[-1]
+    if not _is_whole(result):
+        return SEQUENCE[k] if k < len(SEQUENCE) - 1 else MUTED
     pair = min(k, n - 1 - k)
     return SEQUENCE[pair] if pair < min(2, n // 2) else MUTED

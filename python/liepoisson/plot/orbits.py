@@ -18,7 +18,17 @@ from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants
 from liepoisson.plot.labels import label, vector_of, vector_symbol
 from liepoisson.plot.section import heading_of
-from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
+from liepoisson.plot.style import (
+    ANGULAR_MOMENTUM,
+    FIRST_FIELD,
+    GRID,
+    INK,
+    MUTED,
+    SECOND_FIELD,
+    SEQUENCE,
+    check_title_of_figure,
+    house_style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,6 +93,7 @@ def orbit(
         ShapeError: an invariant does not have shape (time,).
         ParameterError: there is no such trajectory, it has fewer than two states, or numbers beyond 1e150.
     """
+    check_title_of_figure(title)
     time, state, components = _arrays(run, trajectory)
     curves = _changes(_own_invariants(run, trajectory) if invariants is None else invariants, run, len(time))
     found = _vectors(components)

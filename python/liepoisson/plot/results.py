@@ -12,8 +12,10 @@ import numpy as np
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
+from liepoisson.io.display import Found
 from liepoisson.io.result import Result
 from liepoisson.plot.exponents import convergence
+from liepoisson.plot.families import family
 from liepoisson.plot.indicators import spectrum
 from liepoisson.plot.labels import formula, label, number, plain
 from liepoisson.plot.orbits import orbit
@@ -32,9 +34,9 @@ _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTU
 
 @explains_its_arguments
 def draw(result: Any, **options: Any) -> Figure:
-    """The figure of the result of a run, whatever its kind.
+    """The figure of the result of a run, whatever its kind, or of a family of orbits.
 
-    Lists, as of equilibria and periodic orbits, are tables and have none.
+    What else a search found, such as periodic orbits and equilibria, has none: the refusal says what to draw.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -48,22 +50,44 @@ def draw(result: Any, **options: Any) -> Figure:
 
     Args:
         result: What a run returned, or what `liepoisson.load` gave.
-        **options: Those of the figure of this kind: `orbit`, `section`, `spectrum`, `convergence`, `rod`, `sweep`; or
-            `ax`, axes to draw into.
+        **options: Those of the figure of this kind: `orbit`, `section`, `spectrum`, `convergence`, `rod`, `sweep`,
+            `family`; or `ax`, axes to draw into.
 
     Returns:
         The figure; `.axes` are its axes, `.savefig(path)` writes it.
 
     Raises:
-        ParameterError: it is no result of a run.
+        ParameterError: it is no result of a run; of a list or an orbit it says how it is drawn.
     """
-    kind = getattr(type(result), "kind", None)
-    if not isinstance(result, Result) or kind not in _FIGURES:
-        raise ParameterError(f"result: wanted what a run returned; got {shown(result)}; try an Orbit or a Section")
+    from liepoisson.orbits.orbit_families import OrbitFamily
+
+    figure: Callable[..., Any] | None = None
+    if isinstance(result, OrbitFamily):
+        figure = family
+    elif isinstance(result, Result):
+        figure = _FIGURES.get(getattr(type(result), "kind", ""))
+    if figure is None:
+        raise ParameterError(f"result: wanted what a run returned; got {_instead(result)}")
     from matplotlib.axes import Axes
 
-    drawn: Any = _FIGURES[kind](result, **options)
+    drawn: Any = figure(result, **options)
     return cast("Figure", drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn)
+
+
+def _instead(given: Any) -> str:
+    """What is not drawn, and what to draw instead."""
+    name, is_list = type(given).__name__, isinstance(given, Found)
+    one: Any = next(iter(given), None) if is_list else given
+    times = next((f"orbit.{word}" for word in ("period", "time") if hasattr(one, word)), "")
+    follow = (
+        f"lp.plot.orbit(lp.integrate(orbit.system, orbit.start, t_end={times}))"
+        if times and hasattr(one, "system") and hasattr(one, "start")
+        else ""
+    )
+    if is_list:
+        of_one = f"; or one of its orbits, orbit = found[0]: {follow}" if follow else ""
+        return f"{name}, a list: found.columns() are arrays to plot, found.to_dataframe() is a table{of_one}"
+    return f"{name}; write {follow}" if follow else f"{shown(given)}; try an Orbit or a Section"
 
 
 @explains_its_arguments

@@ -3,6 +3,7 @@ r"""Figures of surfaces of section: points in a plane of two coordinates, a colo
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from textwrap import wrap
@@ -20,7 +21,14 @@ from liepoisson.inputs.names import ANGLE
 from liepoisson.inputs.refusals import check_choice, not_a
 from liepoisson.numeric.systems import has_functions
 from liepoisson.plot.labels import formula, label, name_of_system, number, plain
-from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
+from liepoisson.plot.style import (
+    as_colours,
+    axes_or_new,
+    check_title_of_figure,
+    house_style,
+    new_figure,
+    set_heading,
+)
 from liepoisson.poincare.section_coordinates import (
     Levels,
     component_axes,
@@ -56,9 +64,9 @@ _TURNED = 100
 _PLACES = 20
 """Values at which it is tried for each of them."""
 _BY_CHANCE = 0.01
-"""A gap between angles counts if independent, uniform ones would leave one as large at most this often."""
-_TURNS = "liepoisson_turns"
-"""The attribute of the dots of a trajectory that says where the turns of the two axes begin."""
+"""A gap between angles counts if independent ones would leave one as large at most this often."""
+_SHOWN = "liepoisson_shown"
+"""The attribute of the dots of a trajectory that says what the two axes show."""
 _LONGEST_LINE = 60
 """Characters of a title that fit above the axes of a new figure; of a formula, characters of its text."""
 
@@ -88,8 +96,12 @@ def section(
 
     An angle is drawn within one turn: "atan2(b, a)", or a component that leaves $(-\pi, \pi)$ and after whole turns of
     which the rates are the same.  The turn begins in the middle of the largest gap g that the n angles leave, if chance
-    would hardly leave one as large, $n(1 - g/2\pi)^{n-1} \le 0.01$, so that islands stay whole; else at $-\pi$.  Axes
-    that were drawn into before keep the turn that they have.  The command `section` draws by the same rule.
+    would hardly leave one as large, $n\,2^{-g/m} \le 0.01$, so that islands stay whole; else at $-\pi$.  Here m is the
+    median of the $\sqrt n$ gaps on one side or the other, whichever is larger: n independent angles as dense as there
+    leave so many gaps as large.  The command `section` draws by the same rule.
+
+    Axes that were drawn into before keep their coordinates, labels and turn; of a title that was ours the lines stay
+    that are true of both sections.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -103,9 +115,10 @@ def section(
     Args:
         points: Result of `liepoisson.section`, or its Dataset.
         x: Horizontal: the name of a coordinate that was kept, values, shape (crossing,), or, where whole states of a
-            System were kept, a formula such as "atan2(alpha2, alpha1)".  By default of a section of dimension 2 what
-            makes it a graph: an angle of two components with its momentum, coordinate and momentum, or other components
-            and angles; where none do, but each of two sheets is a graph, both are drawn, side by side in a new figure.
+            System were kept, a formula such as "atan2(alpha2, alpha1)".  By default what the axes show, if a section is
+            in them.  Else of a section of dimension 2 what makes it a graph: an angle of two components with its
+            momentum, coordinate and momentum, or other components and angles; where none do, but each of two sheets is
+            a graph, both are drawn, side by side in a new figure.
             Else the last component of the state that acts on others, of coordinates and momenta the last coordinate, of
             kept functions the first.  A Dataset does not know what acts, and has the last component.
         y: Vertical, likewise.  Else the second component, the momentum of x, or the last of kept functions.  Where one
@@ -128,13 +141,15 @@ def section(
 
     Raises:
         ExpressionError: a formula cannot be read.
-        ParameterError: no such coordinate, trajectory, sign or colour, a size that is not positive, one coordinate
-            only and no choice of axes, or a window without an angle or other than that of the axes.
+        ParameterError: no such coordinate, trajectory, sign or colour, no trajectory at all, a size that is not
+            positive, one coordinate only and no choice of axes, a window without an angle or other than that of the
+            axes, or axes that show another coordinate under our label, or one of two sheets.
         ShapeError: values that are not one per crossing.
     """
     if not hasattr(points, "state") or not hasattr(points, "sign"):
         raise not_a("what section returns", points, "points", 'try section(system, starts, surface="l3", t_end=100)')
-    x, y, sheets = _chosen(points, x, y)
+    before = None if ax is None else _shown_in(ax)
+    x, y, sheets = _chosen(points, x, y) if before is None else (*before.axes_for(x, y, (xlabel, ylabel)), "")
     member, signs = _member(points), np.asarray(points.sign)
     chosen = np.ones(len(member), bool)
     check_choice(sign, "sign", (1, -1, 0), "0 takes both")
@@ -144,20 +159,33 @@ def section(
         chosen &= np.isin(member, _as_trajectories(trajectories, points, member))
     colours = as_colours(colour)
     diameter = None if size is None else as_positive(size, "size", "a positive number of printer's points", example=2)
-    if title is not None and not isinstance(title, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise not_a("a text", title, "title", 'write title="...", or leave it out')
-    plane = _plane(points, (x, y), chosen, window=window, turns=(None, None) if ax is None else _turns_of(ax))
-    heading = _heading(points, np.unique(member[plane.shown])) if title is None and ax is None else title
+    check_title_of_figure(title)
+    plane = _plane(points, (x, y), chosen, window=window, turns=(None, None) if before is None else before.turns)
+    heading = _heading(points, np.unique(member[plane.shown])) if title is None else title
     panels = _panels(points, sheets) if ax is None else [("", np.ones(len(member), bool))]
     with house_style():
         is_new, ax = ax is None, axes_or_new(ax, width=5.2 if len(panels) == 1 else 9.0, height=4.6)
         drawn = _side_by_side(ax, len(panels))
-        labels = [own if given is None else given for own, given in zip(plane.labels, (xlabel, ylabel), strict=True)]
+        present = ("", "") if before is None else (ax.get_xlabel(), ax.get_ylabel())
+        own = [_kept_label(*both) for both in zip((x, y), plane.labels, present, strict=True)]
+        labels = [label if given is None else given for label, given in zip(own, (xlabel, ylabel), strict=True)]
+        turns = tuple(-np.pi if turn is None else turn for turn in plane.turns)
+        shown = _Shown((_name_of(x), _name_of(y)), turns, sheets if len(panels) > 1 else "")
         filled = plane._replace(labels=labels)
-        _fill(zip(drawn, (of for _, of in panels), strict=True), filled, member, colours, diameter, mark=is_new)
-        for one, (words, _) in zip(drawn, panels, strict=True):
-            if lines := [line for line in (heading if one is drawn[0] else None, words) if line]:
-                one.set_title("\n".join(lines))
+        _fill(
+            zip(drawn, (of for _, of in panels), strict=True),
+            filled,
+            member,
+            colours,
+            diameter,
+            shown=shown,
+            mark=is_new,
+        )
+        if title is None and len(panels) == 1:
+            set_heading(ax, heading or "", is_new=is_new)
+        else:
+            for one, (words, _) in zip(drawn, panels, strict=True):
+                one.set_title("\n".join(line for line in (heading if one is drawn[0] else None, words) if line))
     return ax
 
 
@@ -314,11 +342,15 @@ def _is_angle_formula(text: str) -> bool:
 def _best_turn(angles: FloatArray) -> float:
     """Where the turn begins that leaves islands whole: in the middle of the largest gap; without one, at -pi."""
     places = np.unique(np.mod(angles, 2 * np.pi))
-    gaps = np.diff(places, append=places[:1] + 2 * np.pi) / (2 * np.pi)
-    k, n = int(np.argmax(gaps)) if len(gaps) else 0, len(gaps)
-    if not n or n * (1 - gaps[k]) ** (n - 1) > _BY_CHANCE:
+    gaps = np.diff(places, append=places[:1] + 2 * np.pi)
+    n = len(gaps)
+    if n < 2:
         return -np.pi
-    return float(np.mod(places[k] + np.pi * gaps[k], 2 * np.pi) - 2 * np.pi)  # its middle is from -pi to pi
+    k, beside = int(np.argmax(gaps)), min(math.ceil(math.sqrt(n)), n - 1)
+    near = max(np.median(gaps[(k + side * np.arange(1, beside + 1)) % n]) for side in (-1, 1))
+    if math.log2(n / _BY_CHANCE) > gaps[k] / near:
+        return -np.pi
+    return float(np.mod(places[k] + gaps[k] / 2, 2 * np.pi) - 2 * np.pi)  # its middle is from -pi to pi
 
 
 @np.errstate(invalid="ignore")
@@ -328,9 +360,48 @@ def _in_turn(angles: FloatArray, begin: float) -> FloatArray:
     return np.where(inside, angles, begin + np.mod(angles - begin, 2 * np.pi))
 
 
-def _turns_of(ax: Axes) -> tuple[float | None, ...]:
-    """Where the turns begin in which axes show their angles, as the crossings that were drawn there say."""
-    return next((getattr(line, _TURNS) for line in getattr(ax, "lines", ()) if hasattr(line, _TURNS)), (None, None))
+class _Shown(NamedTuple):
+    """What two axes show: functions by name, "" for values; where the turns of angles begin; of which sheets one is."""
+
+    names: tuple[str, str]
+    turns: tuple[float | None, ...]
+    sheets: str
+
+    def axes_for(
+        self, x: str | ArrayLike | None, y: str | ArrayLike | None, labels: tuple[str | None, str | None]
+    ) -> tuple[str | ArrayLike, str | ArrayLike]:
+        """The axes of what is drawn into these, by default the same; others only under a label of the caller's."""
+        if self.sheets:
+            raise ParameterError(
+                "ax: these axes show one of the two sheets of a section, which no other section has. Leave ax out, or "
+                "draw both sections with x and y given."
+            )
+        found: list[str | ArrayLike] = []
+        for axis, given, name, label_ in zip("xy", (x, y), self.names, labels, strict=True):
+            wanted = (name or None) if given is None else given
+            if wanted is None:
+                raise ParameterError(f"{axis} must be given: these axes show values without a name. Give {axis}=...")
+            if isinstance(wanted, str) and name and label_ is None and formula(wanted) != formula(name):
+                raise ParameterError(
+                    f"{axis} must be {name!r:.80}, which these axes show; got {wanted!r:.80}. Leave it out, give "
+                    f"{axis}label, or draw into other axes."
+                )
+            found.append(wanted)
+        return found[0], found[1]
+
+
+def _shown_in(ax: Axes) -> _Shown | None:
+    """What axes show, as the crossings that were drawn there say; None where there are none."""
+    return next((getattr(line, _SHOWN) for line in getattr(ax, "lines", ()) if hasattr(line, _SHOWN)), None)
+
+
+def _name_of(axis: str | ArrayLike) -> str:
+    return axis if isinstance(axis, str) else ""
+
+
+def _kept_label(axis: str | ArrayLike, own: str, present: str) -> str:
+    """The label that is there, unless it is ours: then the new one, which may say that there is a turn."""
+    return own if present in {"", formula(_name_of(axis))} else present
 
 
 def _mark_parts_of_pi(axis: Axis) -> None:
@@ -381,15 +452,15 @@ def _fill(
     colours: Sequence[str],
     size: float | None = None,
     *,
+    shown: _Shown | None = None,
     mark: bool = True,
 ) -> None:
     """Draw crossings into axes side by side, with labels and, if wanted, ticks of angles."""
-    turns = tuple(-np.pi if turn is None else turn for turn in plane.turns)
     parts = list(parts)
     for ax, panel in parts:
         of = plane.shown & panel
         for line in _draw(ax, plane.values[:, of], member[of], colours, size):
-            setattr(line, _TURNS, turns)
+            setattr(line, _SHOWN, shown)
         ax.set_xlabel(plane.labels[0])
         ax.set_ylabel(plane.labels[1])
         ax.margins(0.04)
@@ -438,7 +509,9 @@ def _chosen(
     across, up = (
         component_axes(points)  # pyright: ignore[reportArgumentType]  # it is the result of a run
         if _has_states_of_a_system(points)
-        else default_axes(names, _states(points.state, len(names)), _beside(points, len(names)))
+        else default_axes(
+            names, _states(points.state, len(names)), _beside(points, len(names)), surface=_about(points)[1]
+        )
         if _is_whole(points)
         else (names[0], names[-1])
     )
@@ -475,7 +548,18 @@ def _beside(points: SectionLike, n: int) -> FloatArray | None:
 
 
 def _heading(points: SectionLike, trajectories: NDArray[np.int64]) -> str | None:
-    """System, surface, direction and levels, as far as they are known: a Dataset has the first among its attributes."""
+    """System, surface, direction and levels, as far as they are known."""
+    system, surface, direction = _about(points)
+    if system is None or surface is None:
+        return None
+    name = plain(system)
+    gap = ": " if len(f"{system}: {surface} = 0") <= _LONGEST_LINE else "\n"
+    of = f"{name}{gap}{_shown_surface(surface)}{_in_words(direction)}"
+    return "\n".join(filter(None, [of, _about_levels(points, trajectories)]))
+
+
+def _about(points: SectionLike) -> tuple[str | None, str | None, int]:
+    """System, surface and direction, as far as they are known: a Dataset has them among its attributes."""
     attributes = getattr(points, "attrs", None)
     if attributes is None:
         system, surface = name_of_system(points), getattr(points, "surface", None)
@@ -483,12 +567,7 @@ def _heading(points: SectionLike, trajectories: NDArray[np.int64]) -> str | None
     else:  # its "surface" is the tape
         recorded = json.loads(attributes.get("run", "{}"))
         system, surface, direction = attributes.get("system"), recorded.get("surface"), recorded.get("direction", 0)
-    if not isinstance(system, str) or not isinstance(surface, str):
-        return None
-    name = plain(system)
-    gap = ": " if len(f"{system}: {surface} = 0") <= _LONGEST_LINE else "\n"
-    of = f"{name}{gap}{_shown_surface(surface)}{_in_words(direction)}"
-    return "\n".join(filter(None, [of, _about_levels(points, trajectories)]))
+    return system if isinstance(system, str) else None, surface if isinstance(surface, str) else None, direction
 
 
 def _about_levels(points: SectionLike, trajectories: NDArray[np.int64]) -> str:
@@ -555,6 +634,8 @@ def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]
     n = int(member.max(initial=-1)) + 1 if outcomes is None else len(outcomes)
     several = listed(wanted, "trajectories")
     given = [as_scalar(wanted)] if several is None else several
+    if not len(given):
+        raise ParameterError("trajectories must be at least one; got none. Leave it out for all of them.")
     return np.array([as_count(k, "trajectories", most=n - 1) for k in given], dtype=np.int64)
 
 

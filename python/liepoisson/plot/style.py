@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -115,6 +116,37 @@ def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> 
     return plt.figure(figsize=(width, height)).add_subplot()
 
 
+def check_title_of_figure(title: object) -> None:
+    """Refuse a title that is no text.
+
+    Raises:
+        ParameterError: it is neither a text nor None.
+    """
+    if title is not None and not isinstance(title, str):
+        raise not_a("a text", title, "title", 'write title="...", or leave it out')
+
+
+_HEADING = "liepoisson_heading"
+"""The attribute of axes with the title that we gave them."""
+_SEVERAL = re.compile(r"\d+ levels of ")
+"""How the line of a title begins that counts what is drawn."""
+
+
+def set_heading(ax: Axes, heading: str, *, is_new: bool) -> None:
+    """Our title of new axes; a title of ours that is there keeps the lines that are true of what is drawn now, too.
+
+    Axes of the caller, or with a title of the caller's, stay as they are.
+    """
+    if not is_new:
+        old = getattr(ax, _HEADING, None)
+        if old is None or ax.get_title(loc="left") != old:
+            return
+        lines = heading.split("\n")
+        heading = "\n".join(line for line in old.split("\n") if line in lines and not _SEVERAL.match(line))
+    ax.set_title(heading)
+    setattr(ax, _HEADING, heading)
+
+
 def as_colours(colour: Any) -> tuple[Any, ...]:
     """One colour or a sequence of them, as Matplotlib reads them; without any, those of `house_style`."""
     from matplotlib.colors import is_color_like
@@ -146,7 +178,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 @explains_its_arguments
-def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS) -> tuple[Path, ...]:
+def save_figure(figure: Figure, stem: str | Path, *, formats: Sequence[str] = FORMATS) -> tuple[Path, ...]:
     """Write a figure as `stem`.png, .svg and .pdf; the same figure gives the same bytes.
 
     Example:
@@ -163,12 +195,16 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
         formats: Those of "png", "svg" and "pdf" that are wanted.
 
     Raises:
-        ParameterError: a format is none of these.
+        ParameterError: a format is none of these, or `stem` is no path.
         OutputError: a file could not be written.
     """
+    if not hasattr(figure, "get_layout_engine"):  # pyright: ignore[reportUnnecessaryComparison]
+        raise not_a("a figure of Matplotlib", figure, "figure", "axes have theirs as ax.figure")
     wanted = listed(formats, "formats")
     if wanted is None or not set(wanted) <= set(FORMATS):
         raise ParameterError(f"formats: wanted a tuple of some of {FORMATS}; got {formats!r:.60}; leave the others out")
+    if not isinstance(stem, str | Path):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a("a path without an ending", stem, "stem", 'write for example "figure"')
     paths: list[Path] = []
     with house_style():
         # Laid out once; each format would lay it out anew.  At the resolution of the PNG file, its texts are ready.
@@ -180,7 +216,7 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
                 figure.dpi = own_dpi
         figure.set_layout_engine("none")
         for extension in wanted:
-            path = stem.with_suffix(f".{extension}")
+            path = Path(stem).with_suffix(f".{extension}")
             # A date in the file would make every run differ.
             no_date = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension, {})
             drawn = BytesIO()

@@ -69,7 +69,7 @@ def component_axes(run: Section) -> tuple[str, str]:
     from liepoisson.model.system import System
 
     idle = idle_components(run.system) if isinstance(run.system, System) else frozenset[str]()
-    return default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]), idle)
+    return default_axes(run.components, run.state, np.concatenate([run.start, run.end_state]), idle, run.surface)
 
 
 def fold(run: Section, x: Any, y: Any) -> bool:
@@ -189,7 +189,11 @@ extent, that is round-off; width relative to the largest of all coordinates that
 
 
 def default_axes(
-    components: Sequence[str], states: Array, beside: Array | None = None, idle: Collection[str] = ()
+    components: Sequence[str],
+    states: Array,
+    beside: Array | None = None,
+    idle: Collection[str] = (),
+    surface: str | None = None,
 ) -> tuple[str, str]:
     """The last component across and the second up; of coordinates and momenta a coordinate across and its momentum up.
 
@@ -202,10 +206,17 @@ def default_axes(
         beside: States of the same orbits elsewhere, shape (state, component): they tell how large a coordinate is that
             vanishes on the section.
         idle: Names of components that are taken only where no two others will do.
+        surface: The function that is zero on the section, as a text: of fewer than two crossings a component counts as
+            constant if it is the only name in it.
     """
     n = len(components)
     last, second = (n // 2 - 1, n - 1) if _is_canonical(components) else (n - 1, min(1, n - 1))
     finite = states[np.isfinite(states).all(axis=-1)]
+    acting = [k for k in range(n) if components[k] not in idle]
+    if _is_canonical(components):
+        pairs = sorted(_pairs(range(n), last, second), key=lambda pair: not {*pair} <= {*acting})
+    else:
+        pairs = _pairs(acting, len(acting) - 1, 1) + _pairs(range(n), last, second)
     if len(finite) > 1:
         others = finite if beside is None else np.concatenate([finite, beside[np.isfinite(beside).all(axis=-1)]])
         sizes = np.abs(others).max(axis=0)
@@ -213,15 +224,25 @@ def default_axes(
         centred = (finite - finite.mean(axis=0)) / unit
         width = np.ptp(finite, axis=0)
         varies = (width > _ROUND_OFF * sizes) & (width > _NOTHING * sizes.max())
-        acting = [k for k in range(n) if components[k] not in idle]
-        if _is_canonical(components):
-            pairs = sorted(_pairs(range(n), last, second), key=lambda pair: not {*pair} <= {*acting})
-        else:
-            pairs = _pairs(acting, len(acting) - 1, 1) + _pairs(range(n), last, second)
         for across, up in pairs:
             if across != up and varies[across] and varies[up] and _fills_a_plane(centred[:, (across, up)]):
                 return components[across], components[up]
+    else:
+        held = set[str]() if surface is None else _names_in(surface)
+        for across, up in pairs:
+            if across != up and not any(held == {components[k]} for k in (across, up)):
+                return components[across], components[up]
     return components[last], components[second]
+
+
+def _names_in(surface: str) -> set[str]:
+    """The names in a formula; none in what is no formula, as the rows of a file's function."""
+    from liepoisson.formula.grammar import names_in, parse
+
+    try:
+        return {*names_in(parse(surface))}
+    except ExpressionError:
+        return set()
 
 
 def _pairs(places: Sequence[int], last: int, second: int) -> list[tuple[int, int]]:

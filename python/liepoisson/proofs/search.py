@@ -5,7 +5,6 @@ Nothing here is rigorous and nothing need be: what is found is checked by a prog
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,12 +14,12 @@ import numpy as np
 
 from liepoisson.equilibrium.leaf_equilibria import equilibria
 from liepoisson.errors import EnclosureError, LeafError, OrbitError, ParameterError
-from liepoisson.formula.scalars import as_count, as_number, as_threads
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number
 from liepoisson.inputs.calls import explains_its_methods, shows_progress
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.io.files import write_json
 from liepoisson.leaf._checks import as_system
-from liepoisson.numeric.run_options import part_of
-from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.run_options import RunOptions, part_of
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import reversers_of, symmetric_periodic_orbits
@@ -95,6 +94,7 @@ def find_certificate(
     t_end: float | None = None,
     seed: int = 0,
     threads: int | None = 1,
+    time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> CertificateCandidate:
     """Searches a periodic orbit with a transversal homoclinic orbit and sets along both that map across one another.
@@ -124,20 +124,41 @@ def find_certificate(
         t_end: The longest segment of a periodic orbit.
         seed: Draws them.
         threads: How many.
+        time_limit: Seconds after which the search is given up.  What is found does not depend on it.
 
     Raises:
         LeafError: the leaf is not regular, or the level has an equilibrium.
         OrbitError: no chain was found; the message says how far the search came.
         ParameterError: the system has no suitable reversers, or no polynomial equations.
+        TimeLimitError: the time limit has passed.
     """
     system, radius = as_system(system), _positive(radius, "radius")
     kappa = _positive(kappa, "kappa")
-    n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
+    n_starts, run = (
+        as_count(n_starts, "n_starts", least=1),
+        RunOptions.read(None, threads, time_limit, progress, seed=seed),
+    )
     if kappa <= 1:
         raise ParameterError(f"kappa: wanted a number above 1; got {kappa:g}; try 1.3")
+    with run.deadline.running():
+        return _found(system, leaf, energy, run, radius=radius, kappa=kappa, n_starts=n_starts, t_end=t_end)
+
+
+def _found(
+    system: System,
+    leaf: Leaf | Mapping[str, float | str],
+    energy: float | str,
+    run: RunOptions,
+    *,
+    radius: float,
+    kappa: float,
+    n_starts: int,
+    t_end: float | None,
+) -> CertificateCandidate:
+    """As `find_certificate`, before the deadline of the call: a search that it cut short would find something else."""
     field = polynomial_field(system)
     level = level_of(system, leaf, energy)
-    _check_that_it_has_no_equilibrium(level)
+    _check_that_it_has_no_equilibrium(level, run.left)
     families = _closed_by_signs(reversers_of(level))
     orbits: list[SymmetricOrbit] = []
     without: list[LeafError] = []
@@ -150,13 +171,14 @@ def find_certificate(
                 reversers=reversers,
                 n_starts=n_starts,
                 t_end=t_end,
-                seed=seed,
-                threads=threads,
-                time_limit=math.inf,  # what is found must not depend on how quick the machine is
-                progress=part_of(progress, 0.4 * k / len(families), 0.4 / len(families)),
+                seed=run.seed,
+                threads=run.threads,
+                time_limit=run.left,
+                progress=part_of(run.progress, 0.4 * k / len(families), 0.4 / len(families)),
             )
         except LeafError as error:  # the fixed sets of these do not meet the level
             without.append(error)
+        checkpoint("the search for periodic orbits")
     if len(without) == len(families):
         raise without[0]
     # the adapted norm needs a growth of kappa in each half of a loop, and the checkers a symmetry that closes it
@@ -170,28 +192,30 @@ def find_certificate(
             orbit,
             reversers=[orbit.last],  # then the excursion is closed by the symmetry, too
             n_starts=2 * n_starts,
-            seed=seed,
-            threads=threads,
-            time_limit=math.inf,
-            progress=part_of(progress, 0.4 + 0.6 * k / _MOST_ORBITS, 0.6 / _MOST_ORBITS),
+            seed=run.seed,
+            threads=run.threads,
+            time_limit=run.left,
+            progress=part_of(run.progress, 0.4 + 0.6 * k / _MOST_ORBITS, 0.6 / _MOST_ORBITS),
         )
+        checkpoint("the search for homoclinic orbits")
         tried.append(f"{len(found)} homoclinic orbits to that of period {orbit.period:.6g}")
         passed: list[CertificateCandidate] = []
         for number, homoclinic in enumerate(found[:_MOST_HOMOCLINIC]):
             if passed and number >= _COMPARED:
                 break
+            checkpoint("a chain along a homoclinic orbit")
             try:
                 chain = maker.along(homoclinic)
             except OrbitError as error:
                 tried.append(str(error))
                 break
-            check = float_check(chain, seed=seed)
+            check = float_check(chain, seed=run.seed)
             angle = float(homoclinic.angles.min())
             tried.append(f"manifolds at {angle:.2g} rad: covering {check.covering:.3g}, stable {check.stable:.3g}")
             if check.passes:
                 passed.append(CertificateCandidate(maker.orbit, homoclinic, chain, check))
         passed.sort(key=lambda one: -min(one.check.covering - 1, 1 - one.check.stable))
-        accepted = _accepted(passed, maker, field, seed)
+        accepted = _accepted(passed, maker, field, run.seed)
         if accepted is not None:
             return accepted
         refused += passed
@@ -228,6 +252,7 @@ def _accepted(
     less: CertificateCandidate | None = None
     for factor in _SMALLER:
         for candidate in candidates:
+            checkpoint("the check of a chain in intervals")
             smaller = candidate if factor == 1 else _made_smaller(candidate, maker, factor, seed)
             if smaller is None:
                 continue
@@ -257,9 +282,10 @@ def _made_smaller(
     return replace(candidate, chain=chain, check=check) if check.passes else None
 
 
-def _check_that_it_has_no_equilibrium(level: Level) -> None:
+def _check_that_it_has_no_equilibrium(level: Level, time_limit: float) -> None:
     """Refuse a level on which H is critical: it is not regular there."""
-    every = equilibria(level.system, level.leaf, n_starts=50, time_limit=math.inf)
+    every = equilibria(level.system, level.leaf, n_starts=50, time_limit=time_limit)
+    checkpoint("the search for equilibria")
     energies = np.array([one.energy for one in every])
     wanted = float(level.values["H"])  # pyright: ignore[reportArgumentType]  # a number
     if not len(energies):

@@ -111,7 +111,8 @@ def sweep(
     # Said before anything is made: wrong names and values.
     if points_per_piece is not None:
         as_count(points_per_piece, "points_per_piece", least=1, most=2**31, hint="leave it out")
-    meaning = check_casimirs(family, evaluate_targets(spec, family, lattice.coordinates(lattice.grid())))
+    targets = evaluate_targets(spec, family, lattice.coordinates(lattice.grid()))
+    meaning = check_casimirs(family, targets, spec.starts.sampling)
     path = None if store is None else Path(store)
     if path is not None:
         spec.fingerprint()

@@ -41,6 +41,7 @@ DEFAULT_GENERAL = Taylor(tol=1e-9)
 """For systems that are no tops, which have no kernel of mixed precision."""
 
 QUANTITIES = ("exponent", "chaotic_fraction")
+DEFAULT_ENSEMBLE = "unit-vectors"
 _MOST_POINTS = 2**24
 MOST_BYTES = 2**34
 """Memory that the results of a grid may take: 9 bytes for each orbit of each point, which are in memory together."""
@@ -127,8 +128,8 @@ class Starts:
 
     Member k is member k of an ensemble of `sample_states`.  Where an energy or Casimirs are given, it is moved to the
     nearest state that has them (Newton steps of least norm), so that it depends smoothly on the point; the measure
-    is then not the Liouville measure.  With `sampling="liouville"` all Casimirs must be given, and the states are those
-    of `Leaf.sample`, with the same seed at every point.
+    is then not the Liouville measure.  With `sampling="liouville"` all Casimirs must be given, the states are those of
+    `Leaf.sample`, with the same seed at every point, and there is no ensemble.
 
     Example:
         >>> starts = lp.sweeps.Starts(energy="e", casimirs={"C1": 0, "C2": 1})
@@ -143,10 +144,11 @@ class Starts:
 
     Raises:
         UnknownNameError: no such ensemble.
-        ParameterError: no such kind of sampling, or a name that is none of a Casimir.
+        ParameterError: no such kind of sampling, another ensemble than the default beside "liouville", or a name that
+            is none of a Casimir.
     """
 
-    ensemble: str = "unit-vectors"
+    ensemble: str = DEFAULT_ENSEMBLE
     energy: Value | None = None
     casimirs: Mapping[str, Value] = field(default_factory=dict[str, Value], hash=False)
     sampling: Literal["projection", "liouville"] = "projection"
@@ -155,6 +157,11 @@ class Starts:
         if not isinstance(self.ensemble, str) or self.ensemble not in ENSEMBLES:  # pyright: ignore[reportUnnecessaryIsInstance]
             raise unknown_ensemble(self.ensemble)
         check_choice(self.sampling, "sampling", ("projection", "liouville"))
+        if self.sampling == "liouville" and self.ensemble != DEFAULT_ENSEMBLE:
+            raise ParameterError(
+                f'ensemble={self.ensemble!r} and sampling="liouville" exclude each other: on a leaf states follow the '
+                "Liouville measure. Leave one out."
+            )
         if (casimirs := named(self.casimirs, "casimirs")) is None:
             raise ParameterError(f'casimirs: wanted a mapping, such as {{"C1": 1}}; got {shown(self.casimirs)}.')
         if self.energy is not None:
@@ -239,7 +246,7 @@ class SweepSpec:
         quantity: "exponent"; "chaotic_fraction", where each orbit is judged by `lp.decide`; the dotted name
             "package.module:function", or a function `f(system, starts, *, t_end, method, seed, threads)` that returns a
             number for each start, shape (start,).
-        rule: Thresholds of the verdicts for "chaotic_fraction"; by default those of `lp.decide`.
+        rule: Thresholds of the verdicts for "chaotic_fraction", and for no other; by default those of `lp.decide`.
         method: How orbits are integrated; by default `Taylor(tol=1e-9, precision="mixed")` for tops, in double
             precision for other systems; for "chaotic_fraction" that of `lp.decide`.
         seed: Draws starts and tangent vectors.
@@ -293,6 +300,10 @@ class SweepSpec:
         as_seed(self.seed)
         as_time(self.t_end, "t_end", example=1000)
         as_rule(self.rule)
+        if self.rule is not None and not self.is_verdict:
+            raise ParameterError(
+                f'rule belongs to quantity="chaotic_fraction"; got quantity={shown(self.quantity)}. Leave it out.'
+            )
         as_method(self.method, DEFAULT_METHOD)
         self._check_quantity()
 

@@ -26,7 +26,7 @@
     [refine]
     levels = 2
     difference = 0.1
-    [rule]                                   # thresholds of verdicts, see liepoisson.Rule
+    [rule]                                   # thresholds of verdicts, see liepoisson.chaos.Rule
     averages = 4e-3
 
 A path of a system file is looked for beside the sweep file.

@@ -85,24 +85,35 @@ def is_top(system: Any) -> bool:
     return isinstance(system, (NumericTop, Top))
 
 
-def check_casimirs(family: Family, targets: Targets) -> Meaning | None:
+def check_casimirs(family: Family, targets: Targets, sampling: str = "projection") -> Meaning | None:
     """Refuse Casimirs that the systems do not have, or that are other functions at one point than at another.
+
+    And fewer than all of them where starts are drawn on a leaf.
 
     Looked at are the formulas of a file, and the first, middle and last point; the others are looked at when they are
     computed, see `require_meaning`.  Returns what C1, C2, ... mean at all points; None where none are prescribed, or
     the bracket is the same at the points looked at.
     """
-    if not targets.casimirs:
+    if not targets.casimirs and sampling != "liouville":
         return None
-    n, systems = len(next(iter(targets.casimirs.values()))), list[Any]()
+    n, systems = len(targets), list[Any]()
     for point in sorted({0, n // 2, n - 1}):
         with suppress(Exception):  # told of its point when it is computed
             systems.append(family.numeric(targets.values(point)))
     others = [system for system in systems if not is_top(system)]
-    known = {*(("C1", "C2", "C3") if len(others) < len(systems) else ()), *(c for s in others for c in _casimirs_of(s))}
+    known = {name for system in systems for name in _all_casimirs(system)}
     if systems and (unknown := [name for name in targets.casimirs if name not in known]):
         has = ", ".join(sorted(known)) or "no Casimirs"
         raise ParameterError(f"{family.name} has {has}; got {', '.join(unknown)}. Correct the name.")
+    if sampling == "liouville":
+        left = [sorted({*_all_casimirs(system)} - {*targets.casimirs}) for system in systems]
+        if left and all(left):
+            raise ParameterError(
+                f'starts: sampling="liouville" draws on a leaf, of which all Casimirs must be given; got none for '
+                f"{', '.join(left[0])}. Add them, or leave sampling out."
+            )
+    if not targets.casimirs:
+        return None
     varying = {name for name, values in targets.parameters.items() if (values != values[:1]).any()}
     names = sorted(varying & {*family.bracket_parameters})
     brackets = {str((s.bracket.entries(), s.bracket.constant)) for s in others if hasattr(s, "bracket")}
@@ -137,7 +148,10 @@ def require_meaning(system: Any, wanted: Meaning) -> None:
         )
 
 
-def _casimirs_of(system: Any) -> Sequence[str]:
+def _all_casimirs(system: Any) -> Sequence[str]:
+    """The names of the Casimirs of a system."""
+    if is_top(system):
+        return ("C1", "C2", "C3")
     return tuple(system.functions.casimirs) if hasattr(system, "functions") else ()
 
 
