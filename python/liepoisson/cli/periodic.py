@@ -24,8 +24,6 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from liepoisson.equilibrium.stability import Equilibrium
     from liepoisson.model.system import System
     from liepoisson.orbits.closed_orbits import PeriodicOrbit
@@ -156,9 +154,9 @@ def continue_(
             found = orbit_family(chosen, points[branch - 1], **options, **limits)
     files = [] if data is None else [write_result(found, data)]
     if picture is not None:
-        from liepoisson.plot.families import family as draw
+        from liepoisson.plot.results import draw
 
-        files += write_figure(cast("Figure", draw(found).get_figure(root=True)), picture)
+        files += write_figure(draw(found), picture)
     show(found, format_, _family_record, text=lambda _: "\n".join([repr(found), *_wrote(*files)]))
 
 

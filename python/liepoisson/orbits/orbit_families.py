@@ -335,7 +335,7 @@ class _Follower:
         """The direction of the family at a loop; NaN where its neighbours cannot be followed."""
         try:
             tangent = self.closing.null_space(loops, 1)[0]
-        except np.linalg.LinAlgError:
+        except linear.LinAlgError:
             return np.full(len(self.units) + 1 + loops.angle.shape[1], np.nan)
         return -tangent if like is not None and linear.matmul(tangent, like) < 0 else tangent
 
