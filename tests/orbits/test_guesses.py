@@ -1,5 +1,7 @@
 """Periodic orbits near a guess, and those of a level: closed forms, closing, multipliers, what is refused."""
 
+import time
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -84,6 +86,48 @@ def test_the_period_can_be_held_instead_of_the_energy():
     orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=7, hold="period")
     assert orbit.period == 7
     assert 4 * ellipk((1 + orbit.energy) / 2) == pytest.approx(7, rel=1e-12)
+
+
+@pytest.mark.parametrize(("system", "energy"), [(PENDULUM, 0), (HENON, "1/10")], ids=["pendulum", "henon-heiles"])
+def test_a_constant_in_the_hamiltonian_changes_no_orbit(system, energy):
+    wanted = lp.orbits.periodic_orbits(system, {}, energy, n_starts=10)
+    for constant in (100, 10**9):
+        other = lp.System(system.bracket, system.hamiltonian + constant)
+        found = lp.orbits.periodic_orbits(other, {}, f"{energy} + {constant}", n_starts=10)
+        assert len(found) == len(wanted) > 0
+        np.testing.assert_allclose([one.period for one in found], [one.period for one in wanted], rtol=1e-10)
+        orbit = lp.orbits.periodic_orbit(other, wanted[0].start, period=wanted[0].period)
+        assert orbit.period == pytest.approx(wanted[0].period, rel=1e-12)
+        assert orbit.energy == pytest.approx(wanted[0].energy + constant, rel=1e-15)
+
+
+@pytest.mark.parametrize("hold", ["energy", "period"])
+def test_an_orbit_is_on_the_level_that_it_names(hold):
+    orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=7, hold=hold)
+    assert orbit.level.number("H") == pytest.approx(orbit.energy, rel=1e-14)
+    assert orbit.level.distance(orbit.start) < 1e-14
+    assert f"H = {orbit.energy:.12g}" in repr(orbit)
+
+
+@pytest.mark.parametrize(("system", "guess", "energy"), [(HENON, [0, 0, 0, 0.2], 0), (PENDULUM, [1, 0], -1)])
+def test_an_equilibrium_is_no_orbit(system, guess, energy):
+    with pytest.raises(lp.errors.OrbitError, match="must move"):
+        lp.orbits.periodic_orbit(system, guess, period=6.3, energy=energy)
+
+
+def test_a_steady_precession_is_no_relative_orbit():
+    """With l3 = W cos(theta) + 1/W the Lagrange top turns about the vertical with W and does nothing else."""
+    top, s, c = lp.catalog.system("lagrange"), np.sin(1), np.cos(1)
+    with pytest.raises(lp.errors.OrbitError, match="only turns"):
+        lp.orbits.periodic_orbit(top, [s, 0, c + 1, s, 0, c], period=3, momenta=["l3"])
+
+
+@pytest.mark.parametrize("period", [1e6, 1e40])
+def test_the_time_limit_ends_long_orbits(period):
+    began = time.process_time()
+    with pytest.raises(lp.errors.TimeLimitError, match="following orbits was under way"):
+        lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=period, time_limit=0.3)
+    assert time.process_time() - began < 3
 
 
 @pytest.mark.thorough

@@ -38,7 +38,8 @@ CLOSES = 1e-12
 """Largest residual of an orbit, in units of its level."""
 _ISOLATED = 1e-8
 """The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
-_SAME = 1e-6
+SAME = 1e-6
+"""What differs by less, relative to the period or in units of the level, is the same."""
 
 _ANGLES = 64
 """In a turn, of which the best is where Newton's method begins: the others are a tenth of a radian away."""
@@ -99,7 +100,7 @@ class PeriodicOrbit(ReadOnlyArrays):
     @property
     def is_relative(self) -> bool:
         """Whether it closes up to rotations only."""
-        return bool(self.angles.size and np.abs(self.angles).max() > _SAME)
+        return bool(self.angles.size and np.abs(self.angles).max() > SAME)
 
     @property
     def period(self) -> float:
@@ -107,7 +108,7 @@ class PeriodicOrbit(ReadOnlyArrays):
         if self.symmetry is None:
             return self.time
         x, n = self.symmetry(self.start), 1
-        while np.abs((x - self.start) / self.level.units).max() > _SAME:
+        while np.abs((x - self.start) / self.level.units).max() > SAME:
             x, n = self.symmetry(x), n + 1
         return n * self.time
 
@@ -205,6 +206,10 @@ class Problem:
             angles[:, k] = tried[np.arange(len(states)), nearest, k]
         return angles
 
+    def closed(self, loops: Loops) -> NDArray[np.bool_]:
+        """Which loops are orbits: they close, and are no equilibria, nor relative ones, that close after any time."""
+        return (loops.residual <= CLOSES) & (self.closing.extent(loops) > SAME)
+
     def described(self, loops: Loops, row: int = 0) -> PeriodicOrbit:
         """A loop that was found, with its multipliers."""
         closing, level = self.closing, self.closing.level
@@ -220,6 +225,7 @@ class Problem:
         rates = np.stack([self.system.vector_field(x[0]), *linear.matmul(closing.rotations, x[0])])
         functions = {**level.functions, **{name: f for name, (f, _) in closing.held.items()}}
         gradients = np.stack([f.gradient(x[0]) for f in functions.values()])
+        level = level.through(x[0]) if closing.holds_period else level
         found = loop_spectrum(linear.matmul(undone, forwards), linear.matmul(backwards, turn), gradients, rates)
         return PeriodicOrbit(
             level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
@@ -254,11 +260,13 @@ def problem_at(
         Leaf.through(system, state) if leaf is None else leaf,
         float(system.functions.energy(state)) if energy is None else energy,
     )
+    if leaf is None and energy is None:
+        level = level.through(state)
     if symmetry is not None and (symmetry.is_reverser or not symmetry.meets(level.values)):
         raise ParameterError(
             f"symmetry: wanted one of discrete_symmetries(system) that keeps time and {level.text}; got {symmetry.text}"
         )
-    held = {name: (function, level.number(name)) for name, function in level.functions.items()}
+    held = {name: (function, level.constant(name)) for name, function in level.functions.items()}
     names, rotations = _rotations(system, momenta, state)
     if holds_period:
         del held["H"]

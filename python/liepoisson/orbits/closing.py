@@ -13,7 +13,7 @@ eliminated, so that the linear equations have the size of one state; residuals a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -172,6 +172,15 @@ class Closing:
         late = rates * (T / m)[:, None, None]
         return Linearised(gaps, deviations, slopes, tangents, late, closing, along, np.array(directions) / units)
 
+    def extent(self, loops: Loops) -> Array:
+        """About how far loops move in their time, across the rotations and in units of the level, shape (n,)."""
+        rates = self.level.system.vector_field(loops.state) / self.level.units
+        basis: list[Array] = []
+        for rotation in self.rotations:
+            turned = linear.einsum("ij,nmj->nmi", rotation, loops.state) / self.level.units
+            basis.append(_unit(_across(turned, basis)))
+        return linear.norm(_across(rates, basis), axis=2).max(axis=1) * loops.time
+
     def _equations(
         self, found: Linearised, here: tuple[Array, Array, Array], anchors: tuple[Array, ...], extra: Array | None
     ) -> tuple[Array, Array]:
@@ -185,9 +194,8 @@ class Closing:
         values = [rest, found.deviations]
         off = (x[:, 0] - anchors[0]) / self.level.units
         for direction in found.directions:  # held across the flow and the rotations
-            unit = direction / np.maximum(linear.norm(direction, axis=1, keepdims=True), np.finfo(float).tiny)
-            rows.append(np.concatenate([unit, np.zeros((n, 1 + k))], axis=1)[:, None])
-            values.append(linear.einsum("ni,ni->n", unit, off)[:, None])
+            rows.append(np.concatenate([_unit(direction), np.zeros((n, 1 + k))], axis=1)[:, None])
+            values.append(linear.einsum("ni,ni->n", _unit(direction), off)[:, None])
         if extra is not None:
             rows.append(np.broadcast_to(extra, (n, 1, N + 1 + k)))
             moved = np.concatenate([off, time[:, None] / anchors[1][:, None] - 1.0, angle - anchors[2]], axis=1)
@@ -247,6 +255,18 @@ class Linearised:
             moves[:, i + 1] = linear.einsum("nij,nj->ni", self.segments[:, i], moves[:, i]) + self.gaps[:, i]
             moves[:, i + 1] += self.late[:, i] * delay[:, None]
         return moves, delay, step[:, N + 1 :]
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors of length 1 in the same directions, shape (..., N)."""
+    return vectors / np.maximum(linear.norm(vectors, axis=-1, keepdims=True), np.finfo(float).tiny)
+
+
+def _across(vectors: Array, basis: Sequence[Array]) -> Array:
+    """The parts of vectors that are orthogonal to those of an orthonormal basis, shape (..., N)."""
+    for one in basis:
+        vectors = vectors - linear.einsum("...i,...i->...", vectors, one)[..., None] * one
+    return vectors
 
 
 def exponential(matrices: Array) -> Array:

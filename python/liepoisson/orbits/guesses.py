@@ -23,7 +23,7 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, SAME, Momenta, PeriodicOrbit, Problem, orbit_columns, problem_at
 from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 Guess: TypeAlias = "StartsLike | PeriodicOrbit | SymmetricOrbit | Orbit"
 """A state, an orbit that was found, or a trajectory that comes back near to itself."""
 
-_SAME = 1e-6
 _LARGEST_PART = 12
 """An orbit is looked for whose period is a part of the one that was found, up to this one."""
 _RETURNS, _OTHER_PERIOD = 8, 0.05
@@ -118,7 +117,7 @@ def periodic_orbit(
             symmetry=symmetry, threads=run.threads,
         )  # fmt: skip
         rest = linear.norm(system.vector_field(states) / problem.closing.level.units, axis=1) * times
-        if not (rest > _SAME).any():
+        if not (rest > SAME).any():
             raise ParameterError(f"guess: wanted a state on an orbit; got {shown(states[0])}, which is at rest")
         if not holds_period:
             states, arrived = problem.closing.level.projected(states, np.eye(states.shape[1]))
@@ -132,8 +131,14 @@ def periodic_orbit(
         loops = problem.closing.solved(
             problem.loops(states, times, angles if angles.shape[1] == k else None, n_segments=count)
         )
-        best = int(np.argmin(loops.residual))
-        if not loops.residual[best] <= CLOSES:
+        is_orbit = problem.closed(loops)
+        best = int(np.argmin(np.where(is_orbit, -1.0, loops.residual)))
+        if loops.residual[best] <= CLOSES and not is_orbit[best]:
+            raise OrbitError(
+                f"an orbit must move; from this guess Newton's method comes to {shown(loops.state[best, 0])} on "
+                f"{problem.closing.level.text}, which is at rest{' or only turns' if k else ''}"
+            )
+        if not is_orbit[best]:
             raise OrbitError(
                 f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to "
                 f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g} on {problem.closing.level.text}. "
@@ -211,9 +216,9 @@ def shortest(problem: Problem, loops: Loops) -> Loops:
     turns = closing.turn(angle / parts[:, None])
     gap = np.abs((ends - linear.matmul(turns, x[0])) / closing.level.units).max(axis=1)
     for n in parts[::-1]:
-        if gap[n - 2] < _SAME:
+        if gap[n - 2] < SAME:
             part = closing.solved(problem.loops(x, np.array([T / n]), angle / n))
-            if part.residual[0] <= CLOSES and abs(part.time[0] * n / T - 1) < _SAME:
+            if part.residual[0] <= CLOSES and abs(part.time[0] * n / T - 1) < SAME:
                 return part
     return loops
 
@@ -366,12 +371,12 @@ def _orbits_from(
     for k in range(0, len(rows), _TOGETHER):
         some = slice(k, k + _TOGETHER)
         loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
-        for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
+        for j in np.nonzero(problem.closed(loops) & (loops.time <= 1.2 * longest))[0]:
             yield problem.described(shortest(problem, loops.of(np.array([j]))))
 
 
 def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
     """Whether the periods and multipliers are the same."""
-    near = abs(one.period - other.period) <= _SAME * one.period
+    near = abs(one.period - other.period) <= SAME * one.period
     sums = [np.sum(orbit.multipliers) for orbit in (one, other)]
-    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * _SAME * (abs(sums[0]) + 1))
+    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * SAME * (abs(sums[0]) + 1))

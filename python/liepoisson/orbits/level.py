@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
@@ -55,14 +55,28 @@ class Level(ReadOnlyArrays):
     @cached_property
     def constants(self) -> Mapping[str, Exact]:
         """The exact values of `functions`."""
+        still = self._still
+        return self.values if still == 0 else {**self.values, "H": difference(self.values["H"], still)}
+
+    @cached_property
+    def _still(self) -> Exact:
+        """What H is more than its moving part."""
         part, casimirs = self.system.casimir_part, [self.values[name] for name in self.system.functions.casimirs]
         other = 0.0 if part.other is None else float(self.system.functions.of(part.other)(self.leaf.state))
-        still = part.value(casimirs, other)
-        return self.values if still == 0 else {**self.values, "H": difference(self.values["H"], still)}
+        return part.value(casimirs, other)
+
+    def through(self, state: Array) -> Level:
+        """The level of the same leaf with the energy of a state, without the round-off of what does not move."""
+        moving = Fraction(float(self.functions["H"](state)))
+        return replace(self, values={**self.values, "H": difference(moving, difference(Fraction(0), self._still))})
+
+    def constant(self, name: str) -> float:
+        """The value of one of `functions` as a double."""
+        return _double(self.constants[name])
 
     def number(self, name: str) -> float:
         """The value of H or of a Casimir as a double."""
-        return float(cast("Any", to_sympy(self.values[name])))
+        return _double(self.values[name])
 
     @property
     def dimension(self) -> int:
@@ -76,7 +90,7 @@ class Level(ReadOnlyArrays):
 
     def deviations(self, states: Array) -> Array:
         """How far H and the Casimirs are from their values, shape (..., function)."""
-        wanted = [float(cast("Any", to_sympy(value))) for value in self.constants.values()]
+        wanted = [*map(_double, self.constants.values())]
         return np.stack([f(states) - c for f, c in zip(self.functions.values(), wanted, strict=True)], axis=-1)
 
     def gradients(self, states: Array) -> Array:
@@ -117,6 +131,10 @@ class Level(ReadOnlyArrays):
         slopes = self.gradients(states) * self.units
         slopes = slopes / np.maximum(linear.norm(slopes, axis=-1, keepdims=True), 1e-300)
         return linear.svd(slopes, compute_uv=False)[..., -1] > _INDEPENDENT
+
+
+def _double(value: Exact) -> float:
+    return float(cast("Any", to_sympy(value)))
 
 
 def short(value: Exact) -> str:
