@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
+from sympy import Rational
 
 import liepoisson as lp
 
@@ -99,6 +100,73 @@ def test_a_constant_in_the_hamiltonian_changes_no_orbit(system, energy):
         orbit = lp.orbits.periodic_orbit(other, wanted[0].start, period=wanted[0].period)
         assert orbit.period == pytest.approx(wanted[0].period, rel=1e-12)
         assert orbit.energy == pytest.approx(wanted[0].energy + constant, rel=1e-15)
+
+
+HEAVY = lp.System(lp.catalog.system("heavy-top").bracket, "l1^2/4 + l2^2/3 + l3^2/2 + 3*alpha1/10 + alpha3")
+UNITS = [
+    (PENDULUM, [1, 0], 6.7, (s, action / s)) for s, action in ((1e-6, 1), (1e6, 1), (1, 1e3), (1e-3, 1e-3), (10, 1))
+]
+UNITS += [
+    (SADDLE, [3.1, 0, 0, 0.4], 6.3, (s, r, action / s, action / r))
+    for s, r, action in ((1e-6, 1e-6, 1), (1e6, 1e-3, 1), (1, 1, 1e-6), (30, 1, 1))
+]
+UNITS += [
+    (HENON, [0, 0, 0, 0.2], 6.3, (s, s, action / s, action / s)) for s, action in ((1e3, 1), (1e-6, 1e-12), (1, 1e3))
+]
+UNITS += [
+    (HEAVY, [0.3, 0.1, 1.2, 0.4, 0.1, 0.9], 4.7, (c, c, c, a, a, a))
+    for c, a in ((1e-4, 1e-4), (1e-2, 1e-2), (1e3, 1e3), (1e4, 1e4), (1, 1e3), (1e6, 1e-6), (1e-3, 1e-3), (30, 30))
+]
+
+
+def in_units(system, units):
+    """The same motion, of y = x/u: the bracket is as large as the first unit of a field or the action says."""
+    exact = [Rational(str(u)) for u in units]
+    canonical = not system.bracket.entries()
+    whole = exact[0] * exact[len(units) // 2] if canonical else exact[0]
+    names = dict(zip(system.bracket.variables, exact, strict=True))
+    scaled = system.hamiltonian.subs({x: u * x for x, u in names.items()}, simultaneous=True) / whole
+    return lp.System(system.bracket, scaled), float(whole)
+
+
+@pytest.mark.parametrize(("system", "guess", "period", "units"), UNITS)
+def test_an_orbit_is_the_same_in_other_units(system, guess, period, units):
+    """Newton's method comes to it, its multipliers are those, and whether it is alone on its level is not in doubt."""
+    wanted = lp.orbits.periodic_orbit(system, guess, period=period)
+    other, whole = in_units(system, units)
+    for near in (1.0, 1.003):
+        found = lp.orbits.periodic_orbit(
+            other, wanted.start / units, period=near * wanted.period, energy=wanted.energy / whole
+        )
+        assert found.period == pytest.approx(wanted.period, rel=1e-10)
+        assert (found.stability, found.is_isolated) == (wanted.stability, wanted.is_isolated)
+        assert abs(found.multipliers).max(initial=1) == pytest.approx(abs(wanted.multipliers).max(initial=1), rel=1e-7)
+        assert found.energy * whole == pytest.approx(wanted.energy, rel=1e-10)
+
+
+@pytest.mark.parametrize(("system", "units"), [(one[0], one[3]) for one in UNITS])
+def test_orbits_of_a_level_are_found_in_other_units(system, units):
+    x = np.array({4: [0.1, 0.3, 0.2, 0.1], 2: [1, 0.2], 6: [0.3, 0.1, 1.2, 0.4, 0.1, 0.9]}[len(units)])
+    other, whole = in_units(system, units)
+    energy = float(system.functions.energy(x))
+    wanted, found = (
+        lp.orbits.periodic_orbits(one, lp.Leaf.through(one, start), value, n_starts=20)
+        for one, start, value in ((system, x, energy), (other, x / units, energy / whole))
+    )
+    assert found.n_families * 4 <= len(found)
+    periods, known = ({round(orbit.period, 6) for orbit in each} for each in (found, wanted))
+    assert len(periods & known) >= min(2, len(known)), (periods, known)
+
+
+def test_a_casimir_that_is_round_off_gives_no_unit():
+    """m.p of a state where it vanishes is 1e-17; H is no polynomial and says nothing."""
+    system = lp.catalog.system("goryachev")
+    draw = np.random.default_rng(1)
+    for _ in range(20):
+        p = draw.standard_normal(3)
+        m = np.cross(p, draw.standard_normal(3))
+        leaf = lp.Leaf.through(system, np.concatenate([m, p]))
+        np.testing.assert_array_equal(leaf.in_units().units, 1.0)
 
 
 @pytest.mark.parametrize("hold", ["energy", "period"])

@@ -221,12 +221,17 @@ class Problem:
         forwards, backwards = np.eye(x.shape[1]), np.eye(x.shape[1])
         for i in range(m):
             forwards, backwards = linear.matmul(forth[i], forwards), linear.matmul(backwards, back[i])
-        undone = linear.inv(turn)
+        units, undone = level.units, linear.inv(turn)
         rates = np.stack([self.system.vector_field(x[0]), *linear.matmul(closing.rotations, x[0])])
         functions = {**level.functions, **{name: f for name, (f, _) in closing.held.items()}}
         gradients = np.stack([f.gradient(x[0]) for f in functions.values()])
         level = level.through(x[0]) if closing.holds_period else level
-        found = loop_spectrum(linear.matmul(undone, forwards), linear.matmul(backwards, turn), gradients, rates)
+        found = loop_spectrum(
+            linear.matmul(undone, forwards) * units / units[:, None],
+            linear.matmul(backwards, turn) * units / units[:, None],
+            gradients * units,
+            rates / units,
+        )
         return PeriodicOrbit(
             level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
             bool(loops.regularity[row] > _ISOLATED), found.values, found.pair_defect, found.trivial_defect,
@@ -248,8 +253,12 @@ def problem_at(
     momenta: Momenta = (),
     symmetry: DiscreteSymmetry | None = None,
     threads: int | None = None,
+    along: Array | None = None,
 ) -> Problem:
     """The problem of a level, by default that of a state.
+
+    Args:
+        along: States whose sizes are the units, shape (n, N), such as those of the orbit of a guess.
 
     Raises:
         LeafError: the leaf is not regular, or no state has these values.
@@ -262,6 +271,8 @@ def problem_at(
     )
     if leaf is None and energy is None:
         level = level.through(state)
+    if along is not None:
+        level = level.in_units_of(along)
     if symmetry is not None and (symmetry.is_reverser or not symmetry.meets(level.values)):
         raise ParameterError(
             f"symmetry: wanted one of discrete_symmetries(system) that keeps time and {level.text}; got {symmetry.text}"

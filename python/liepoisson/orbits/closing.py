@@ -33,6 +33,8 @@ _MEETS, _TRIALS = 1e-4, 12
 """A guess must have come to this residual, from which on convergence is quadratic, after so many steps."""
 _RANK = 1e-11
 """Singular values below this, relative to the largest, belong to families: steps do not follow them."""
+_LAST_DIGITS = 2 * float(np.finfo(float).eps)
+"""A value that differs by less, relative, is the value that is held: cos(q) of a small q knows no more."""
 GROWTH = 100.0
 """A segment is so short that neighbours grow by no more than about this along it: a hundredth of a double's digits."""
 MOST_SEGMENTS = 256
@@ -132,7 +134,7 @@ class Closing:
             stalled = ~better & (best.residual[active] < _MEETS)
             go = np.isfinite(size) & ~stalled & ((k < _TRIALS) | (size < _MEETS)) & (size > 1e-17)
             matrix = np.where(go[:, None, None], rows, 0.0)
-            sizes = linear.svd(matrix, compute_uv=False)
+            sizes = linear.svd(np.where(np.isfinite(size)[:, None, None], rows, 0.0), compute_uv=False)
             with np.errstate(all="ignore"):
                 best.regularity[chosen] = (sizes[:, -2 if self.holds_period else -1] / sizes[:, 0])[better]
             step = -linear.einsum("nij,nj->ni", linear.pinv(matrix, rcond=_RANK), np.where(go[:, None], values, 0.0))
@@ -166,7 +168,9 @@ class Closing:
         for j, (function, value) in enumerate(self.held.values()):
             gradient = function.gradient(x[:, 0]) * units
             scale = np.maximum(np.abs(gradient).sum(axis=1), np.finfo(float).tiny)
-            deviations[:, j], slopes[:, j] = (function(x[:, 0]) - value) / scale, gradient / scale[:, None]
+            off = function(x[:, 0]) - value
+            off = np.where(np.abs(off) <= _LAST_DIGITS * abs(value), 0.0, off)
+            deviations[:, j], slopes[:, j] = off / scale, gradient / scale[:, None]
         closing = turn * units / units[:, None]
         directions = [level.system.vector_field(x[:, 0]), *linear.einsum("kij,nj->kni", self.rotations, x[:, 0])]
         late = rates * (T / m)[:, None, None]

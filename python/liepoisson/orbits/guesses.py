@@ -14,7 +14,7 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitEr
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, blocks, has_passed
+from liepoisson.inputs.deadline import CUT_SHORT, blocks, has_passed, seconds_left
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
@@ -28,7 +28,7 @@ from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
 from liepoisson.orbits.shooting import Flow, n_times_of
-from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time
+from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time, searched
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 
@@ -46,6 +46,8 @@ _RETURNS, _OTHER_PERIOD = 8, 0.05
 _NEAR_PERIOD = 0.2
 """How much a return's time may differ from a period that is given."""
 _UNITS, _TIMES_PER_UNIT, _GUESSES, _TOGETHER = 30.0, 12.0, 2, 64
+_SIZES = 32
+"""States of the orbit of a guess whose sizes are the units."""
 _LOOKS = 1000
 """Times of a trajectory at which returns are looked for; all pairs of them are compared."""
 
@@ -112,9 +114,11 @@ def periodic_orbit(
         )
     with run.deadline.running():
         states, times, angles = _guesses(system, guess, period)
+        flow = Flow(system, run.threads)
+        _, along = flow.survey(states, float(times.max()), _SIZES, seconds_left(TIME_LIMIT))
         problem = problem_at(
             system, states[0], leaf=leaf, energy=energy, holds_period=holds_period, momenta=momenta,
-            symmetry=symmetry, threads=run.threads,
+            symmetry=symmetry, threads=run.threads, along=along.reshape(-1, states.shape[1]),
         )  # fmt: skip
         rest = linear.norm(system.vector_field(states) / problem.closing.level.units, axis=1) * times
         if not (rest > SAME).any():
@@ -316,7 +320,7 @@ def periodic_orbits(
     """
     run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
     n_starts = as_count(n_starts, "n_starts", least=1)
-    level = level_of(as_system(system), leaf, energy)
+    level = searched(level_of(as_system(system), leaf, energy), run.seed)
     draw, n_done, meets = stream(run.seed, Purpose.PERIODIC_ORBITS), 0, False
     found: list[PeriodicOrbit] = []
     n_families = 0
@@ -330,7 +334,7 @@ def periodic_orbits(
             if not len(starts):
                 continue
             problem = problem_at(
-                level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads
+                level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads, along=starts
             )
             meets = True
             try:

@@ -18,9 +18,11 @@ from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal, as_energy, as_system, by_name
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf_in_units import unit_groups
 from liepoisson.model.phase_functions import PhaseFunction
-from liepoisson.portable import linear
-from liepoisson.structure.casimir_part import difference
+from liepoisson.numeric.time_scale import balanced
+from liepoisson.portable import elementary, linear
+from liepoisson.structure.casimir_part import ORDINARY, difference
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -70,6 +72,41 @@ class Level(ReadOnlyArrays):
         moving = Fraction(float(self.functions["H"](state)))
         return replace(self, values={**self.values, "H": difference(moving, difference(Fraction(0), self._still))})
 
+    def in_units_of(self, states: Array) -> Level:
+        r"""The level in units that are the sizes of states, such as those of an orbit; itself where it nearly is.
+
+        Components of one field have one size, the largest in it.  Canonical coordinates have each their own, and one of
+        them may be small by accident; of them the ratios are those that make rows and columns of Df about equal, and
+        $u_q u_p$ is the same for all pairs.
+        """
+        states = states[np.isfinite(states).all(axis=1)]
+        sizes = np.abs(states).max(axis=0, initial=0.0)
+        bracket = self.system.bracket
+        if bracket.entries():
+            groups = np.array(unit_groups(bracket))
+            sizes = np.array([sizes[groups == k].max() for k in groups])
+        else:
+            ratios = self._ratios(states)
+            sizes = ratios * (sizes / ratios).max()
+        sizes = np.where((sizes > 0) & np.isfinite(sizes), sizes, self.units)
+        units = elementary.exp2(np.round(elementary.log2(sizes)))
+        is_near = np.abs(elementary.log2(units / self.units)).max() < elementary.log2(ORDINARY)
+        return self if is_near else replace(self, units=units)
+
+    def _ratios(self, states: Array) -> Array:
+        """Units of canonical coordinates, up to a common factor, in which they act on one another equally strongly."""
+        slopes = np.abs(self.system.functions.jacobian(states))
+        slopes = slopes[np.isfinite(slopes).all(axis=(1, 2))]
+        if not len(slopes):
+            return self.units
+        ratios = self.units * balanced(slopes.mean(axis=0)[None] * self.units / self.units[:, None])[1][0]
+        pairs = [pair for pair in self.system.bracket.constant if pair[0] < pair[1]]
+        if len({k for pair in pairs for k in pair}) == 2 * len(pairs):
+            for i, j in pairs:
+                action = np.sqrt(ratios[i] * ratios[j])
+                ratios[i], ratios[j] = ratios[i] / action, ratios[j] / action
+        return ratios
+
     def constant(self, name: str) -> float:
         """The value of one of `functions` as a double."""
         return _double(self.constants[name])
@@ -105,11 +142,16 @@ class Level(ReadOnlyArrays):
             states: Guesses, shape (n, N).
             directions: Columns along which they may be moved, shape (N, d) or (n, N, d).
         """
-        x = states.copy()
+        x, is_ordinary = states.copy(), bool((self.units == 1).all())
+        if not is_ordinary:
+            directions = directions * linear.norm(directions * self.units[:, None], axis=-2)[..., None, :]
         for _ in range(_MOST_STEPS):
             rest = self.deviations(x)
             slopes = linear.matmul(self.gradients(x), directions)
             good = np.isfinite(rest).all(axis=-1) & np.isfinite(slopes).all(axis=(-1, -2))
+            if not is_ordinary:
+                lengths = np.maximum(linear.norm(slopes, axis=-1), np.finfo(float).tiny)
+                slopes, rest = slopes / lengths[..., None], rest / lengths
             slopes[~good], rest[~good] = 0.0, 0.0
             move = -linear.einsum("nij,nj->ni", linear.pinv(slopes, rcond=1e-10), rest)
             step = linear.einsum("...ij,...j->...i", directions, move)

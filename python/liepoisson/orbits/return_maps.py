@@ -233,7 +233,7 @@ class ReturnMap:
                 direction=self.direction,
             )  # fmt: skip
             starts, times = self._nearest(starts, n, level.units)
-            problem = problem_at(self.system, starts[0], leaf=leaf, energy=energy, threads=self.threads)
+            problem = problem_at(self.system, starts[0], leaf=leaf, energy=energy, threads=self.threads, along=starts)
             try:
                 for k in range(0, len(starts), _TOGETHER):
                     some = slice(k, k + _TOGETHER)

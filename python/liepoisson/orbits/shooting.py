@@ -239,8 +239,8 @@ class Shooting:
         residual, regularity = np.full(len(T), np.inf), np.zeros(len(T))
         best_x, best_T = x.copy(), T.copy()
         active = np.arange(len(T))
-        basis, mirror = fixed_basis(self.first), mirror_basis(self.last)
         units = self.level.units
+        basis, mirror = fixed_basis(self.first) * units[:, None], mirror_basis(self.last)
         for k in range(_MOST_STEPS):
             if not active.size:
                 break
