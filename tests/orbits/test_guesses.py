@@ -49,6 +49,39 @@ def test_the_least_period_is_found():
     assert again.period == pytest.approx(once.period, rel=1e-12)
 
 
+@pytest.mark.parametrize("n", [2, 4, 9, 12, 13, 17, 26, 37, 64, 169])
+def test_periods_are_least(n):
+    """Whatever the multiple that is guessed."""
+    orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=n * 6.7)
+    assert orbit.period == pytest.approx(4 * ellipk(np.sin(0.5) ** 2), rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5, 13])
+def test_periods_of_relative_orbits_are_least(n):
+    """Between two passages of the largest alpha3; by how much the top turns is known up to full turns."""
+    top = lp.catalog.system("lagrange")
+    for start in lp.sample_states(top, 6, seed=3):
+        once = lp.orbits.periodic_orbit(top, start, period=nutation(top, start), momenta=["l3"])
+        orbit = lp.orbits.periodic_orbit(top, start, period=n * once.period + 1e-3, momenta=["l3"])
+        assert orbit.period == pytest.approx(once.period, rel=1e-10)
+        assert once.period == pytest.approx(nutation(top, once.start), rel=1e-3)
+
+
+def nutation(top, start):
+    height = lp.integrate(top, start, times=np.linspace(0, 100, 20001)).state[0, :, 5]
+    peaks = np.nonzero((height[1:-1] > height[:-2]) & (height[1:-1] >= height[2:]))[0]
+    return np.diff(peaks).mean() / 200
+
+
+def test_relative_orbits_of_a_level_are_found_by_turning():
+    """With l3 held, too, the Lagrange top has one nutation."""
+    top = lp.catalog.system("lagrange")
+    start = lp.sample_states(top, 1, seed=3)[0]
+    leaf, energy = lp.Leaf.through(top, start), float(top.functions.energy(start))
+    found = lp.orbits.periodic_orbits(top, leaf, energy, momenta={"l3": start[2]}, n_starts=20)
+    assert [one.period for one in found] == pytest.approx([nutation(top, start)], rel=1e-3)
+
+
 def test_a_symmetric_orbit_is_the_same_without_its_symmetry():
     for one in lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=20)[:3]:
         orbit = lp.orbits.periodic_orbit(HENON, one, energy="1/10")

@@ -197,14 +197,36 @@ class Problem:
         """The angles, of one rotation after the other, by which states come nearest to ends, of 64 in a turn each."""
         angles = np.zeros((len(states), len(self.closing.rotations)))
         for k, rotation in enumerate(self.closing.rotations):
-            rate = np.abs(linear.eigvals(rotation)).max(initial=0.0) or 1.0
             tried = np.repeat(angles[:, None], _ANGLES, axis=1)
-            tried[..., k] = 2 * np.pi / rate * (np.arange(_ANGLES) / _ANGLES - 0.5)
+            tried[..., k] = 2 * np.pi / _rate(rotation) * (np.arange(_ANGLES) / _ANGLES - 0.5)
             turns = self.closing.turn(tried.reshape(-1, angles.shape[1])).reshape(*tried.shape[:2], *rotation.shape)
             gaps = (linear.einsum("naij,nj->nai", turns, states) - ends[:, None]) / self.closing.level.units
             nearest = np.argmin(linear.norm(gaps, axis=2), axis=1)
             angles[:, k] = tried[np.arange(len(states)), nearest, k]
         return angles
+
+    def parts(self, angles: Array, n: int) -> Array:
+        """The angles of which n times is the same rotation as angles that are given, shape (n**k, k)."""
+        turns = np.array([2 * np.pi / rate for rate in map(_rate, self.closing.rotations)])
+        whole = np.stack(np.meshgrid(*[np.arange(n)] * len(turns), indexing="ij"), axis=-1) if len(turns) else 0
+        return (angles + turns * np.reshape(whole, (-1, len(turns)))) / n if len(turns) else angles[None]
+
+    def gaps(self, starts: Array, states: Array) -> Array:
+        """How far states are from starts that are turned towards them, in units of the level, shape (n, time).
+
+        Args:
+            starts: Shape (n, N).
+            states: Shape (n, time, N).
+        """
+        x, y = np.broadcast_to(starts[:, None], states.shape), states / self.closing.level.units
+        for rotation in self.closing.rotations:
+            rate = _rate(rotation)
+            across = linear.einsum("ij,ntj->nti", rotation / rate, x)
+            along = -linear.einsum("ij,ntj->nti", rotation / rate, across)
+            parts = [(one / self.closing.level.units * y).sum(axis=2) for one in (across, along)]
+            angle = elementary.arctan2(*parts)[..., None]
+            x = x - along + elementary.cos(angle) * along + elementary.sin(angle) * across
+        return linear.norm(x / self.closing.level.units - y, axis=2)
 
     def closed(self, loops: Loops) -> NDArray[np.bool_]:
         """Which loops are orbits: they close, and are no equilibria, nor relative ones, that close after any time."""
@@ -241,6 +263,11 @@ class Problem:
     def system(self) -> System:
         """The system."""
         return self.closing.level.system
+
+
+def _rate(rotation: Array) -> float:
+    """The angular velocity of a rotation by its angle."""
+    return float(np.abs(linear.eigvals(rotation)).max(initial=0.0)) or 1.0
 
 
 def problem_at(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.algebra.residues import primes
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
@@ -39,8 +40,6 @@ if TYPE_CHECKING:
 Guess: TypeAlias = "StartsLike | PeriodicOrbit | SymmetricOrbit | Orbit"
 """A state, an orbit that was found, or a trajectory that comes back near to itself."""
 
-_LARGEST_PART = 12
-"""An orbit is looked for whose period is a part of the one that was found, up to this one."""
 _RETURNS, _OTHER_PERIOD = 8, 0.05
 """How many of the nearest returns of a trajectory are tried, and how much their times differ, relative."""
 _NEAR_PERIOD = 0.2
@@ -212,19 +211,49 @@ def _returns(orbit: Orbit, period: float | None) -> tuple[Array, Array]:
 
 
 def shortest(problem: Problem, loops: Loops) -> Loops:
-    """The loop whose time is the largest part of that of a loop which also closes, or the loop itself."""
-    closing = problem.closing
-    x, T, angle = loops.state[:, 0], float(loops.time[0]), loops.angle
-    parts = np.arange(2, _LARGEST_PART + 1)
-    ends, _ = closing.flow.ends(np.repeat(x, len(parts), axis=0), T / parts)
-    turns = closing.turn(angle / parts[:, None])
-    gap = np.abs((ends - linear.matmul(turns, x[0])) / closing.level.units).max(axis=1)
-    for n in parts[::-1]:
-        if gap[n - 2] < SAME:
-            part = closing.solved(problem.loops(x, np.array([T / n]), angle / n))
-            if part.residual[0] <= CLOSES and abs(part.time[0] * n / T - 1) < SAME:
-                return part
+    """The loop of the least time of which this one is a multiple: divided by a prime as long as that closes, too."""
+    while (part := _part(problem, loops)) is not None:
+        loops = part
     return loops
+
+
+def _part(problem: Problem, loops: Loops) -> Loops | None:
+    """The loop whose time is the largest prime part of that of a loop, if one closes, too."""
+    closing, T = problem.closing, float(loops.time[0])
+    chain, units = loops.state[0], closing.level.units
+    most = _most_parts(problem, loops)
+    if most < 2:
+        return None
+    parts = np.array([*primes(most, 1), 2])
+    first = (
+        len(chain) - 1
+    ) // parts  # of each part the segment in which it ends: the round-off of others does not count
+    ends, _ = closing.flow.ends(chain[first], T * (1 / parts - first / len(chain)))
+    for n, end in zip(parts.tolist(), ends, strict=True):
+        angles = problem.parts(loops.angle[0], n)
+        gaps = np.abs((end - linear.matmul(closing.turn(angles), chain[0])) / units).max(axis=1)
+        best = int(np.argmin(gaps))
+        if gaps[best] < SAME:
+            part = closing.solved(problem.loops(chain[:1], np.array([T / n]), angles[best][None]))
+            if problem.closed(part)[0] and abs(part.time[0] * n / T - 1) < SAME:
+                return part
+    return None
+
+
+def _most_parts(problem: Problem, loops: Loops) -> int:
+    r"""The largest number of orbits that a loop can consist of: none is shorter than $2\pi/L$ where $|Df|\le L$.
+
+    Up to rotations, by half a turn at most, it may be half as long.
+
+    References: [yorke1969].
+    """
+    level, m = problem.closing.level, loops.state.shape[1]
+    T = float(loops.time[0])
+    _, between = problem.closing.flow.survey(loops.state[0], T / m, max(1, _SIZES // m), seconds_left(TIME_LIMIT))
+    slopes = level.system.functions.jacobian(between.reshape(-1, between.shape[2])) * level.units
+    size = float(linear.norm(slopes / level.units[:, None], 2, axis=(1, 2)).max())
+    least = (1 if len(problem.closing.rotations) else 2) * np.pi / size if size > 0 else np.inf
+    return int(np.ceil(T / least))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -367,7 +396,7 @@ def _orbits_from(
     level, (longest, unit) = problem.closing.level, times
     n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
     grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, max(run.left, LEAST_LEFT))
-    gaps = linear.norm((states - starts[:, None]) / level.units, axis=2)
+    gaps = problem.gaps(starts, states)
     inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
     rows, places = np.nonzero(inner)
     best = np.argsort(gaps[rows, places + 1], kind="stable")[:n_wanted]
