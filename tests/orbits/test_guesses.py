@@ -257,7 +257,42 @@ REFUSED = (
     ({"guess": [1, 0], "period": 7, "momenta": ["p1"]}, lp.errors.ParameterError, "momenta"),
     ({"guess": [[1, 0], [2, 0]], "period": 7}, lp.errors.ParameterError, "one state"),
     ({"guess": [1, 0, 0], "period": 7}, lp.errors.LiePoissonError, "component"),
+    ({"guess": [1, 0], "period": 1e-300}, lp.errors.ParameterError, "period 1e-300 too short"),
+    ({"guess": [1, 0], "period": 7, "energy": 1e300}, lp.errors.LeafError, r"H = 1e\+300 was found"),
+    ({"guess": [1, 0], "period": 7, "symmetry": "x"}, lp.errors.ParameterError, "symmetry: wanted one of discrete"),
+    ({"guess": [1, 0], "period": 7, "symmetry": lp.systems.discrete_symmetries(HENON)[0]},
+     lp.errors.ParameterError, "symmetry: wanted one of .* got one of 'henon-heiles'"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("momenta", "words"),
+    [
+        ({"l3": np.nan}, "l3: wanted a finite number"),
+        ({"l3": np.inf}, "l3: wanted a finite number"),
+        ({"l3": True}, "l3: wanted a finite number"),
+        ({"l3": None}, "l3: wanted a finite number"),
+        (True, "sequence of integrals"),
+        ("l3", "sequence of integrals"),
+        (["l3", "l3"], "each once; l3"),
+        (["l3", "2*l3"], r"each once; 2\*l3"),
+        (["C1"], "C1 is a Casimir"),
+        (["l3", "C2"], "C2 is a Casimir"),
+        (["1"], "1 is a Casimir"),
+        (["H"], "that of H is not"),
+        (["l1"], "l1 is not constant"),
+    ],
 )
+def test_momenta_that_are_refused(momenta, words):
+    top = lp.catalog.system("lagrange")
+    start = lp.sample_states(top, 1, seed=3)[0]
+    energy = float(top.functions.energy(start))
+    for call in (
+        lambda: lp.orbits.periodic_orbit(top, start, period=3, momenta=momenta),
+        lambda: lp.orbits.periodic_orbits(top, lp.Leaf.through(top, start), energy, momenta=momenta, n_starts=2),
+    ):
+        with pytest.raises(lp.errors.ParameterError, match=words):
+            call()
 
 
 @pytest.mark.parametrize(("given", "kind", "words"), REFUSED)

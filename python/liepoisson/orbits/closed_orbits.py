@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
+from liepoisson.inputs.refusals import check_kind
+from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.phase_functions import PhaseFunction
@@ -40,6 +42,9 @@ _ISOLATED = 1e-8
 """The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
 SAME = 1e-6
 """What differs by less, relative to the period or in units of the level, is the same."""
+
+_DEPENDENT = 1e-12
+"""The smallest singular value, relative, of rotations that are one and the same."""
 
 _ANGLES = 64
 """In a turn, of which the best is where Newton's method begins: the others are a tenth of a radian away."""
@@ -300,6 +305,11 @@ def problem_at(
         level = level.through(state)
     if along is not None:
         level = level.in_units_of(along)
+    if symmetry is not None:
+        wanted = "one of discrete_symmetries(system)"
+        check_kind(symmetry, DiscreteSymmetry, "symmetry", wanted, "leave it out if the orbit closes without one")
+        if not are_equal(symmetry.system, system):
+            raise ParameterError(f"symmetry: wanted {wanted}; got one of {symmetry.system.name!r}")
     if symmetry is not None and (symmetry.is_reverser or not symmetry.meets(level.values)):
         raise ParameterError(
             f"symmetry: wanted one of discrete_symmetries(system) that keeps time and {level.text}; got {symmetry.text}"
@@ -329,13 +339,24 @@ def _rotations(system: System, momenta: Momenta, state: Array) -> tuple[dict[str
     found: dict[str, tuple[PhaseFunction, float]] = {}
     fields = HamiltonianFields(system, functions)
     at_zero, at_state = fields.derivatives(np.zeros(n)), fields.derivatives(state)
+    sizes = np.abs(at_state).max(axis=(0, 1))
     for k, (one, function) in enumerate(zip(given, functions, strict=True)):
         name = one if isinstance(one, str) else str(function.expression)
+        if all(system.bracket(function.expression, x) == 0 for x in system.bracket.variables):
+            raise ParameterError(
+                f"momenta: wanted integrals that move states; {name} is a Casimir, which moves nothing"
+            )
         if np.any(at_zero[..., k] != at_state[..., k]) or fields.fields(np.zeros(n))[..., k].any():
             raise ParameterError(
                 f"momenta: wanted integrals whose flows are linear, such as 'l3'; that of {name} is not"
             )
         if not system.is_constant(function.expression):
             raise ParameterError(f"momenta: wanted integrals; {name} is not constant along orbits of {system.name!r}")
-        found[name] = function, float(function(state) if values is None else values[one])
+        rows = (at_state[..., : k + 1] / sizes[: k + 1]).reshape(-1, k + 1)
+        if name in found or linear.svd(rows, compute_uv=False)[-1] < _DEPENDENT:
+            raise ParameterError(f"momenta: wanted each once; {name} is one of the others, or a combination of them")
+        value = function(state) if values is None else as_number(values[one], f"momenta: {name}", "a finite number")
+        if not np.isfinite(value):
+            raise ParameterError(f"momenta: {name}: wanted a finite number; got {value}")
+        found[name] = function, float(value)
     return found, np.moveaxis(at_state, 2, 0).copy()

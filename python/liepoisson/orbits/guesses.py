@@ -15,7 +15,7 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitEr
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, blocks, has_passed, seconds_left
+from liepoisson.inputs.deadline import CUT_SHORT, blocks, checkpoint, has_passed, seconds_left
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
@@ -121,7 +121,10 @@ def periodic_orbit(
         )  # fmt: skip
         rest = linear.norm(system.vector_field(states) / problem.closing.level.units, axis=1) * times
         if not (rest > SAME).any():
-            raise ParameterError(f"guess: wanted a state on an orbit; got {shown(states[0])}, which is at rest")
+            raise ParameterError(
+                f"guess: wanted a state on an orbit, which moves in the period; {shown(states[0])} is at rest, or the "
+                f"period {times[0]:g} too short: in this time it moves by {rest[0]:.1e} of its size"
+            )
         if not holds_period:
             states, arrived = problem.closing.level.projected(states, np.eye(states.shape[1]))
             if not arrived.any():
@@ -396,6 +399,7 @@ def _orbits_from(
     level, (longest, unit) = problem.closing.level, times
     n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
     grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, max(run.left, LEAST_LEFT))
+    checkpoint("following orbits")
     gaps = problem.gaps(starts, states)
     inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
     rows, places = np.nonzero(inner)

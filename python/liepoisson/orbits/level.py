@@ -182,7 +182,7 @@ def _double(value: Exact) -> float:
 def short(value: Exact) -> str:
     """A value as text: a fraction if it is a short one, else a decimal of twelve digits."""
     if isinstance(value, Fraction):
-        return str(value) if value.denominator < 10**6 else f"{float(value):.12g}"
+        return str(value) if value.denominator < 10**6 and abs(value) < 10**12 else f"{float(value):.12g}"
     return str(value)
 
 
