@@ -49,6 +49,27 @@ def test_the_least_period_is_found():
     assert again.period == pytest.approx(once.period, rel=1e-12)
 
 
+MU = "9537/10000000"
+SUN_JUPITER = lp.System(
+    lp.canonical(2),
+    f"(p1^2 + p2^2)/2 - q1*p2 + q2*p1 - (1 - {MU})/sqrt((q1 + {MU})^2 + q2^2) - {MU}/sqrt((q1 - 1 + {MU})^2 + q2^2)",
+)
+
+
+@pytest.mark.parametrize(
+    ("start", "period", "energy"),
+    [([0.8324, 0, 0, 1.176], 7.015, -1.49194316), ([0.6314, 0, 0, 1.4395], 7.996, -1.4552504)],
+)
+def test_no_segment_begins_where_neighbours_have_moved_far_apart(start, period, energy):
+    """Orbits around L1 come near to Jupiter after half of their period: what grows before it shrinks behind it."""
+    found, *others = (
+        lp.orbits.periodic_orbit(SUN_JUPITER, start, period=period, energy=energy, n_segments=n) for n in (None, 5, 7)
+    )
+    assert found.pair_defect < 1e-10
+    for one in others:
+        assert found.multipliers[0] == pytest.approx(one.multipliers[0], rel=1e-9)
+
+
 @pytest.mark.parametrize("n", [2, 4, 9, 12, 13, 17, 26, 37, 64, 169])
 def test_periods_are_least(n):
     """Whatever the multiple that is guessed."""

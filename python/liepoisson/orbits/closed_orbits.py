@@ -183,7 +183,8 @@ class Problem:
             states: Shape (n, N).
             times: Shape (n,).
             angles: Shape (n, k), by default those by which the states turn towards where their orbits end.
-            n_segments: Of how many segments; by default so many that neighbours grow by no more than `GROWTH` in each.
+            n_segments: Of how many segments; by default so many that neighbours grow by no more than `GROWTH` in each,
+                or least, where twice as many do not help; of several loops, on the average.
         """
         flow = self.closing.flow
         angles = self._turned(states, flow.ends(states, times)[0]) if angles is None else angles
@@ -193,10 +194,28 @@ class Problem:
             growth = np.abs(tangents / units[:, None]).sum(axis=2).max(initial=1.0)
             wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH)) if np.isfinite(growth) else MOST_SEGMENTS
             n_segments = int(np.clip(wanted, 1, MOST_SEGMENTS))
+            tried = [self._chained(states, times, angles, n_segments)]
+            if len(states) == 1:  # neighbours that move apart and together again grow in each segment, not in all
+                while (growth := self.closing.growth(tried[-1])[0]) > GROWTH and len(tried) <= n_segments:
+                    tried.append(self._chained(states, times, angles, n_segments + len(tried)))
+                if not growth <= GROWTH:
+                    return min(tried, key=lambda one: float(self.closing.growth(one)[0]))
+            return tried[-1]
+        return self._chained(states, times, angles, n_segments)
+
+    def _chained(self, states: Array, times: Array, angles: Array, n_segments: int) -> Loops:
+        """Guesses of so many segments."""
         chain = [states]
         for i in range(1, n_segments):
-            chain.append(flow.ends(states, times * (i / n_segments))[0])
+            chain.append(self.closing.flow.ends(states, times * (i / n_segments))[0])
         return guessed(np.stack(chain, axis=1), times, angles)
+
+    def in_short_segments(self, loops: Loops) -> Loops:
+        """A loop that was found among others, in segments of its own where neighbours grow too much in one of these."""
+        if not self.closing.growth(loops)[0] > GROWTH:
+            return loops
+        alone = self.closing.solved(self.loops(loops.state[:, 0], loops.time, loops.angle))
+        return alone if self.closed(alone)[0] else loops
 
     def _turned(self, states: Array, ends: Array) -> Array:
         """The angles, of one rotation after the other, by which states come nearest to ends, of 64 in a turn each."""

@@ -176,6 +176,11 @@ class Closing:
         late = rates * (T / m)[:, None, None]
         return Linearised(gaps, deviations, slopes, tangents, late, closing, along, np.array(directions) / units)
 
+    def growth(self, loops: Loops) -> Array:
+        """By how much neighbours grow in one of the segments, at most, in units of the level, shape (n,)."""
+        found = self.linearised(loops.state, loops.time, loops.angle).segments
+        return np.abs(found).sum(axis=3).max(axis=(1, 2))
+
     def extent(self, loops: Loops) -> Array:
         """About how far loops move in their time, across the rotations and in units of the level, shape (n,)."""
         rates = self.level.system.vector_field(loops.state) / self.level.units

@@ -244,19 +244,21 @@ def _part(problem: Problem, loops: Loops) -> Loops | None:
 
 
 def _most_parts(problem: Problem, loops: Loops) -> int:
-    r"""The largest number of orbits that a loop can consist of: none is shorter than $2\pi/L$ where $|Df|\le L$.
+    r"""A number of orbits that a loop cannot consist of more than: f turns by $2\pi$ or more along each of them.
 
-    Up to rotations, by half a turn at most, it may be half as long.
+    Its direction moves by no more than $|Df\,f|/|f|$, of which the mean over some states is taken twice.  Up to a
+    rotation, by half a turn at most, $\pi$ is enough.
 
-    References: [yorke1969].
+    References: [fenchel1929].
     """
-    level, m = problem.closing.level, loops.state.shape[1]
-    T = float(loops.time[0])
-    _, between = problem.closing.flow.survey(loops.state[0], T / m, max(1, _SIZES // m), seconds_left(TIME_LIMIT))
-    slopes = level.system.functions.jacobian(between.reshape(-1, between.shape[2])) * level.units
-    size = float(linear.norm(slopes / level.units[:, None], 2, axis=(1, 2)).max())
-    least = (1 if len(problem.closing.rotations) else 2) * np.pi / size if size > 0 else np.inf
-    return int(np.ceil(T / least))
+    system, m, T = problem.system, loops.state.shape[1], float(loops.time[0])
+    _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-_SIZES // m), seconds_left(TIME_LIMIT))
+    states = between[:, :-1].reshape(-1, between.shape[2])
+    rates = system.vector_field(states)
+    turning = linear.einsum("nij,nj->ni", system.functions.jacobian(states), rates)
+    speed, turned = (linear.norm(each / problem.closing.level.units, axis=1) for each in (rates, turning))
+    mean = float((turned / np.maximum(speed, np.finfo(float).tiny)).mean())
+    return int(np.ceil(2 * T * mean / np.pi / (1 if len(problem.closing.rotations) else 2)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -409,7 +411,7 @@ def _orbits_from(
         some = slice(k, k + _TOGETHER)
         loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
         for j in np.nonzero(problem.closed(loops) & (loops.time <= 1.2 * longest))[0]:
-            yield problem.described(shortest(problem, loops.of(np.array([j]))))
+            yield problem.described(problem.in_short_segments(shortest(problem, loops.of(np.array([j])))))
 
 
 def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:

@@ -75,12 +75,15 @@ class Level(ReadOnlyArrays):
     def in_units_of(self, states: Array) -> Level:
         r"""The level in units that are the sizes of states, such as those of an orbit; itself where it nearly is.
 
-        Components of one field have one size, the largest in it.  Canonical coordinates have each their own, and one of
-        them may be small by accident; of them the ratios are those that make rows and columns of Df about equal, and
-        $u_q u_p$ is the same for all pairs.
+        Sizes are root mean squares.  Components of one field have one size, the largest in it.  Canonical coordinates
+        have each their own, and one of them may be small by accident; of them the ratios are those that make rows and
+        columns of Df about equal, and $u_q u_p$ is the same for all pairs.
         """
         states = states[np.isfinite(states).all(axis=1)]
-        sizes = np.abs(states).max(axis=0, initial=0.0)
+        if not len(states):
+            return self
+        largest = np.abs(states).max(axis=0, initial=0.0)
+        sizes = largest * np.sqrt(((states / np.where(largest > 0, largest, 1.0)) ** 2).mean(axis=0))
         bracket = self.system.bracket
         if bracket.entries():
             groups = np.array(unit_groups(bracket))
@@ -99,7 +102,7 @@ class Level(ReadOnlyArrays):
         slopes = slopes[np.isfinite(slopes).all(axis=(1, 2))]
         if not len(slopes):
             return self.units
-        ratios = self.units * balanced(slopes.mean(axis=0)[None] * self.units / self.units[:, None])[1][0]
+        ratios = self.units * balanced(np.median(slopes, axis=0)[None] * self.units / self.units[:, None])[1][0]
         pairs = [pair for pair in self.system.bracket.constant if pair[0] < pair[1]]
         if len({k for pair in pairs for k in pair}) == 2 * len(pairs):
             for i, j in pairs:

@@ -239,7 +239,8 @@ class ReturnMap:
                     some = slice(k, k + _TOGETHER)
                     loops = problem.closing.solved(problem.loops(starts[some], times[some]))
                     for j in np.nonzero(problem.closed(loops))[0]:
-                        one = problem.described(shortest(problem, loops.of(np.array([j]))))
+                        loop = shortest(problem, loops.of(np.array([j])))
+                        one = problem.described(problem.in_short_segments(loop))
                         points = self._points(one, n)
                         if points is not None and not any(_share(points, other, level.units) for other in states):
                             found.append(one)
