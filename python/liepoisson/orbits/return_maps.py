@@ -338,7 +338,7 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         >>> henon = lp.catalog.system("henon-heiles")
         >>> fixed = lp.sections.return_map(henon, "x", t_end=100).cycles({}, "1/12", n_starts=40)
         >>> len(fixed), fixed.points[0].shape
-        (4, (1, 4))
+        (7, (1, 4))
 
     Attributes:
         found: The orbits, the largest multiplier first.
