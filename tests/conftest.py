@@ -16,8 +16,11 @@ settings.load_profile("liepoisson")
 
 ROOT = Path(__file__).parents[1]
 
-LONGEST = ("tests/test_docs.py",)
-"""The files that take longest, the longest first (seconds of one core, measured now and then).
+LONGEST = (
+    "tests/test_docs.py", "tests/portable/test_portable.py", "tests/web/test_systems.py",
+    "tests/web/test_numbers_of_the_page.py",
+)  # fmt: skip
+"""The files that take longest at once, the longest first: pages, processes, browsers (measured now and then).
 
 Workers that share the files take these first, so that none is left with one of them at the end. A file that is missing
 here runs later, nothing else.

@@ -1,4 +1,5 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.equilibrium.equilibrium_families import equilibrium_family as equilibrium_family
 from liepoisson.equilibrium.leaf_equilibria import equilibria as equilibria
 from liepoisson.equilibrium.leaf_equilibria import equilibrium_near as equilibrium_near
 from liepoisson.equilibrium.sleeping import sleeping_top as sleeping_top

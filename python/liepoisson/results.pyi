@@ -1,4 +1,6 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.equilibrium.equilibrium_families import EquilibriumFamily as EquilibriumFamily
+from liepoisson.equilibrium.equilibrium_families import EquilibriumFamilyPoint as EquilibriumFamilyPoint
 from liepoisson.equilibrium.equilibrium_list import Equilibria as Equilibria
 from liepoisson.equilibrium.sleeping import SleepingTop as SleepingTop
 from liepoisson.equilibrium.stability import Equilibrium as Equilibrium
@@ -39,9 +41,12 @@ from liepoisson.leaf.orbit_bounds import Bounds as Bounds
 from liepoisson.model.discrete_symmetries import DiscreteSymmetries as DiscreteSymmetries
 from liepoisson.numeric.integrate import Orbit as Orbit
 from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
+from liepoisson.orbits.connections import ConnectingOrbit as ConnectingOrbit
+from liepoisson.orbits.connections import ConnectingOrbits as ConnectingOrbits
 from liepoisson.orbits.guesses import PeriodicOrbits as PeriodicOrbits
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrbit
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
+from liepoisson.orbits.invariant_manifolds import InvariantManifold as InvariantManifold
 from liepoisson.orbits.melnikov_integrals import Melnikov as Melnikov
 from liepoisson.orbits.multipliers import SymmetricOrbit as SymmetricOrbit
 from liepoisson.orbits.multipliers import SymmetricOrbits as SymmetricOrbits

@@ -40,6 +40,10 @@ class Purpose(IntEnum):
     """Amplitudes on linear unstable spaces."""
     PERIODIC_ORBITS = 14
     """States of a level whose returns are looked at."""
+    CONNECTING_ORBITS = 15
+    """Amplitudes on the linear spaces of source and target, and the surface on which orbits from both are compared."""
+    DIRECTIONS = 16
+    """Directions of invariant manifolds with more than two of them."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 

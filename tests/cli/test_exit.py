@@ -126,7 +126,6 @@ def test_outputs_that_are_closed_or_full_end_quietly_or_with_a_sentence(here):
 @pytest.mark.parametrize(
     ("arguments", "files"),
     [
-        (("orbit", "twisted-kovalevskaya", *ORBIT, "--out", "a.nc", "--figure", "a.png"), {"a.nc", "a.png"}),
         (("section", "twisted-kovalevskaya", "--starts", "2", "--out", "a.nc", "--figure", "a.png"), {"a.nc", "a.png"}),
         (("lyapunov", "twisted-kovalevskaya", "--starts", "2", "--t-end", "9", "--out", "a.nc"), {"a.nc"}),
     ],

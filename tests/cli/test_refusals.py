@@ -204,7 +204,14 @@ def test_a_refusal_is_a_sentence_and_writes_nothing(here, command, line, words):
 
 
 OUT_OF_RANGE = {"--seed": ("-1",), "--threads": ("0", "9" * 23), "--time-limit": ("0", "-1", "nan"), "--starts": ("0",)}
-ARGUMENTS = {"reproduce": ("twisted-top",), "sweep": ("twist.toml",), "prove": ("twisted-kovalevskaya", "--search")}
+HOMOCLINIC = ("lagrange", "l1", "--start", "2,0,0,0,0,-1", "--origin", "alpha3=1", "--integral", "l3")
+ARGUMENTS = {
+    "reproduce": ("twisted-top",),
+    "sweep": ("twist.toml",),
+    "prove": ("twisted-kovalevskaya", "--search"),
+    "continue": ("lagrange", "--period", "6"),
+    "melnikov": HOMOCLINIC,
+}
 
 
 def test_every_command_refuses_numbers_that_no_run_can_have(here, command):
@@ -249,7 +256,8 @@ def test_a_limit_of_a_millionth_of_a_second_ends_every_command_that_has_one(here
     from typer.main import get_command
 
     commands = get_command(application()).commands
-    arguments = {"families": ("kovalevskaya", "--free", "a")}
+    arguments = {"families": ("kovalevskaya", "--free", "a"), "continue": ("kovalevskaya", "--period", "6")}
+    arguments["melnikov"] = HOMOCLINIC
     tried = [name for name in COMMANDS if any("--time-limit" in p.opts for p in commands[name].params)]
     for name in tried:
         _, out, err = command(name, *arguments.get(name, ("kovalevskaya",)), "--time-limit", "1e-6")

@@ -27,22 +27,24 @@ ON_ORBIT = np.array([-13.7636106821342, -19.5787519424518, 27.0])
 PERIOD = 1.558652210716175
 """The shortest periodic orbit: D. Viswanath, Physica D 190 (2004) 115."""
 
+SHORT = 0.05
+"""Seconds, the limit of calls with hostile arguments."""
 GOOD = {
-    "flow": (_core.enclose_flow, (LORENZ, START, UNIT, -NARROW, NARROW, 0.1, HOW, True, 0.2, None)),
+    "flow": (_core.enclose_flow, (LORENZ, START, UNIT, -NARROW, NARROW, 0.1, HOW, True, SHORT, None)),
     "section map": (
         _core.enclose_section_map,
-        (LORENZ, PLANE, ON_ORBIT, UNIT, -NARROW, NARROW, PERIOD, HOW, 0.2, None),
+        (LORENZ, PLANE, ON_ORBIT, UNIT, -NARROW, NARROW, PERIOD, HOW, SHORT, None),
     ),
     "periodic orbit": (
         _core.enclose_periodic_orbit,
-        (LORENZ, [], None, None, ON_ORBIT, np.array([PERIOD]), 1e-3, HOW, 0.2, None),
+        (LORENZ, [], None, None, ON_ORBIT, np.array([PERIOD]), 1e-3, HOW, SHORT, None),
     ),
-    "equilibria": (_core.enclose_equilibria, (LORENZ, np.full(3, -50.0), np.full(3, 50.0), 1000, 0.2, None)),
+    "equilibria": (_core.enclose_equilibria, (LORENZ, np.full(3, -50.0), np.full(3, 50.0), 1000, SHORT, None)),
     "covering": (
         _core.check_covering_relations,
         (
             *(OSCILLATOR, ENERGY, ["1/2"], [1, -1], [[1, -1]], 1, ["a"], np.zeros(2), np.eye(2).ravel()),
-            *([(0, 0, 1.0, True)], ("0", 20, 0.1, 1e-3, 0.1, 0.3, None), 0.2, None),
+            *([(0, 0, 1.0, True)], ("0", 20, 0.1, 1e-3, 0.1, 0.3, None), SHORT, None),
         ),
     ),
 }

@@ -10,7 +10,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.phase_space import equilibrium, equilibrium_near
 
 KINETIC = {n: " + ".join(f"p_{q}^2/2" for q in "xyz"[:n]) for n in (1, 2, 3)}
-SEEDS = [0, pytest.param(1, marks=pytest.mark.thorough)]
+SEEDS = [0, pytest.param(1, marks=pytest.mark.slow)]
 
 
 def canonical(names, hamiltonian):

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
@@ -36,6 +36,7 @@ def test_characteristic_polynomial_is_the_product_of_two_conjugate_q():
 
 
 @pytest.mark.thorough
+@settings(max_examples=25)
 @given(
     st.tuples(st.integers(5, 20), st.integers(5, 20), TENTHS, TENTHS, TENTHS),
     st.integers(-60, 60),

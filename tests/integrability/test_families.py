@@ -37,7 +37,7 @@ KOVALEVSKAYA = ("a3, 2*J1 - J3, J1 - J2", "a2, 2*J1 - J2, J1 - J3", "a1, J1 - 2*
     [
         (1, (SPHERICAL, *LAGRANGE)),
         (2, (EULER, SPHERICAL, *LAGRANGE)),
-        pytest.param(4, (EULER, SPHERICAL, *LAGRANGE, *KOVALEVSKAYA), marks=pytest.mark.thorough),
+        pytest.param(4, (EULER, SPHERICAL, *LAGRANGE, *KOVALEVSKAYA), marks=pytest.mark.slow),
     ],
 )
 def test_the_general_heavy_top(degree, cases):

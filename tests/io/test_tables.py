@@ -27,6 +27,7 @@ def lists_of_all_kinds():
         "integral scan": lambda: lp.integrability.scan_integrals(family, axes={"J": ["1/2", 2]}, degree=4),
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
+        "connecting orbits": lambda: lp.orbits.connecting_orbits(lp.phase_space.equilibrium(duffing, [0, 0])),
         "homoclinic orbits": lambda: lp.orbits.symmetric_homoclinic_orbits(
             lp.phase_space.equilibrium(duffing, [0, 0]), n_starts=20
         ),

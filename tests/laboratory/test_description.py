@@ -16,7 +16,7 @@ def read_back(description):
 @pytest.mark.parametrize(
     "system",
     [lp.Top.twisted_kovalevskaya(epsilon="1/3"), lp.catalog.system("henon-heiles"), lp.catalog.toda(3)],
-    ids=str,
+    ids=lambda system: system.name,
 )
 def test_the_field_is_read_back_as_it_was(system):
     description = read_back(description_of(system))

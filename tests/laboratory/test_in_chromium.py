@@ -28,11 +28,7 @@ class Hostile:
 
 SHOWN = {
     "top": (lambda: lp.view(lp.Top.twisted_kovalevskaya(), start=START, playing=False), "A top of your own"),
-    "system": (
-        lambda: lp.view(lp.catalog.system("kirchhoff"), start=[1, 0.2, 0, 0, 0.6, 0.8], playing=False),
-        "kirchhoff",
-    ),
-    "hostile": (lambda: lp.view(Hostile(), start=[1, 0], playing=False), HOSTILE),
+    "system": (lambda: lp.view(Hostile(), start=[1, 0], playing=False), HOSTILE),
 }
 
 

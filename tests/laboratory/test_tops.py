@@ -2,6 +2,7 @@
 
 import importlib.util
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,6 @@ from liepoisson.compile.field import TapeField, TapeFunction, field_of
 from liepoisson.laboratory.tops import PARAMETERS, description_of_tops, presets
 
 WEB = Path(__file__).resolve().parents[2] / "web"
-DESCRIPTION = description_of_tops()
 STATE = np.array([0.3, -0.7, 1.1, 0.4, 0.9, -0.2, -0.5, 0.6, 0.8])
 
 TOPS = {
@@ -24,6 +24,11 @@ TOPS = {
     "Kovalevskaya": lp.Top.kovalevskaya(),
     "two-field Kovalevskaya": lp.Top.charged_heavy((2, 2, 1), (-1, 0, 0), (0, -1, 0)),
 }
+
+
+@cache
+def description():
+    return description_of_tops()
 
 
 def parameters_of(top):
@@ -61,7 +66,7 @@ def family_of(point):
     """As the page finds it."""
     return [
         family
-        for family in DESCRIPTION["families"]
+        for family in description()["families"]
         if family["conditions"] is None or not values(family["conditions"], point).any()
     ][-1]
 
@@ -84,7 +89,7 @@ def test_state_and_attitude_move_together(name):
     top = TOPS[name]
     attitude = np.array([0.5, -0.1, 0.7, 0.5])
     point = np.concatenate([STATE, attitude, np.zeros(3), parameters_of(top)])
-    moving = field_of(DESCRIPTION["moving"])
+    moving = field_of(description()["moving"])
     assert isinstance(moving, TapeField)
     start = point[None]
     orbit = lp.integrate(moving, start, times=[0, 1], threads=1).state[0]
@@ -102,14 +107,14 @@ def test_the_position_is_that_of_the_rod():
     attitude = np.array([0.5, -0.1, 0.7, 0.5])
     rod = lp.orbits.rod(top, STATE, length=5, n_points=6, attitude=attitude, threads=1)
     point = np.concatenate([STATE, attitude, np.zeros(3), parameters_of(top)])
-    orbit = lp.integrate(field_of(DESCRIPTION["moving"]), point[None], times=rod.arclength, threads=1).state[0]
+    orbit = lp.integrate(field_of(description()["moving"]), point[None], times=rod.arclength, threads=1).state[0]
     np.testing.assert_allclose(orbit[:, 13:16], rod.centre_line[0], rtol=0, atol=1e-13)  # measured 1e-15
 
 
 @pytest.mark.parametrize("name", TOPS)
 def test_the_ellipsoid_has_the_kinetic_energy_of_the_state(name):
     top = TOPS[name]
-    squares = values(DESCRIPTION["ellipsoid"], np.concatenate([STATE, parameters_of(top)]))
+    squares = values(description()["ellipsoid"], np.concatenate([STATE, parameters_of(top)]))
     inertia, momentum = np.array([float(moment) for moment in top.inertia]), STATE[:3]
     energy = momentum @ (momentum / inertia) / 2
     np.testing.assert_allclose(squares, [*(2 * energy * inertia), momentum @ momentum], rtol=1e-14)
@@ -127,8 +132,8 @@ def test_presets_are_tops_with_their_parts(preset):
     numbers = [Fraction(text) for text in preset["parameters"]]
     assert len(numbers) == len(PARAMETERS)
     assert all(moment > 0 for moment in numbers[:3])
-    assert len([float(Fraction(text)) for text in preset["start"]]) == len(DESCRIPTION["components"])
-    assert {preset["surface"], *preset["axes"]} <= set(DESCRIPTION["components"])
+    assert len([float(Fraction(text)) for text in preset["start"]]) == len(description()["components"])
+    assert {preset["surface"], *preset["axes"]} <= set(description()["components"])
 
 
 def test_the_sticky_start_is_the_one_of_the_guide():

@@ -48,6 +48,10 @@ class Case:
         return {name: np.array(value() if callable(value) else value) for name, value in self.arrays.items()}
 
 
+def back():
+    return lp.sections.return_map(HENON, "x", t_end=100)
+
+
 @cache
 def orbit() -> lp.results.Orbit:
     return lp.integrate(TOP, STATES, times=TIMES, dense=True)
@@ -60,6 +64,11 @@ def box() -> lp.proofs.Box:
 @cache
 def attitude() -> lp.results.Attitude:
     return lp.orbits.attitude(TOP, STATES[:1], times=TIMES, dense=True)
+
+
+@cache
+def manifold() -> lp.results.InvariantManifold:
+    return lp.orbits.invariant_manifold(lp.phase_space.equilibrium(PENDULUM, [np.pi, 0]))
 
 
 @cache
@@ -99,6 +108,7 @@ def crossings() -> lp.results.Section:
     return lp.section(TOP, STATES, surface="l3", t_end=30)
 
 
+PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)", name="pendulum")
 SLEEPING = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="sleeping top")
 
 
@@ -172,6 +182,10 @@ CASES: dict[str, Case] = {
     "LagrangeMap.integrals": Case(
         lambda states: lp.methods.LagrangeMap(step=0.1).integrals(LAGRANGE, states), {"states": STATES}
     ),
+    "ReturnMap.orbit": Case(lambda states: back().orbit(states, 2), {"states": IN_THE_WELL}),
+    "ReturnMap.derivative": Case(lambda states: back().derivative(states, ["y", "p_y"]), {"states": IN_THE_WELL}),
+    "ReturnMap.density": Case(lambda states: back().density(states, ["y", "p_y"]), {"states": IN_THE_WELL}),
+    "ReturnMap.exponents": Case(lambda states: back().exponents(states, 4), {"states": IN_THE_WELL}),
     "Leaf.contains": Case(lambda states: leaf().contains(states), {"states": STATES}),
     "Leaf.project": Case(lambda states: leaf().project(states), {"states": STATE[None] + 0.01}),
     "Leaf.project_tangent": Case(
@@ -183,6 +197,10 @@ CASES: dict[str, Case] = {
     "LeafConstants.of": Case(lambda state: numbers_of("euler", state), {"state": STATE}),
     "LogFit.curve": Case(lambda time: fits()[1].curve(time), {"time": LONG}),
     "Orbit.go_on": Case(lambda times: orbit().go_on(times=times), {"times": orbit().time[-1] + LATER}),
+    "InvariantManifold.at": Case(
+        lambda directions, phases: manifold().at(directions, phases),
+        {"directions": np.ones((2, 1)), "phases": np.array([0.25, 0.5])},
+    ),
     "Orbit.at": Case(lambda times: orbit().at(times), {"times": TIMES}),
     "OrdinaryLagrange.__init__": Case(
         lambda state: [str(lp.charts.OrdinaryLagrange(LAGRANGE, state=state).hamiltonian)], {"state": ORDINARY}

@@ -165,6 +165,8 @@ def results():
         "FirstReturn": lambda: lp.sections.first_return(TOP, STATES, surface="l3", t_end=2),
         "FitGoodness": lambda: lp.fits.fit_goodness(*ensemble),
         "FrequencyDrift": lambda: lp.chaos.frequency_drift(TOP, STATES, observable="l1", t_end=50),
+        "ConnectingOrbit": lambda: lp.orbits.connecting_orbits(saddle(), n_starts=8)[0],
+        "InvariantManifold": lambda: lp.orbits.invariant_manifold(saddle()),
         "HomoclinicOrbit": lambda: lp.orbits.symmetric_homoclinic_orbits(saddle(), n_starts=8)[0],
         "LogFit": lambda: lp.fits.log_fit(*ensemble, n_bootstrap=50),
         "MeanCurve": lambda: lp.fits.mean_curve(*ensemble),

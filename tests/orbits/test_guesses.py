@@ -137,6 +137,18 @@ def test_a_relative_orbit_of_a_symmetric_top():
     assert orbit.period == pytest.approx(np.diff(peaks).mean() / 100, abs=0.01)
 
 
+@pytest.mark.thorough
+def test_a_function_of_the_casimirs_in_the_hamiltonian_changes_energies_only():
+    bracket, body = lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + alpha3"
+    plain, lifted = (lp.System(bracket, text) for text in (body, body + " + dot(alpha, alpha)"))
+    one = lp.orbits.symmetric_periodic_orbits(plain, {"C1": 0, "C2": 1}, energy="1/2", n_starts=20)[0]
+    orbit = lp.orbits.periodic_orbit(lifted, one.start, period=one.period)
+    assert orbit.period == pytest.approx(one.period, rel=1e-13)
+    assert orbit.energy == pytest.approx(3 / 2, rel=1e-13)
+    family = lp.orbits.orbit_family(lifted, orbit, until="8/5")
+    assert family.value[-1] == pytest.approx(8 / 5, rel=1e-13)
+
+
 def test_the_period_can_be_held_instead_of_the_energy():
     orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=7, hold="period")
     assert orbit.period == 7
@@ -264,7 +276,9 @@ def test_orbits_of_a_level_are_found_and_are_those_of_another_integrator():
         )
         largest = np.abs(one.multipliers).max()
         assert np.abs(run.y[:, -1] - one.start).max() < 1e-10 * (1 + largest)
-    assert list(found.to_dataframe().columns[:2]) == ["period", "rate"]
+    table = found.to_dataframe()
+    assert list(table.columns[:5]) == ["energy", "C1", "C2", "C3", "period"]
+    np.testing.assert_allclose(table[["energy", "C1", "C2", "C3"]], [[0.5, 1, 0.5, 1]] * len(found), rtol=1e-13)
 
 
 REFUSED = (

@@ -9,7 +9,7 @@ from flint import arb_mat
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, OrbitError, ParameterError
-from liepoisson.orbits import symmetric_homoclinic_orbits, symmetric_periodic_orbits
+from liepoisson.orbits import invariant_manifold, symmetric_homoclinic_orbits, symmetric_periodic_orbits
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.precise_flow import PreciseFlow, solved
 
@@ -25,6 +25,16 @@ ASYMMETRIC = lp.Top.twisted((3, 2, 1), (1, "1/2", "1/3"), (1, 0, 1))
 
 def orbit(system, energy=1):
     return symmetric_periodic_orbits(system, {}, energy=energy, n_starts=4)[0]
+
+
+def saddle():
+    return lp.phase_space.equilibrium(PENDULUM, [np.pi, 0])
+
+
+def relative():
+    """A relative equilibrium of a spherical pendulum, that turns."""
+    top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3")
+    return next(one for one in lp.equilibria(top, {"C1": "1/5", "C2": 1}, along=("l3",), values={"l3": 0.5}))
 
 
 def reversers_that_change_the_level():
@@ -51,6 +61,17 @@ REFUSED = [
     (lambda: symmetric_homoclinic_orbits(orbit(OSCILLATOR)), ParameterError, "hyperbolic"),
     (lambda: symmetric_homoclinic_orbits(lp.equilibria(OSCILLATOR, {})[0]), ParameterError, "hyperbolic"),
     (partial(symmetric_homoclinic_orbits, OSCILLATOR), ParameterError, "wanted a symmetric periodic orbit"),
+    (partial(invariant_manifold, OSCILLATOR), ParameterError, "base: wanted a periodic orbit or an equilibrium"),
+    (lambda: invariant_manifold(lp.equilibria(OSCILLATOR, {})[0]), ParameterError, "base: .* is a centre"),
+    (lambda: invariant_manifold(orbit(OSCILLATOR)), ParameterError, "base: .* is a centre"),
+    (lambda: invariant_manifold(relative()), ParameterError, "relative"),
+    (lambda: invariant_manifold(saddle(), "neutral"), ParameterError, "kind"),
+    (lambda: invariant_manifold(saddle(), amplitude=0), ParameterError, "amplitude: wanted a positive number"),
+    (lambda: invariant_manifold(saddle()).at([[1.0, 2.0]]), ParameterError, r"shape \(n, 1\)"),
+    (lambda: invariant_manifold(saddle()).at([[0.0]]), ParameterError, "not zero"),
+    (lambda: invariant_manifold(saddle()).at([[1.0], [2.0]], [0.1] * 3), ParameterError, "phases: wanted"),
+    (lambda: invariant_manifold(saddle()).followed(2, -1.0), ParameterError, "t_end"),
+    (lambda: invariant_manifold(saddle()).starts(0), ParameterError, "n_starts"),
     (lambda: orbit(PENDULUM, 0).polished(), ParameterError, "polynomials"),
     (lambda: orbit(OSCILLATOR).polished(digits=5), ParameterError, "digits"),
     (lambda: broken().polished(digits=10), OrbitError, "."),

@@ -46,7 +46,8 @@ def results():
 @pytest.mark.thorough
 def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
     before = json.dumps(dict(mpl.rcParams), default=str)
-    for kind, result in results().items():
+    shown = results()
+    for kind, result in shown.items():
         figure = lp.plot.draw(result)
         assert isinstance(figure, Figure), kind
         figure.savefig(tmp_path / "figure.png")
@@ -55,8 +56,8 @@ def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
         assert drawn, kind
         plt.close("all")
     assert json.dumps(dict(mpl.rcParams), default=str) == before
-    assert _FIGURES.keys() == RUNS.keys() == results().keys()
-    verdict = lp.decide(TOP, STARTS, t_end=150)
+    assert _FIGURES.keys() == RUNS.keys() == shown.keys()
+    verdict = shown["verdict"]
     points = [line.get_ydata() for line in lp.plot.draw(verdict).axes[0].lines if line.get_marker() == "."]
     np.testing.assert_allclose(sorted(np.concatenate(points)), sorted(verdict.mean_megno))
 

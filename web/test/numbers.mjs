@@ -1,16 +1,18 @@
-// Opens the built page with every preset and prints, as JSON, what it shows and what it has computed: node test/numbers.mjs [PAGE]
+// Opens the built page with presets and prints, as JSON, the keys of all presets, and what it shows and has computed of those
+// that are named: node test/numbers.mjs PAGE [KEY ...]
 
 import { resolve } from "node:path";
 import { chromium } from "playwright-core";
 
-const page = `file://${resolve(process.argv[2] ?? resolve(import.meta.dirname, "../dist/index.html"))}`;
+const [file, ...wanted] = process.argv.slice(2);
+const page = `file://${resolve(file)}`;
 const args = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"];
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
 const tab = await browser.newPage({ viewport: { width: 1440, height: 900 } });
 await tab.goto(`${page}?still=0&quality=low`);
 const keys = await tab.evaluate(() => [...document.querySelectorAll("#presets button")].map((one) => one.dataset.key));
 const found = {};
-for (const key of keys) {
+for (const key of wanted) {
   await tab.goto("about:blank");
   await tab.goto(`${page}?still=0&quality=low#v=1&preset=${key}`);
   await tab.waitForSelector("html[data-ready]", { state: "attached", timeout: 120_000 });
@@ -28,5 +30,5 @@ for (const key of keys) {
     };
   });
 }
-console.log(JSON.stringify(found));
+console.log(JSON.stringify({ keys, found }));
 await browser.close();

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.cli.exit import InterruptedCommandError, NobodyReadsError, end
@@ -59,6 +60,9 @@ COMMANDS = {
     "lyapunov": "chaos",
     "decide": "chaos",
     "equilibria": "orbit",
+    "periodic": "periodic",
+    "continue": "periodic",
+    "melnikov": "periodic",
     "sweep": "sweep",
     "lab": "lab",
     "cite": "literature",
@@ -143,7 +147,8 @@ def application(only: str | None = None) -> typer.Typer:
 
     app.callback()(options)
     for name in COMMANDS if only is None else (only,):
-        app.command(cls=Command)(flat(getattr(import_module(f"liepoisson.cli.{COMMANDS[name]}"), name)))
+        function = getattr(import_module(f"liepoisson.cli.{COMMANDS[name]}"), name + "_" * iskeyword(name))
+        app.command(name, cls=Command)(flat(function))
     return app
 
 

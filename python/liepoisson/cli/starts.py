@@ -64,8 +64,8 @@ def find_start(system: System, where: Where, seed: int = 0) -> Start:
     component = system.component_names[0]
     return find(
         system,
-        start=_state(where.start or (), "--start", component),
-        guess=_state(where.guess or (), "--guess", component),
+        start=state_of(where.start or (), "--start", component),
+        guess=state_of(where.guess or (), "--guess", component),
         leaf=assignments(split_at_commas(where.leaf), "--leaf", "--leaf C1=1,C2=0", "Casimir") if where.leaf else None,
         energy=where.energy,
         seed=seed,
@@ -122,7 +122,7 @@ def find_starts(
     return Starts(states, f"{n} random start{'s' if n > 1 else ''} on one leaf and energy (seed {seed})", begin)
 
 
-def _state(words: Sequence[str], option: str, component: str) -> list[str] | dict[str, list[str]] | None:
+def state_of(words: Sequence[str], option: str, component: str) -> list[str] | dict[str, list[str]] | None:
     """All components, or fields and components by name, as texts."""
     if not words:
         return None

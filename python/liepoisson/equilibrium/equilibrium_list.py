@@ -98,18 +98,7 @@ class Equilibria(Found["Equilibrium"], Tabular):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each equilibrium its energy, state, family and stability."""
-        names = self.leaf.system.component_names
-        states = np.array([one.state for one in self.found], dtype=float).reshape(len(self.found), len(names))
-        listed = ("family", "linear_stability", "growth_rate", "nullity", "nonlinear_stability", "residual")
-        return {
-            "energy": np.array([one.energy for one in self.found], dtype=float),
-            **dict(zip(names, states.T, strict=True)),
-            **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
-            **{
-                f"signature_{sign}": np.array([one.signature[k] for one in self.found], dtype=np.int64)
-                for k, sign in enumerate(("positive", "negative", "zero"))
-            },
-        }
+        return equilibrium_columns(self.found, self.leaf.system.component_names)
 
     @property
     def hints(self) -> tuple[str, ...]:
@@ -135,6 +124,21 @@ class Equilibria(Found["Equilibrium"], Tabular):
     def _row(self, one: Equilibrium, /) -> tuple[str, ...]:
         linear = one.linear_stability, f"{one.growth_rate:.4g}", str(one.signature)
         return f"{one.energy:.6g}", one.family, *linear, one.nonlinear_stability
+
+
+def equilibrium_columns(found: Sequence[Equilibrium], names: Sequence[str]) -> dict[str, NDArray[Any]]:
+    """The columns of a table of equilibria: energy, state, family and stability of each."""
+    states = np.array([one.state for one in found], dtype=float).reshape(len(found), len(names))
+    listed = ("family", "linear_stability", "growth_rate", "nullity", "nonlinear_stability", "residual")
+    return {
+        "energy": np.array([one.energy for one in found], dtype=float),
+        **dict(zip(names, states.T, strict=True)),
+        **{name: np.array([getattr(one, name) for one in found]) for name in listed},
+        **{
+            f"signature_{sign}": np.array([one.signature[k] for one in found], dtype=np.int64)
+            for k, sign in enumerate(("positive", "negative", "zero"))
+        },
+    }
 
 
 def signed_sum(found: Sequence[Equilibrium]) -> int | None:

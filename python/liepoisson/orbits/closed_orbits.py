@@ -10,8 +10,9 @@ References: [lyapunov1907]; [seydel2010], multiple shooting; [munozalmaraz2003],
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,11 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
 from liepoisson.inputs.refusals import check_kind
+from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+from liepoisson.model.free_parameter import FreeParameter, StateAndParameter
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
@@ -38,7 +41,7 @@ if TYPE_CHECKING:
 
 CLOSES = 1e-12
 """Largest residual of an orbit, in units of its level."""
-_ISOLATED = 1e-8
+ISOLATED = 1e-8
 """The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
 SAME = 1e-6
 """What differs by less, relative to the period or in units of the level, is the same."""
@@ -54,7 +57,7 @@ Momenta: TypeAlias = "Sequence[str | PhaseFunction] | Mapping[str, float]"
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class PeriodicOrbit(ReadOnlyArrays):
+class PeriodicOrbit(ReadOnlyArrays, Tabular):
     r"""A periodic orbit of a level, perhaps relative: $\varphi_T(x) = P\,e^{\sum_k\theta_k G_k}x$.
 
     Example:
@@ -130,6 +133,10 @@ class PeriodicOrbit(ReadOnlyArrays):
         """
         return kind_of(self.multipliers)
 
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: level, period, stability, start and multipliers."""
+        return orbit_columns((self,), self.system)
+
     def states(self, n_times: int = 201) -> Array:
         """States at evenly spaced times over one period, shape (n_times, N)."""
         from liepoisson.numeric.integrate import integrate
@@ -147,12 +154,14 @@ class PeriodicOrbit(ReadOnlyArrays):
         )
 
 
-def orbit_columns(orbits: Sequence[PeriodicOrbit], names: Sequence[str]) -> dict[str, NDArray[Any]]:
-    """The columns of a table of orbits: period, stability, start and multipliers of each."""
+def orbit_columns(orbits: Sequence[PeriodicOrbit], system: System) -> dict[str, NDArray[Any]]:
+    """The columns of a table of orbits: energy, Casimirs, period, stability, start and multipliers of each."""
     listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+    names, functions = system.component_names, system.functions
     starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
     multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
     return {
+        **{name: f(starts) for name, f in {"energy": functions.energy, **functions.casimirs}.items()},
         **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
         **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
         **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
@@ -280,7 +289,7 @@ class Problem:
         )
         return PeriodicOrbit(
             level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
-            bool(loops.regularity[row] > _ISOLATED), found.values, found.pair_defect, found.trivial_defect,
+            bool(loops.regularity[row] > ISOLATED), found.values, found.pair_defect, found.trivial_defect,
         )  # fmt: skip
 
     @property
@@ -341,6 +350,20 @@ def problem_at(
     momentum_values = {name: value for name, (_, value) in names.items()}
     closing = Closing(level, Flow(system, threads), held | names, matrix, rotations, holds_period)
     return Problem(closing, symmetry, momentum_values)
+
+
+def with_parameter(problem: Problem, variable: FreeParameter) -> Problem:
+    """The problem for the state with a parameter behind it, which is held like H and the Casimirs."""
+    closing, space, number = problem.closing, StateAndParameter(variable), variable.value
+    functions = {**space.functions(), **{name: space.function(name) for name in problem.momenta}}
+    held = {name: (functions[name], value) for name, (_, value) in closing.held.items()}
+    held[variable.name] = space.function(space.parameter), number
+    k, n = len(closing.rotations), len(closing.level.units) + 1
+    rotations = np.zeros((k, n, n))
+    rotations[:, :-1, :-1] = closing.rotations
+    level: Any = SimpleNamespace(units=np.append(closing.level.units, abs(number) or 1.0), system=space)
+    flow = Flow(cast("Any", space), closing.flow.threads)
+    return replace(problem, closing=Closing(level, flow, held, np.eye(n), rotations))
 
 
 def _rotations(system: System, momenta: Momenta, state: Array) -> tuple[dict[str, tuple[PhaseFunction, float]], Array]:

@@ -291,7 +291,7 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its period, stability, start and multipliers."""
-        return orbit_columns(self.found, self.level.system.component_names)
+        return orbit_columns(self.found, self.level.system)
 
     def _head(self) -> str:
         n = len(self.found)

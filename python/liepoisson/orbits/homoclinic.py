@@ -15,47 +15,35 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
+from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import blocks, has_passed
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.orbits.homoclinic_orbits import (
-    AMPLITUDE,
-    HomoclinicOrbit,
-    HomoclinicOrbits,
-    UnstableSpace,
-    unstable_space,
-)
+from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.multipliers import transversal_basis
-from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis, n_times_of
+from liepoisson.orbits.shooting import Flow, mirror_basis
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
-from liepoisson.portable import elementary, linear
-from liepoisson.streams import Purpose, Random, stream
+from liepoisson.orbits.unstable_spaces import (
+    AMPLITUDE,
+    Flights,
+    UnstableSpace,
+    angles_between,
+    meetings,
+    points_of,
+    pushed,
+    unstable_space,
+    usual_time,
+)
+from liepoisson.portable import linear
+from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.equilibrium.stability import Equilibrium
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
     from liepoisson.orbits.multipliers import SymmetricOrbit
 
-MEETS = 1e-9
-"""Largest distance of a midpoint from the fixed set, in units of the level; 1e-12 is usual (see `unstable`)."""
-
-_GROWN_ROUND_OFF = 100 * float(np.finfo(float).eps)
-"""The same times the amplitude of the start, where round-off is larger: up to 18 epsilon were measured.
-
-The flow that makes 1 of the amplitude multiplies the last digits of the start as much.
-"""
-
-_EXCURSION = 6.0
-"""By default flights go on for so many times 1 / rate after the amplitude would have grown to 1."""
-
-_TIMES_PER_RATE = 24.0
-_MOST_STEPS = 24
-_CONVERGING = 1e-3
-_LONGEST_STEP = 0.3
 _SAME_STATE = 1e-5
 _SAME_TIME = 1e-2
 _GUESSES_PER_START = 4
@@ -125,24 +113,25 @@ def symmetric_homoclinic_orbits(
         chosen = [one for one in chosen if np.abs((one(space.state) - space.state) / level.units).max() < _SAME_STATE]
         if not chosen:
             raise ParameterError("origin: wanted an equilibrium in the fixed set of a reverser; none keeps this one")
-    usual = float((elementary.log(1 / AMPLITUDE) + _EXCURSION) / space.rate)
+    usual = usual_time(space, AMPLITUDE)
     longest = usual if t_end is None else as_time(t_end, "t_end", example=usual)
-    search = _Search(space, Flow(level.system, run.threads), float(longest))
+    flights = Flights(space, Flow(level.system, run.threads), float(longest))
+    search = _Search(flights)
     draw = stream(run.seed, Purpose.HOMOCLINIC_ORBITS)
     solved: list[Solution] = []
     n_done = 0
     with run.deadline.running():
         for n in blocks(n_starts):
-            amplitudes, left = search.drawn(n, draw), max(run.deadline.left, LEAST_LEFT)
+            amplitudes, left = flights.drawn(n, draw), max(run.deadline.left, LEAST_LEFT)
             guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n, left)
             for k, one in enumerate(chosen):
                 run.tell((0.9 * n_done + n * (0.2 + 0.7 * k / len(chosen))) / n_starts)
                 solved += [(one, *found) for found in search.solved(one, *guesses[k])]
             n_done += n
         is_cut_short = has_passed()
-    path = _points_of(origin, space)
+    path = points_of(origin)
     found = [
-        _described(origin, space, search.flow, one)
+        _described(origin, space, flights.flow, one)
         for one in _distinct(level, solved, np.array(group_of_level(level)), path)
     ]
     found.sort(key=lambda one: one.time)
@@ -152,90 +141,37 @@ def symmetric_homoclinic_orbits(
 class _Search:
     """Flights from the linear unstable space to fixed sets."""
 
-    def __init__(self, space: UnstableSpace, flow: Flow, longest: float, size: float = AMPLITUDE) -> None:
-        self.space, self.flow, self.longest, self.size = space, flow, longest, size
-        self.units = space.level.units
-        # one loop multiplies amplitudes by at most this; at an equilibrium the flow covers all amplitudes
-        self.factor = float(np.abs(linear.eigvals(space.matrix)).max()) if space.loop_time else 1.0
-
-    def drawn(self, n: int, draw: Random) -> Array:
-        """Random amplitudes of the size that is searched, up to what one loop makes of it, shape (n, k)."""
-        k = self.space.basis.shape[1]
-        direction = draw.standard_normal((n, k))
-        direction /= linear.norm(direction, axis=1, keepdims=True)
-        return self.size * direction * elementary.power(self.factor, draw.random((n, 1)))
+    def __init__(self, flights: Flights) -> None:
+        self.flights, self.units = flights, flights.space.level.units
 
     def near(
         self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int, time_limit: float
     ) -> list[tuple[Array, Array]]:
         """Amplitudes and times at which flights come near the fixed set of each reverser."""
-        space, units = self.space, self.units
-        starts, _ = space.states(amplitudes)
-        n_times = n_times_of(_TIMES_PER_RATE * self.longest * self.fastest, 1.0)
-        grid, states = self.flow.survey(starts, self.longest, n_times, time_limit)
-        state = states / units
+        grid, states, early = self.flights.survey(amplitudes, time_limit)
+        state = states / self.units
         speed = linear.norm(np.gradient(state, grid, axis=1), axis=-1)
-        early = grid[1:-1] < 0.5 * elementary.log(1 / self.size) / self.fastest
         found: list[tuple[Array, Array]] = []
         for one in reversers:
             distance = linear.norm(linear.matmul(state, mirror_basis(one)), axis=-1)
-            inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:]) & ~early
+            inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:]) & ~early[1:-1]
             rows, places = np.nonzero(inner)
             size = distance[rows, places + 1] / np.maximum(speed[rows, places + 1], 1e-300)
             best = np.argsort(size, kind="stable")[:n_wanted]
             found.append((amplitudes[rows[best]], grid[places[best] + 1]))
         return found
 
-    @property
-    def fastest(self) -> float:
-        """The largest rate of the unstable space."""
-        values = linear.eigvals(self.space.matrix)
-        if self.space.loop_time:
-            return float(elementary.log(np.abs(values).max())) / self.space.loop_time
-        return float(np.abs(values).max())
-
     def solved(
         self, reverser: DiscreteSymmetry, amplitudes: Array, times: Array
     ) -> list[tuple[Array, float, Array, float]]:
         """Amplitudes, times, midpoints and residuals where Newton's method converges before the deadline."""
-        a, T = amplitudes.copy(), times.copy()
-        mirror = mirror_basis(reverser)
-        rows = mirror.T / self.units
-        residual = np.full(len(T), np.inf)
-        best: list[tuple[Array, float, Array] | None] = [None] * len(T)
-        active = np.arange(len(T))
-        for step in range(_MOST_STEPS):
-            if not active.size:
-                break
-            starts, slopes = self.space.states(a[active])
-            try:
-                ends, tangents = self.flow.ends(starts, T[active], slopes * self.size)
-            except TimeLimitError:
-                break
-            with np.errstate(all="ignore"):
-                good = are_finite(ends)
-                rate = np.where(good[:, None], self.flow.system.vector_field(ends), 0.0)
-            values = np.where(good[:, None], linear.matmul(ends, rows.T), np.inf)
-            size = np.abs(values).max(axis=1, initial=0.0)
-            better = size < residual[active]
-            for k in np.flatnonzero(better):
-                best[active[k]] = (a[active[k]].copy(), float(T[active[k]]), ends[k].copy())
-            stalled = ~better & (residual[active] < _CONVERGING)
-            residual[active[better]] = size[better]
-            go = good & ~stalled & ((step < 10) | (size < _CONVERGING))
-            slope = np.concatenate([linear.matmul(rows, tangents), linear.matmul(rate, rows.T)[..., None]], axis=-1)
-            move = -linear.einsum("nij,nj->ni", linear.pinv(np.where(go[:, None, None], slope, 0.0), rcond=1e-12),
-                              np.where(go[:, None], values, 0.0))  # fmt: skip
-            length = linear.norm(a[active], axis=1) / self.size
-            shift, delay = linear.norm(move[:, :-1], axis=1) / length, np.abs(move[:, -1]) * self.fastest
-            factor = 1.0 / np.maximum(1.0, np.maximum(shift, delay) / _LONGEST_STEP)
-            a[active] += self.size * factor[:, None] * move[:, :-1]
-            T[active] += factor * move[:, -1]
-            size_of_a = linear.norm(a[active], axis=1) / self.size
-            inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 2 * self.factor) & (T[active] > 0)
-            active = active[go & inside & (T[active] < 1.2 * self.longest)]
-        meets = max(MEETS, _GROWN_ROUND_OFF / self.size)
-        return [(*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= meets]
+        rows = mirror_basis(reverser).T / self.units
+
+        def in_fixed_set(_: list[Array], ends: list[Array], slopes: list[Array]) -> tuple[Array, Array]:
+            return linear.matmul(ends[0], rows.T), linear.matmul(rows, slopes[0])
+
+        found = meetings([self.flights], [amplitudes], [times], in_fixed_set)
+        return [(one.amplitudes[0], one.times[0], one.ends[0], one.residual) for one in found]
 
 
 def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
@@ -251,20 +187,13 @@ def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
     for _ in range(n_loops):  # one after the other: the power of the matrix may be singular to round-off
         amplitude = linear.solve(space.matrix, amplitude)
     time = orbit.time + n_loops * space.loop_time
-    search = _Search(space, Flow(orbit.system, 1), 2 * time, float(linear.norm(amplitude)))
-    found = search.solved(orbit.reverser, amplitude[None], np.array([time]))
+    flights = Flights(space, Flow(orbit.system, 1), 2 * time, float(linear.norm(amplitude)))
+    found = _Search(flights).solved(orbit.reverser, amplitude[None], np.array([time]))
     if not found or abs(found[0][1] - time) > _SAME_TIME * time:
         raise OrbitError(
             f"a homoclinic orbit must be found again {n_loops} loops before; Newton's method left {orbit!r}"
         )
-    return _described(orbit.origin, space, search.flow, (orbit.reverser, *found[0]))
-
-
-def _points_of(origin: SymmetricOrbit | Equilibrium, space: UnstableSpace) -> Array:
-    """States of the periodic orbit or the equilibrium itself."""
-    from liepoisson.orbits.multipliers import SymmetricOrbit
-
-    return origin.states(400) if isinstance(origin, SymmetricOrbit) else space.state[None]
+    return _described(orbit.origin, space, flights.flow, (orbit.reverser, *found[0]))
 
 
 def _distinct(
@@ -299,19 +228,9 @@ def _described(
     starts, slopes = space.states(amplitude[None])
     middle = (middle + reverser(middle)) / 2
     tangents = pushed(flow, starts[0], time, slopes[0])
-    level, rate = space.level, flow.system.vector_field(middle)
-    across = transversal_basis(level.gradients(middle), rate)
-    n = (level.dimension - 1) // 2
-    unstable = linear.svd(linear.matmul(across.T, tangents), full_matrices=False)[0][:, :n]
-    stable = linear.svd(linear.matmul(across.T, linear.matmul(reverser.matrix, tangents)), full_matrices=False)[0][
-        :, :n
-    ]
-    cosines = linear.svd(linear.matmul(unstable.T, stable), compute_uv=False)
-    sines = linear.svd(stable - linear.matmul(unstable, linear.matmul(unstable.T, stable)), compute_uv=False)[::-1]
-    angles = np.sort(
-        np.where(cosines > 0.7, elementary.arcsin(np.minimum(sines, 1)), elementary.arccos(np.minimum(cosines, 1)))
-    )
-    path = _points_of(origin, space)
+    n = (space.level.dimension - 1) // 2
+    angles = angles_between(space.level, middle, tangents, linear.matmul(reverser.matrix, tangents), (n, n))
+    path = points_of(origin)
     return HomoclinicOrbit(
         origin=origin,
         space=space,
@@ -324,12 +243,3 @@ def _described(
         angles=angles,
         distance=float(linear.norm(path - middle, axis=1).min()),
     )
-
-
-def pushed(flow: Flow, start: Array, time: float, tangents: Array, n_pieces: int = 12) -> Array:
-    """An orthonormal basis of the space that tangent vectors span after a time, carried on in pieces."""
-    x, basis = start, linear.qr(tangents)[0]
-    for _ in range(n_pieces):
-        ends, moved = flow.ends(x[None], np.array([time / n_pieces]), basis)
-        x, basis = ends[0], linear.qr(moved[0])[0]
-    return basis

@@ -7,10 +7,11 @@ by $\delta M_K + O(\delta^2)$,
 $$ M_K = \int_{-\infty}^{\infty} \{K, H_1\}(x(t))\,dt . $$
 
 The integrand is analytic and falls off exponentially, so the trapezoidal rule converges exponentially in the step.  The
-orbit is followed from its middle both ways, until it is so near to $x_*$ that round-off would take it away; what is
-left is that of the linearised flow, $-\nabla\{K, H_1\}\cdot A^{-1}\xi$ with the stable part $\xi$ of the distance.
+orbit is computed both ways from the given state, on the stable and on the unstable manifold, until it is so near to
+$x_*$ that the linearised flow does the rest, $-\nabla\{K, H_1\}\cdot A^{-1}\xi$ with the stable part $\xi$ of the
+distance.
 
-References: [melnikov1963]; [holmes1983], for tops.
+References: [melnikov1963]; [holmes1983], for tops; [palmer1984].
 """
 
 from __future__ import annotations
@@ -24,21 +25,23 @@ from numpy.typing import NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.equilibrium.stability import Equilibrium
-from liepoisson.errors import OrbitError, ParameterError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_memory
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import are_equal, as_system
-from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.starts import StartsLike, given_starts
+from liepoisson.numeric.starts import StartsLike, as_states, given_starts
+from liepoisson.numeric.systems import HasField, component_names
 from liepoisson.orbits.closing import exponential
-from liepoisson.portable import elementary, linear
+from liepoisson.orbits.stable_manifolds import NEAR, UNDER_WAY, AsymptoticOrbits, StableManifold
+from liepoisson.orbits.variations import Variations, Work, common_variation
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.model.phase_functions import PhaseFunction
@@ -46,13 +49,10 @@ if TYPE_CHECKING:
 
 _PER_UNIT = 16
 """Times in 1/rho, the shortest time scale of the linearised flow: the rule's error is below round-off from 8 on."""
-_NEAR = 1e-7
-"""How near to the equilibrium the orbit is cut, relative to its distance in the middle: what is left is linear up to
-the square of this, and round-off, which has grown to 1e-9 by then, is taken away by the same linear equations."""
-_SAFETY = 4.0
-"""An orbit is followed for so much longer than ln(1/_NEAR), in units of the slowest rate."""
-_HYPERBOLIC, _RESTS = 1e-6, 1e-9
-"""Relative sizes below which a real part, or a vector field at the equilibrium, is zero."""
+_RESTS = 1e-9
+"""Relative size below which a vector field at the equilibrium is zero."""
+_BYTES = 2**26
+"""About the memory for orbits that are computed together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +68,12 @@ class Melnikov(ReadOnlyArrays, Tabular):
         (('l3',), 8.0, True)
 
     Attributes:
-        integrals: The names of K.
+        integrals: The names of K; "adjoint" where none was given.
         start: The middles of the orbits, shape (orbit, component).
         value: $M_K$, shape (orbit, integral).
-        error: How far the values are from those with twice the step and with orbits cut ten times earlier, shape
-            (orbit, integral).
+        error: How far the values are from those with twice the step and with orbits cut ten times earlier, and what
+            the values change, in first order, with round-off along the orbits and with the distance of the start from
+            the manifolds; shape (orbit, integral).
     """
 
     integrals: tuple[str, ...]
@@ -89,7 +90,8 @@ class Melnikov(ReadOnlyArrays, Tabular):
 
     def __repr__(self) -> str:
         largest = ", ".join(
-            f"|M_{k}| <= {v:.6g}" for k, v in zip(self.integrals, np.abs(self.value).max(axis=0), strict=True)
+            f"|M_{k}| <= {v:.6g}"
+            for k, v in zip(self.integrals, np.abs(self.value).max(axis=0, initial=0.0), strict=True)
         )
         return f"<Melnikov: {len(self.value)} orbits, {largest}, errors up to {self.error.max(initial=0.0):.1e}>"
 
@@ -101,7 +103,7 @@ def melnikov(
     perturbation: str | PhaseFunction,
     *,
     origin: Equilibrium,
-    integrals: Sequence[str | PhaseFunction],
+    integrals: Sequence[str | PhaseFunction] | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -124,35 +126,64 @@ def melnikov(
 
     Args:
         system: The system with H, which has the integrals.
-        starts: The middles of homoclinic orbits, shape (component,) or (orbit, component).
+        starts: States on homoclinic orbits, near their middles, shape (component,) or (orbit, component).  How far
+            they are off, at most 1.5e-8 of the orbit's size, is part of the error.
         perturbation: $H_1$.
         origin: The equilibrium from which the orbits come, and to which they go.
-        integrals: K, one or several.
+        integrals: K, one or several.  None where there is none that is known, for manifolds of dimension two that are
+            tangent along the orbits, as they are where one exists: $\nabla K$ is then replaced by the bounded solution
+            $\psi$ of the adjoint equation [palmer1984] for which $J\psi$ is, at the start, a unit vector orthogonal to
+            the flow.  The flow and $J\psi$ have the same orientation on the stable manifold for all orbits.
 
     Returns:
         The values, with errors.
 
     Raises:
-        OrbitError: an orbit does not come from the equilibrium, or does not go back to it.
-        ParameterError: an integral is not constant along orbits or does not rest at the equilibrium, or the equilibrium
-            is not hyperbolic.
+        OrbitError: an orbit does not come from the equilibrium, or does not go back to it, or a start is at rest, or,
+            without integrals, the manifolds are not tangent along an orbit, which then persists.
+        ParameterError: an integral is not constant along orbits or does not rest at the equilibrium, the equilibrium
+            is not hyperbolic, or $\{K, H_1\}$ is not smooth there or is no number along an orbit.
+        MemoryLimitError: one orbit does not fit into memory, as near equilibria whose rates are almost zero.
         TimeLimitError: the time limit has passed.
     """
     run = RunOptions.read(Taylor(tol=1e-15), threads, time_limit, progress)
     system = as_system(system)
-    states = np.atleast_2d(given_starts(system, starts))
-    functions = _integrals(system, integrals)
+    states = as_states(given_starts(system, starts), len(system.component_names), names=system.component_names)
+    functions = {} if integrals is None else _integrals(system, integrals)
     change = system.functions.of(perturbation)
-    brackets = [system.functions.of(system.bracket(one.expression, change.expression)) for one in functions.values()]
     _require_rest(system, functions, origin)
-    with run.deadline.running():
-        rule = _Rule.of(system, origin, brackets)
-        both = [rule.half(states, way, run) for way in (1, -1)]
-    at_middle = np.stack([f(states) for f in brackets], axis=1) * rule.step
-    value = both[0].value + both[1].value + at_middle
-    error = sum((one.error for one in both), np.finfo(float).eps * np.abs(value))
-    coarse = both[0].coarse + both[1].coarse + 2 * at_middle
-    return Melnikov(tuple(functions), states, value, np.maximum(error, np.abs(coarse - value)))
+    limit, matrix = origin.state, system.functions.jacobian(origin.state)
+    with run.deadline.running(), np.errstate(all="ignore"):
+        manifolds = [StableManifold.of(system, limit, matrix, way) for way in (1, -1)]
+        if integrals is None:
+            limit, matrix = np.concatenate([limit, 0 * limit]), np.kron(np.eye(2), matrix).astype(np.float64)
+            lifted = [StableManifold.of(Variations(system), limit, matrix, way) for way in (1, -1)]
+            halves = [_Half.of(one, {"adjoint": Work(change)}) for one in lifted]
+        else:
+            brackets = {
+                name: system.functions.of(system.bracket(one.expression, change.expression))
+                for name, one in functions.items()
+            }
+            halves = [_Half.of(one, brackets) for one in manifolds]
+        names = tuple(halves[0].brackets)
+        value, error = np.zeros((2, len(states), len(names)))
+        together = min(one.together for one in halves)
+        for first in range(0, len(states), together):
+            some = slice(first, first + together)
+            begin = states[some]
+            if integrals is None:
+                begin = np.concatenate([begin, common_variation(system, manifolds, begin, first, run)], axis=1)
+            value[some], error[some] = _sums(halves, begin, first, run)
+            run.tell(min(first + together, len(states)) / len(states))
+    return Melnikov(names, states, value, error)
+
+
+def _sums(halves: Sequence[_Half], states: Array, first: int, run: RunOptions) -> tuple[Array, Array]:
+    """The integrals along some orbits, of which the first has this number, and their errors, shape (orbit, K)."""
+    fine, coarse, error = (sum(parts) for parts in zip(*(one.sums(states, first, run) for one in halves), strict=True))
+    middle = halves[0].integrands(states[:, None], np.zeros(1), first)[:, 0] * halves[0].step
+    value = fine + middle
+    return value, np.maximum(error, np.abs(coarse + 2 * middle - value))
 
 
 def _integrals(system: System, given: Any) -> dict[str, PhaseFunction]:
@@ -179,121 +210,144 @@ def _require_rest(system: System, functions: Mapping[str, PhaseFunction], limit:
     """
     if not isinstance(limit, Equilibrium) or limit.omega or not are_equal(limit.system, system):
         raise ParameterError(f"origin: wanted an equilibrium of {shown(system)}; got {shown(limit)}")
-    fields = HamiltonianFields(system, list(functions.values())).fields(limit.state)
+    fields = HamiltonianFields(system, [system.functions.energy, *functions.values()]).fields(limit.state)
     scale = np.abs(system.functions.jacobian(limit.state)).max() or 1.0
-    for k, name in enumerate(functions):
+    for k, name in enumerate(functions, start=1):
         if np.abs(fields[:, k]).max() > _RESTS * scale * (np.abs(limit.state).max() or 1.0):
             raise ParameterError(f"integrals: wanted some whose flows rest at the equilibrium; that of {name} does not")
 
 
 @dataclass(frozen=True)
 class _Half:
-    """One half of the integrals, without the middle: values, those with twice the step, errors; shape (orbit, K)."""
-
-    value: Array
-    coarse: Array
-    error: Array
-
-
-@dataclass(frozen=True)
-class _Rule:
-    """The trapezoidal rule on the whole line, with the part near the equilibrium from the linearised flow.
+    r"""The trapezoidal rule over the times after 0, or before, without the middle.
 
     Attributes:
-        system: The system.
-        limit: The equilibrium.
-        brackets: The integrands.
-        step: Between the times.
-        slowest: The smallest real part of the eigenvalues that have one.
-        growth: The linearised flow on the space of these eigenvalues, shape (k, k).
-        inward: Takes a distance from the equilibrium to its coordinates in this space, shape (k, N).
-        outward: The derivatives of the integrands along these coordinates, shape (K, k).
+        manifold: Of the orbits that go to the equilibrium then.
+        brackets: The integrands by the names of K: $\{K, H_1\}$, or the work.
+        slopes: Their gradients at the equilibrium, shape (K, N).
     """
 
-    system: System
-    limit: Array
-    brackets: Sequence[PhaseFunction]
-    step: float
-    slowest: float
-    growth: Array
-    inward: Array
-    outward: Array
+    manifold: StableManifold
+    brackets: Mapping[str, PhaseFunction] | Mapping[str, Work]
+    slopes: Array
 
     @classmethod
-    def of(cls, system: System, limit: Equilibrium, brackets: Sequence[PhaseFunction]) -> _Rule:
-        """The rule for an equilibrium.
+    def of(cls, manifold: StableManifold, brackets: Mapping[str, PhaseFunction] | Mapping[str, Work]) -> _Half:
+        """One half of all orbits to an equilibrium.
 
         Raises:
-            ParameterError: no eigenvalue has a real part.
+            ParameterError: an integrand has no derivative at the equilibrium.
+            MemoryLimitError: an orbit has too many segments.
         """
-        matrix = system.functions.jacobian(limit.state)
-        values, right = _growing(matrix)
-        if not right.shape[1]:
-            raise ParameterError("origin: wanted an equilibrium with a growing direction; it has only oscillations")
-        _, left = _growing(matrix.T)
-        inward = linear.solve(linear.matmul(left.T, right), left.T)
-        growth = linear.matmul(linear.matmul(inward, matrix), right)
-        gradients = np.stack([f.gradient(limit.state) for f in brackets])
-        size = np.abs(linear.eigvals(matrix)).max()
-        return cls(
-            system, limit.state, brackets, 1 / (_PER_UNIT * size), np.abs(values.real).min(), growth, inward,
-            linear.matmul(gradients, right),
-        )  # fmt: skip
+        check_memory(manifold.n_segments * cls._bytes(len(manifold.limit)), "origin")
+        slopes = np.stack([f.gradient(manifold.limit) for f in brackets.values()])
+        for name, slope in zip(brackets, slopes, strict=True):
+            if not np.isfinite(slope).all():
+                raise ParameterError(
+                    f"perturbation: wanted a function that is smooth at the equilibrium; the integrand of M for {name} "
+                    f"has no derivative there, at {_named(manifold.system, manifold.limit)}"
+                )
+        return cls(manifold, brackets, slopes)
 
-    def half(self, states: Array, way: int, run: RunOptions) -> _Half:
-        """The integrals over the times after 0 (way = 1), or before (-1).
+    @staticmethod
+    def _bytes(n: int) -> int:
+        """Of one segment: its states and products of them, and the derivatives at its end, with copies."""
+        return 8 * (2 * n * (_PER_UNIT + 1) + 5 * n * n)
+
+    @property
+    def step(self) -> float:
+        """Between the times of the rule."""
+        return self.manifold.segment / _PER_UNIT
+
+    @property
+    def together(self) -> int:
+        """How many orbits are computed at once."""
+        return max(1, _BYTES // (self.manifold.n_segments * self._bytes(len(self.manifold.limit))))
+
+    def sums(self, starts: Array, first: int, run: RunOptions) -> tuple[Array, Array, Array]:
+        """The sums over the times of this half, those with twice the step, and errors; shape (orbit, K) each.
 
         Raises:
-            OrbitError: an orbit does not come near the equilibrium.
+            OrbitError: an orbit does not go to the equilibrium.
+            ParameterError: an integrand is no finite number somewhere.
             TimeLimitError: the deadline has passed.
         """
-        n_times = int(np.ceil((_SAFETY - elementary.log(_NEAR)) / (self.slowest * self.step)))
-        times = way * self.step * np.arange(n_times + 1)
-        path = integrate(
-            self.system, states, times=times, method=run.method, kernel="lanes", threads=run.threads,
-            time_limit=run.left,
-        ).state  # fmt: skip
-        checkpoint("Melnikov's integrals")
-        distance = linear.norm(path - self.limit, axis=2)
-        values = np.stack([f(path) for f in self.brackets], axis=2)
-        rows = []
-        for k in range(len(states)):
-            reached = [np.nonzero(distance[k] < near * distance[k, 0])[0] for near in (_NEAR, 10 * _NEAR)]
-            if not reached[0].size:
-                raise OrbitError(
-                    f"starts: wanted states on orbits that go to the equilibrium both ways; orbit {k} comes no nearer "
-                    f"than {np.nanmin(distance[k]):.2g} at t {'>' if way > 0 else '<'} 0"
-                )
-            ends = [int(one[0]) for one in reached]
-            at = ends[0] - ends[0] % 2  # an even number of steps, as for twice the step
-            sums = self._sum(path[k], values[k], at, way, 1)
-            rows.append(
-                (
-                    sums,
-                    self._sum(path[k], values[k], at, way, 2),
-                    np.abs(sums - self._sum(path[k], values[k], ends[1], way, 1)),
-                )
-            )
-        return _Half(*(np.array(column) for column in zip(*rows, strict=True)))
+        manifold, n, N = self.manifold, *starts.shape
+        orbits = manifold.orbits(starts, first, run)
+        last = _PER_UNIT * manifold.n_segments
+        path, _ = manifold.flow(orbits.node[:, :-1].reshape(-1, N), np.arange(_PER_UNIT + 1) / _PER_UNIT, run)
+        times = manifold.way * self.step * np.arange(1.0, last + 1)
+        values = self.integrands(path[:, 1:].reshape(n, last, N), times, first)
+        fine, coarse = (
+            stride * self.step * (values[:, stride - 1 :: stride].sum(axis=1) + self._rest(orbits.node[:, -1], stride))
+            for stride in (1, 2)
+        )
+        distance = linear.norm(orbits.node - manifold.limit, axis=2)
+        early = (distance < 10 * NEAR * distance.max(axis=1, keepdims=True)).argmax(axis=1)
+        counted = np.arange(last) < _PER_UNIT * early[:, None]
+        cut = np.where(counted[..., None], values, 0.0).sum(axis=1)
+        cut = self.step * (cut + self._rest(orbits.node[np.arange(n), early], 1))
+        return fine, coarse, np.abs(fine - cut) + self._moved(orbits)
 
-    def _sum(self, path: Array, values: Array, end: int, way: int, stride: int) -> Array:
-        r"""$h\sum_{k\ge1}f(x_k)$, from `end` on by the linearised flow.
+    def integrands(self, states: Array, times: Array, first: int) -> Array:
+        """The integrands at states, shape (orbit, time, K).
 
-        With $E = e^{Bh}$ for its matrix B, the rest is $\nabla f\cdot E(1 - E)^{-1}\xi$.  Along growing directions
-        $\xi$ is round-off, and the same expression takes away what it has added before.
+        Raises:
+            ParameterError: one is no finite number.
         """
-        step = stride * self.step
-        matrix = exponential(way * step * self.growth)
-        near = linear.matmul(self.inward, path[end] - self.limit)
-        rest = linear.matmul(self.outward, linear.matmul(matrix, linear.solve(np.eye(len(matrix)) - matrix, near)))
-        return step * (values[stride : end + 1 : stride].sum(axis=0) + rest)
+        values = np.stack([f(states) for f in self.brackets.values()], axis=2)
+        if not np.isfinite(values).all():
+            k, i, j = (int(place[0]) for place in np.nonzero(~np.isfinite(values)))
+            raise ParameterError(
+                f"perturbation: wanted a function that is smooth along the orbits; the integrand of M for "
+                f"{list(self.brackets)[j]} is no finite number at {_named(self.manifold.system, states[k, i])}, on "
+                f"orbit {first + k} at t = {times[i]:.4g}"
+            )
+        return values
+
+    def _rest(self, ends: Array, stride: int) -> Array:
+        r"""$\sum_{k\ge1}f(x_k)$ beyond states near the equilibrium, by the linearised flow, shape (orbit, K).
+
+        With $E = e^{Bh}$ for its matrix B it is $\nabla f\cdot E(1 - E)^{-1}\xi$.
+        """
+        manifold = self.manifold
+        matrix = exponential(stride * self.step * manifold.rates)
+        total = linear.matmul(matrix, linear.inv(np.eye(len(matrix)) - matrix))
+        along = linear.matmul(linear.matmul(linear.matmul(self.slopes, manifold.stable), total), manifold.inward)
+        return linear.matmul(ends - manifold.limit, along.T)
+
+    def _moved(self, orbits: AsymptoticOrbits) -> Array:
+        r"""What round-off of all segments and the distance of the start from the manifold do, first order, (orbit, K).
+
+        A gap after node i moves the nodes after it within the manifold, and those before it across: the derivatives of
+        the sum by the first are carried back from the end, those by the second from the start, $w_{i+1} = q_{i+1} +
+        R_i^{-1}w_i$ with the derivatives q by moves across (see `StableManifold`).
+        """
+        manifold, m = self.manifold, self.manifold.n_segments
+        past = linear.solve(manifold.rates.T, linear.matmul(self.slopes, manifold.stable).T)
+        slope = np.broadcast_to(-linear.matmul(past.T, manifold.inward), (len(orbits.node), *self.slopes.shape))
+        gradients = np.stack([f.gradient(orbits.node) for f in self.brackets.values()], axis=2)
+        along, across = [slope], list[Array]()
+        for i in range(m - 1, -1, -1):
+            checkpoint(UNDER_WAY)
+            normal = orbits.conormal[:, i]
+            slope = linear.matmul(along[-1], orbits.slope[:, i]) + manifold.segment * gradients[:, i]
+            across.append(linear.matmul(slope, normal))
+            along.append(slope - linear.matmul(across[-1], np.swapaxes(normal, 1, 2)))
+        eps, size = float(np.finfo(float).eps), linear.norm(orbits.node, axis=2)
+        total = linear.norm(along[m], axis=2) * (eps * size[:, 0] + orbits.off)[:, None]
+        total += linear.norm(along[0], axis=2) * orbits.aside[:, None]
+        weight = np.zeros(across[0].shape)
+        for i in range(m):
+            checkpoint(UNDER_WAY)
+            weight = np.swapaxes(weight + across[m - 1 - i], 1, 2)
+            weight = np.swapaxes(linear.solve(orbits.triangle[:, i], weight), 1, 2)
+            gap = eps * np.maximum(size[:, i], size[:, i + 1])[:, None]
+            total += gap * (linear.norm(along[m - 1 - i], axis=2) + linear.norm(weight, axis=2))
+        return total
 
 
-def _growing(matrix: Array) -> tuple[NDArray[np.complex128], Array]:
-    """The eigenvalues that have a real part, and an orthonormal basis of their space, shape (N, k)."""
-    found = linear.eig(matrix)
-    values, vectors = found[0].astype(np.complex128), found[1].astype(np.complex128)
-    chosen = np.abs(values.real) > _HYPERBOLIC * np.abs(values).max(initial=0.0)
-    some, k = vectors[:, chosen], int(chosen.sum())
-    basis = linear.svd(np.hstack([some.real, some.imag]))[0][:, :k] if k else np.zeros((len(matrix), 0))
-    return values[chosen], basis
+def _named(system: HasField, state: Array) -> str:
+    """A state in words."""
+    names = component_names(system, len(state))
+    return ", ".join(f"{name} = {x:.4g}" for name, x in zip(names, state.tolist(), strict=True))

@@ -362,12 +362,10 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         """The columns of the table: of each cycle its period, stability, first point and multipliers."""
         if not self.found:
             return {"period": np.zeros(0)}
-        names = self.found[0].system.component_names
-        first = np.array([points[0] for points in self.points])
-        return {
-            **{f"point_{name}": column for name, column in zip(names, first.T, strict=True)},
-            **orbit_columns(self.found, names),
-        }
+        system = self.found[0].system
+        first = np.array([points[0] for points in self.points]).T
+        places = {f"point_{name}": column for name, column in zip(system.component_names, first, strict=True)}
+        return places | orbit_columns(self.found, system)
 
     def _head(self) -> str:
         plural = "" if len(self.found) == 1 else "s"

@@ -2,6 +2,7 @@
 
 from liepoisson._lazy import unknown
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
+from liepoisson.plot.families import family
 from liepoisson.plot.indicators import indicators, spectrum
 from liepoisson.plot.orbits import orbit
 from liepoisson.plot.results import draw, profile
@@ -14,6 +15,7 @@ __all__ = [
     "convergence",
     "draw",
     "exponent_distribution",
+    "family",
     "house_style",
     "indicators",
     "orbit",

@@ -212,7 +212,7 @@ class ChainMaker:
 
     def _unstable(self) -> Array:
         """The unstable vectors at the start of the orbit, orthonormal, across the flow, shape (N, k)."""
-        from liepoisson.orbits.homoclinic_orbits import unstable_space
+        from liepoisson.orbits.unstable_spaces import unstable_space
 
         space = unstable_space(self.orbit)
         across = self._across(self.orbit.start)

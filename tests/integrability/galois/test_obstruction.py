@@ -78,7 +78,7 @@ def test_integrable_tops_have_no_logarithm_there(parameters):
         lp.Top(inertia=(2, 2, 1), a=(0, 0, 1), epsilon=1),
         lp.Top(inertia=(1, 1, 1), a=(1, 0, 0), b=(0, 0, 1), epsilon=0),
     ],
-    ids=str,
+    ids=["kovalevskaya", "twisted lagrange", "two fields"],
 )
 def test_integrable_tops_give_no_obstruction(top):
     found = galois_obstruction(top, time_limit=400)

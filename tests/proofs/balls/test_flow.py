@@ -45,7 +45,7 @@ def test_random_points_of_a_set_arrive_inside_of_the_enclosure(field):
         box = image.box()
     for _ in range(5):
         start = [arb(c + radius * rng.choice((-1, 1, rng.uniform(-1, 1)))) for c in GAMMA]
-        end = precise(field, start, time, 60)
+        end = precise(field, start, time, 20)
         assert all(b.contains(e.mid()) for b, e in zip(box, end, strict=True))
 
 

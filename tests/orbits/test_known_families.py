@@ -1,0 +1,92 @@
+"""Families of systems that the literature knows, against closed forms and an independent integrator."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import liepoisson as lp
+
+KOVALEVSKAYA = lp.catalog.system("kovalevskaya")
+
+
+def off_the_critical_curves(energy, k, ell2):
+    """How far K is from the nearest critical value at an energy, with ell = (l.alpha)/2, |alpha| = 1.
+
+    k = 0; k = (h - 2 ell^2)^2; h = s + ell^2/s^2, k = 1 - 2 ell^2/s + ell^4/s^4.
+    """
+    s = np.roots([1, -energy, 0, ell2])
+    s = s[np.abs(s.imag) < 1e-9].real
+    values = [0, (energy - 2 * ell2) ** 2, *(1 - 2 * ell2 / s + ell2**2 / s**4)]
+    return min(abs(k - value) for value in values)
+
+
+@pytest.mark.parametrize(("c", "energy"), [("1/2", "1"), ("1/5", "2")])
+def test_isolated_orbits_of_kovalevskaya_have_critical_integrals(c, energy):
+    """On regular tori orbits belong to families; those that are alone have the values of the bifurcation diagram."""
+    k, ell2 = KOVALEVSKAYA.functions.of(KOVALEVSKAYA.invariants["K"]), float(Fraction(c) / 2) ** 2
+    found = lp.orbits.periodic_orbits(KOVALEVSKAYA, {"C1": c, "C2": 1}, energy, n_starts=40)
+    assert len(found) > 2
+    assert found.n_families > 10
+    for one in found:
+        assert off_the_critical_curves(one.energy, float(k(one.start)), ell2) < 1e-12
+    family = lp.orbits.orbit_family(KOVALEVSKAYA, found[0], max_orbits=6)
+    assert max(off_the_critical_curves(one.energy, float(k(one.start)), ell2) for one in family) < 1e-11
+
+
+def test_isolated_orbits_of_lagrange_are_precessions():
+    """With l3 free, orbits that are alone on a level stand still for an observer who precesses: alpha3 and l3 rest."""
+    top = lp.catalog.system("lagrange")
+    found = lp.orbits.periodic_orbits(top, {"C1": "1/2", "C2": 1}, "1", n_starts=40)
+    assert len(found) > 0
+    for one in found:
+        states = one.states(21)
+        assert np.ptp(states[:, [2, 5]], axis=0).max() < 1e-9
+
+
+def three_bodies(mu):
+    """The planar restricted problem in the rotating frame."""
+    first, second = f"sqrt((q1 + {mu})^2 + q2^2)", f"sqrt((q1 - 1 + {mu})^2 + q2^2)"
+    return lp.System(
+        lp.canonical(2), f"(p1^2 + p2^2)/2 + q2*p1 - q1*p2 - (1 - {mu})/{first} - {mu}/{second}", name="three bodies"
+    )
+
+
+def closes(one, tolerance):
+    """Whether another integrator closes an orbit, to what its neighbours grow."""
+    field = one.system.vector_field
+    run = solve_ivp(lambda _, x: field(x), (0, one.period), one.start, method="DOP853", rtol=1e-13, atol=1e-14)
+    largest = np.abs(one.multipliers).max(initial=1.0)
+    return np.abs(run.y[:, -1] - one.start).max() < tolerance * (1 + largest)
+
+
+@pytest.mark.parametrize("bounds", [(0.5, 0.98), (0.99, 1.5)], ids=["L1", "L2"])
+def test_lyapunov_families_of_the_earth_and_the_moon(bounds):
+    """They begin with the frequency of the planar oscillation at L1 and L2, and end far from them."""
+    mu = 0.01215
+    system = three_bodies("0.01215")
+    x = brentq(lambda x: x - (1 - mu) * (x + mu) / abs(x + mu) ** 3 - mu * (x - 1 + mu) / abs(x - 1 + mu) ** 3, *bounds)
+    rest = lp.phase_space.equilibrium(system, [x, 0, 0, x])
+    family = lp.orbits.orbit_family(system, rest, max_orbits=30)
+    c = (1 - mu) / abs(x + mu) ** 3 + mu / abs(x - 1 + mu) ** 3
+    frequency = np.sqrt(((2 - c) + np.sqrt(9 * c * c - 8 * c)) / 2)
+    assert family.period[0] == pytest.approx(2 * np.pi / frequency, rel=1e-3)
+    assert np.all(np.diff(family.period) > 0)
+    assert {one.stability for one in family} == {"hyperbolic"}
+    assert max(one.residual for one in family) <= 1e-12
+    for one in (family[0], family[15], family[-1]):
+        assert closes(one, 1e-11)  # some hundred steps of 1e-13
+    np.testing.assert_allclose(family[20].states(5)[0], family[20].states(5)[-1], atol=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(2))
+def test_lyapunov_families_of_a_heavy_top(number):
+    """Of each frequency of the lowest equilibrium, every orbit by another integrator."""
+    top = lp.catalog.system("heavy-top", {"I": [3, 2, "7/5"], "a": ["1/2", 0, "4/5"]})
+    family = lp.orbits.orbit_family(top, lp.equilibria(top, {"C1": "3/10", "C2": 1})[0], mode=number, max_orbits=25)
+    for one in family:
+        assert closes(one, 1e-11)
+        assert one.pair_defect < 1e-9
