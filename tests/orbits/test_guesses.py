@@ -1,9 +1,12 @@
 """Periodic orbits near a guess, and those of a level: closed forms, closing, multipliers, what is refused."""
 
+import time
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
+from sympy import Rational
 
 import liepoisson as lp
 
@@ -44,6 +47,60 @@ def test_the_least_period_is_found():
     once = lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=6.3)
     again = lp.orbits.periodic_orbit(HENON, once.start, period=3 * once.period)
     assert again.period == pytest.approx(once.period, rel=1e-12)
+
+
+MU = "9537/10000000"
+SUN_JUPITER = lp.System(
+    lp.canonical(2),
+    f"(p1^2 + p2^2)/2 - q1*p2 + q2*p1 - (1 - {MU})/sqrt((q1 + {MU})^2 + q2^2) - {MU}/sqrt((q1 - 1 + {MU})^2 + q2^2)",
+)
+
+
+@pytest.mark.parametrize(
+    ("start", "period", "energy"),
+    [([0.8324, 0, 0, 1.176], 7.015, -1.49194316), ([0.6314, 0, 0, 1.4395], 7.996, -1.4552504)],
+)
+def test_no_segment_begins_where_neighbours_have_moved_far_apart(start, period, energy):
+    """Orbits around L1 come near to Jupiter after half of their period: what grows before it shrinks behind it."""
+    found, *others = (
+        lp.orbits.periodic_orbit(SUN_JUPITER, start, period=period, energy=energy, n_segments=n) for n in (None, 5, 7)
+    )
+    assert found.pair_defect < 1e-10
+    for one in others:
+        assert found.multipliers[0] == pytest.approx(one.multipliers[0], rel=1e-9)
+
+
+@pytest.mark.parametrize("n", [2, 4, 9, 12, 13, 17, 26, 37, 64, 169])
+def test_periods_are_least(n):
+    """Whatever the multiple that is guessed."""
+    orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=n * 6.7)
+    assert orbit.period == pytest.approx(4 * ellipk(np.sin(0.5) ** 2), rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5, 13])
+def test_periods_of_relative_orbits_are_least(n):
+    """Between two passages of the largest alpha3; by how much the top turns is known up to full turns."""
+    top = lp.catalog.system("lagrange")
+    for start in lp.sample_states(top, 6, seed=3):
+        once = lp.orbits.periodic_orbit(top, start, period=nutation(top, start), momenta=["l3"])
+        orbit = lp.orbits.periodic_orbit(top, start, period=n * once.period + 1e-3, momenta=["l3"])
+        assert orbit.period == pytest.approx(once.period, rel=1e-10)
+        assert once.period == pytest.approx(nutation(top, once.start), rel=1e-3)
+
+
+def nutation(top, start):
+    height = lp.integrate(top, start, times=np.linspace(0, 100, 20001)).state[0, :, 5]
+    peaks = np.nonzero((height[1:-1] > height[:-2]) & (height[1:-1] >= height[2:]))[0]
+    return np.diff(peaks).mean() / 200
+
+
+def test_relative_orbits_of_a_level_are_found_by_turning():
+    """With l3 held, too, the Lagrange top has one nutation."""
+    top = lp.catalog.system("lagrange")
+    start = lp.sample_states(top, 1, seed=3)[0]
+    leaf, energy = lp.Leaf.through(top, start), float(top.functions.energy(start))
+    found = lp.orbits.periodic_orbits(top, leaf, energy, momenta={"l3": start[2]}, n_starts=20)
+    assert [one.period for one in found] == pytest.approx([nutation(top, start)], rel=1e-3)
 
 
 def test_a_symmetric_orbit_is_the_same_without_its_symmetry():
@@ -98,6 +155,115 @@ def test_the_period_can_be_held_instead_of_the_energy():
     assert 4 * ellipk((1 + orbit.energy) / 2) == pytest.approx(7, rel=1e-12)
 
 
+@pytest.mark.parametrize(("system", "energy"), [(PENDULUM, 0), (HENON, "1/10")], ids=["pendulum", "henon-heiles"])
+def test_a_constant_in_the_hamiltonian_changes_no_orbit(system, energy):
+    wanted = lp.orbits.periodic_orbits(system, {}, energy, n_starts=10)
+    for constant in (100, 10**9):
+        other = lp.System(system.bracket, system.hamiltonian + constant)
+        found = lp.orbits.periodic_orbits(other, {}, f"{energy} + {constant}", n_starts=10)
+        assert len(found) == len(wanted) > 0
+        np.testing.assert_allclose([one.period for one in found], [one.period for one in wanted], rtol=1e-10)
+        orbit = lp.orbits.periodic_orbit(other, wanted[0].start, period=wanted[0].period)
+        assert orbit.period == pytest.approx(wanted[0].period, rel=1e-12)
+        assert orbit.energy == pytest.approx(wanted[0].energy + constant, rel=1e-15)
+
+
+HEAVY = lp.System(lp.catalog.system("heavy-top").bracket, "l1^2/4 + l2^2/3 + l3^2/2 + 3*alpha1/10 + alpha3")
+UNITS = [
+    (PENDULUM, [1, 0], 6.7, (s, action / s)) for s, action in ((1e-6, 1), (1e6, 1), (1, 1e3), (1e-3, 1e-3), (10, 1))
+]
+UNITS += [
+    (SADDLE, [3.1, 0, 0, 0.4], 6.3, (s, r, action / s, action / r))
+    for s, r, action in ((1e-6, 1e-6, 1), (1e6, 1e-3, 1), (1, 1, 1e-6), (30, 1, 1))
+]
+UNITS += [
+    (HENON, [0, 0, 0, 0.2], 6.3, (s, s, action / s, action / s)) for s, action in ((1e3, 1), (1e-6, 1e-12), (1, 1e3))
+]
+UNITS += [
+    (HEAVY, [0.3, 0.1, 1.2, 0.4, 0.1, 0.9], 4.7, (c, c, c, a, a, a))
+    for c, a in ((1e-4, 1e-4), (1e-2, 1e-2), (1e3, 1e3), (1e4, 1e4), (1, 1e3), (1e6, 1e-6), (1e-3, 1e-3), (30, 30))
+]
+
+
+def in_units(system, units):
+    """The same motion, of y = x/u: the bracket is as large as the first unit of a field or the action says."""
+    exact = [Rational(str(u)) for u in units]
+    canonical = not system.bracket.entries()
+    whole = exact[0] * exact[len(units) // 2] if canonical else exact[0]
+    names = dict(zip(system.bracket.variables, exact, strict=True))
+    scaled = system.hamiltonian.subs({x: u * x for x, u in names.items()}, simultaneous=True) / whole
+    return lp.System(system.bracket, scaled), float(whole)
+
+
+@pytest.mark.parametrize(("system", "guess", "period", "units"), UNITS)
+def test_an_orbit_is_the_same_in_other_units(system, guess, period, units):
+    """Newton's method comes to it, its multipliers are those, and whether it is alone on its level is not in doubt."""
+    wanted = lp.orbits.periodic_orbit(system, guess, period=period)
+    other, whole = in_units(system, units)
+    for near in (1.0, 1.003):
+        found = lp.orbits.periodic_orbit(
+            other, wanted.start / units, period=near * wanted.period, energy=wanted.energy / whole
+        )
+        assert found.period == pytest.approx(wanted.period, rel=1e-10)
+        assert (found.stability, found.is_isolated) == (wanted.stability, wanted.is_isolated)
+        assert abs(found.multipliers).max(initial=1) == pytest.approx(abs(wanted.multipliers).max(initial=1), rel=1e-7)
+        assert found.energy * whole == pytest.approx(wanted.energy, rel=1e-10)
+
+
+@pytest.mark.parametrize(("system", "units"), [(one[0], one[3]) for one in UNITS])
+def test_orbits_of_a_level_are_found_in_other_units(system, units):
+    x = np.array({4: [0.1, 0.3, 0.2, 0.1], 2: [1, 0.2], 6: [0.3, 0.1, 1.2, 0.4, 0.1, 0.9]}[len(units)])
+    other, whole = in_units(system, units)
+    energy = float(system.functions.energy(x))
+    wanted, found = (
+        lp.orbits.periodic_orbits(one, lp.Leaf.through(one, start), value, n_starts=20)
+        for one, start, value in ((system, x, energy), (other, x / units, energy / whole))
+    )
+    assert found.n_families * 4 <= len(found)
+    periods, known = ({round(orbit.period, 6) for orbit in each} for each in (found, wanted))
+    assert len(periods & known) >= min(2, len(known)), (periods, known)
+
+
+def test_a_casimir_that_is_round_off_gives_no_unit():
+    """m.p of a state where it vanishes is 1e-17; H is no polynomial and says nothing."""
+    system = lp.catalog.system("goryachev")
+    draw = np.random.default_rng(1)
+    for _ in range(20):
+        p = draw.standard_normal(3)
+        m = np.cross(p, draw.standard_normal(3))
+        leaf = lp.Leaf.through(system, np.concatenate([m, p]))
+        np.testing.assert_array_equal(leaf.in_units().units, 1.0)
+
+
+@pytest.mark.parametrize("hold", ["energy", "period"])
+def test_an_orbit_is_on_the_level_that_it_names(hold):
+    orbit = lp.orbits.periodic_orbit(PENDULUM, [1, 0], period=7, hold=hold)
+    assert orbit.level.number("H") == pytest.approx(orbit.energy, rel=1e-14)
+    assert orbit.level.distance(orbit.start) < 1e-14
+    assert f"H = {orbit.energy:.12g}" in repr(orbit)
+
+
+@pytest.mark.parametrize(("system", "guess", "energy"), [(HENON, [0, 0, 0, 0.2], 0), (PENDULUM, [1, 0], -1)])
+def test_an_equilibrium_is_no_orbit(system, guess, energy):
+    with pytest.raises(lp.errors.OrbitError, match="must move"):
+        lp.orbits.periodic_orbit(system, guess, period=6.3, energy=energy)
+
+
+def test_a_steady_precession_is_no_relative_orbit():
+    """With l3 = W cos(theta) + 1/W the Lagrange top turns about the vertical with W and does nothing else."""
+    top, s, c = lp.catalog.system("lagrange"), np.sin(1), np.cos(1)
+    with pytest.raises(lp.errors.OrbitError, match="only turns"):
+        lp.orbits.periodic_orbit(top, [s, 0, c + 1, s, 0, c], period=3, momenta=["l3"])
+
+
+@pytest.mark.parametrize("period", [1e6, 1e40])
+def test_the_time_limit_ends_long_orbits(period):
+    began = time.process_time()
+    with pytest.raises(lp.errors.TimeLimitError, match="following orbits was under way"):
+        lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=period, time_limit=0.3)
+    assert time.process_time() - began < 3
+
+
 @pytest.mark.thorough
 def test_orbits_of_a_level_are_found_and_are_those_of_another_integrator():
     found = lp.orbits.periodic_orbits(TWISTED, LEVEL, energy="1/2", n_starts=40)
@@ -126,7 +292,42 @@ REFUSED = (
     ({"guess": [1, 0], "period": 7, "momenta": ["p1"]}, lp.errors.ParameterError, "momenta"),
     ({"guess": [[1, 0], [2, 0]], "period": 7}, lp.errors.ParameterError, "one state"),
     ({"guess": [1, 0, 0], "period": 7}, lp.errors.LiePoissonError, "component"),
+    ({"guess": [1, 0], "period": 1e-300}, lp.errors.ParameterError, "period 1e-300 too short"),
+    ({"guess": [1, 0], "period": 7, "energy": 1e300}, lp.errors.LeafError, r"H = 1e\+300 was found"),
+    ({"guess": [1, 0], "period": 7, "symmetry": "x"}, lp.errors.ParameterError, "symmetry: wanted one of discrete"),
+    ({"guess": [1, 0], "period": 7, "symmetry": lp.systems.discrete_symmetries(HENON)[0]},
+     lp.errors.ParameterError, "symmetry: wanted one of .* got one of 'henon-heiles'"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("momenta", "words"),
+    [
+        ({"l3": np.nan}, "l3: wanted a finite number"),
+        ({"l3": np.inf}, "l3: wanted a finite number"),
+        ({"l3": True}, "l3: wanted a finite number"),
+        ({"l3": None}, "l3: wanted a finite number"),
+        (True, "sequence of integrals"),
+        ("l3", "sequence of integrals"),
+        (["l3", "l3"], "each once; l3"),
+        (["l3", "2*l3"], r"each once; 2\*l3"),
+        (["C1"], "C1 is a Casimir"),
+        (["l3", "C2"], "C2 is a Casimir"),
+        (["1"], "1 is a Casimir"),
+        (["H"], "that of H is not"),
+        (["l1"], "l1 is not constant"),
+    ],
 )
+def test_momenta_that_are_refused(momenta, words):
+    top = lp.catalog.system("lagrange")
+    start = lp.sample_states(top, 1, seed=3)[0]
+    energy = float(top.functions.energy(start))
+    for call in (
+        lambda: lp.orbits.periodic_orbit(top, start, period=3, momenta=momenta),
+        lambda: lp.orbits.periodic_orbits(top, lp.Leaf.through(top, start), energy, momenta=momenta, n_starts=2),
+    ):
+        with pytest.raises(lp.errors.ParameterError, match=words):
+            call()
 
 
 @pytest.mark.parametrize(("given", "kind", "words"), REFUSED)

@@ -22,6 +22,9 @@ SEARCH_LIMIT, FAMILY_LIMIT = 60.0, 600.0
 CUT_SHORT = "; the time limit ended the search"
 """What the text of a result ends with, whose search was ended so."""
 
+_LEAST = 1e-9
+"""Seconds of a part whose time is over; it must have some."""
+
 _current: ContextVar[Deadline | None] = ContextVar("deadline of the call", default=None)
 
 
@@ -60,6 +63,12 @@ def has_passed() -> bool:
     """Whether the deadline of the call has passed; not where it has none."""
     deadline = _current.get()
     return deadline is not None and not deadline.lasts()
+
+
+def seconds_left(most: float) -> float:
+    """Seconds until the deadline of the call, a positive number of at most `most`: what one of its parts may take."""
+    deadline = _current.get()
+    return most if deadline is None else min(most, max(deadline.left, _LEAST))
 
 
 def blocks(n: int) -> Generator[int]:

@@ -57,6 +57,9 @@ _IMPOSSIBLE, _LARGE, _BALANCED, _CANCELLED, _UNDETERMINED = 100.0, 4.0, 1.0, 0.0
 smaller, of a value that is small beside its terms, and of sizes about which nothing is known. A small perturbation such
 as $10^{-9}q$ is no reason to measure all in its units."""
 
+_ROUNDED = 8 * float(np.finfo(float).eps)
+"""A value that is less than this part of its terms, at a state that has it, is what rounding leaves of them."""
+
 _SWEEPS, _CLOSE = 60, 0.1
 """Steps of the least-squares problem, in which violations below the second, of a logarithm, count as none."""
 
@@ -100,7 +103,9 @@ def scaling(
     for sizes, constant in _blocks(bracket):
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
-        problem.add(_sizes(function, groups), value, weight=_IMPOSSIBLE)
+        terms = 0.0 if state is None else float(np.abs(state * function.gradient(state)).sum())
+        is_rounding = abs(value) <= _ROUNDED * terms
+        problem.add(_sizes(function, groups), 0.0 if is_rounding else value, weight=_IMPOSSIBLE)
     problem.add(_sizes(system.functions.energy, groups), energy or 0.0, weight=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:

@@ -222,7 +222,7 @@ def _units(size: Array, slopes: Array) -> Array:
     some = np.flatnonzero(~is_unit.all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
     if len(some):
         scaled = slopes[some] * units[some, None, :] / units[some, :, None]
-        part = _balanced(scaled, ~is_unit[some])[1]
+        part = balanced(scaled, ~is_unit[some])[1]
         part /= np.where(largest[some] > 0.0, 1.0, part.max(axis=1, keepdims=True))  # at the origin all are free
         units[some] *= np.where(part < _NO_UNIT, part, 1.0)
     return units
@@ -311,10 +311,10 @@ def _radius(matrices: Array, scale: Array) -> Array:
 
 
 def _finite_radius(matrices: Array, scale: Array) -> Array:
-    balanced, coupling = _balanced(matrices)[0], _coupling(matrices)
-    radius = np.abs(linear.eigvals(balanced)).max(axis=1)
+    scaled, coupling = balanced(matrices)[0], _coupling(matrices)
+    radius = np.abs(linear.eigvals(scaled)).max(axis=1)
     rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
-    known = rate > _ROUND_OFF * linear.norm(balanced, axis=(1, 2))
+    known = rate > _ROUND_OFF * linear.norm(scaled, axis=(1, 2))
     return np.where(known, rate, _norm(matrices, scale))
 
 
@@ -326,7 +326,7 @@ def _norm(matrices: Array, scale: Array) -> Array:
     return np.minimum(*(linear.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
 
 
-def _balanced(matrices: Array, which: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
+def balanced(matrices: Array, which: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
     """Matrices with each component in a unit of its own, a power of two, so that row and column are about equal.
 
     So the norm can be compared with eigenvalues whatever the units: the size of a component at one moment is no unit,

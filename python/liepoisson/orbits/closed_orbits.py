@@ -19,11 +19,13 @@ from numpy.typing import NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
+from liepoisson.inputs.refusals import check_kind
 from liepoisson.io.tables import Tabular
+from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.free_parameter import FreeParameter, StateAndParameter
@@ -41,7 +43,11 @@ CLOSES = 1e-12
 """Largest residual of an orbit, in units of its level."""
 ISOLATED = 1e-8
 """The smallest singular value of the equations, relative to the largest, of an orbit that is alone on its level."""
-_SAME = 1e-6
+SAME = 1e-6
+"""What differs by less, relative to the period or in units of the level, is the same."""
+
+_DEPENDENT = 1e-12
+"""The smallest singular value, relative, of rotations that are one and the same."""
 
 _ANGLES = 64
 """In a turn, of which the best is where Newton's method begins: the others are a tenth of a radian away."""
@@ -102,7 +108,7 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
     @property
     def is_relative(self) -> bool:
         """Whether it closes up to rotations only."""
-        return bool(self.angles.size and np.abs(self.angles).max() > _SAME)
+        return bool(self.angles.size and np.abs(self.angles).max() > SAME)
 
     @property
     def period(self) -> float:
@@ -110,7 +116,7 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
         if self.symmetry is None:
             return self.time
         x, n = self.symmetry(self.start), 1
-        while np.abs((x - self.start) / self.level.units).max() > _SAME:
+        while np.abs((x - self.start) / self.level.units).max() > SAME:
             x, n = self.symmetry(x), n + 1
         return n * self.time
 
@@ -186,7 +192,8 @@ class Problem:
             states: Shape (n, N).
             times: Shape (n,).
             angles: Shape (n, k), by default those by which the states turn towards where their orbits end.
-            n_segments: Of how many segments; by default so many that neighbours grow by no more than `GROWTH` in each.
+            n_segments: Of how many segments; by default so many that neighbours grow by no more than `GROWTH` in each,
+                or least, where twice as many do not help; of several loops, on the average.
         """
         flow = self.closing.flow
         angles = self._turned(states, flow.ends(states, times)[0]) if angles is None else angles
@@ -196,23 +203,67 @@ class Problem:
             growth = np.abs(tangents / units[:, None]).sum(axis=2).max(initial=1.0)
             wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH)) if np.isfinite(growth) else MOST_SEGMENTS
             n_segments = int(np.clip(wanted, 1, MOST_SEGMENTS))
+            tried = [self._chained(states, times, angles, n_segments)]
+            if len(states) == 1:  # neighbours that move apart and together again grow in each segment, not in all
+                while (growth := self.closing.growth(tried[-1])[0]) > GROWTH and len(tried) <= n_segments:
+                    tried.append(self._chained(states, times, angles, n_segments + len(tried)))
+                if not growth <= GROWTH:
+                    return min(tried, key=lambda one: float(self.closing.growth(one)[0]))
+            return tried[-1]
+        return self._chained(states, times, angles, n_segments)
+
+    def _chained(self, states: Array, times: Array, angles: Array, n_segments: int) -> Loops:
+        """Guesses of so many segments."""
         chain = [states]
         for i in range(1, n_segments):
-            chain.append(flow.ends(states, times * (i / n_segments))[0])
+            chain.append(self.closing.flow.ends(states, times * (i / n_segments))[0])
         return guessed(np.stack(chain, axis=1), times, angles)
+
+    def in_short_segments(self, loops: Loops) -> Loops:
+        """A loop that was found among others, in segments of its own where neighbours grow too much in one of these."""
+        if not self.closing.growth(loops)[0] > GROWTH:
+            return loops
+        alone = self.closing.solved(self.loops(loops.state[:, 0], loops.time, loops.angle))
+        return alone if self.closed(alone)[0] else loops
 
     def _turned(self, states: Array, ends: Array) -> Array:
         """The angles, of one rotation after the other, by which states come nearest to ends, of 64 in a turn each."""
         angles = np.zeros((len(states), len(self.closing.rotations)))
         for k, rotation in enumerate(self.closing.rotations):
-            rate = np.abs(linear.eigvals(rotation)).max(initial=0.0) or 1.0
             tried = np.repeat(angles[:, None], _ANGLES, axis=1)
-            tried[..., k] = 2 * np.pi / rate * (np.arange(_ANGLES) / _ANGLES - 0.5)
+            tried[..., k] = 2 * np.pi / _rate(rotation) * (np.arange(_ANGLES) / _ANGLES - 0.5)
             turns = self.closing.turn(tried.reshape(-1, angles.shape[1])).reshape(*tried.shape[:2], *rotation.shape)
             gaps = (linear.einsum("naij,nj->nai", turns, states) - ends[:, None]) / self.closing.level.units
             nearest = np.argmin(linear.norm(gaps, axis=2), axis=1)
             angles[:, k] = tried[np.arange(len(states)), nearest, k]
         return angles
+
+    def parts(self, angles: Array, n: int) -> Array:
+        """The angles of which n times is the same rotation as angles that are given, shape (n**k, k)."""
+        turns = np.array([2 * np.pi / rate for rate in map(_rate, self.closing.rotations)])
+        whole = np.stack(np.meshgrid(*[np.arange(n)] * len(turns), indexing="ij"), axis=-1) if len(turns) else 0
+        return (angles + turns * np.reshape(whole, (-1, len(turns)))) / n if len(turns) else angles[None]
+
+    def gaps(self, starts: Array, states: Array) -> Array:
+        """How far states are from starts that are turned towards them, in units of the level, shape (n, time).
+
+        Args:
+            starts: Shape (n, N).
+            states: Shape (n, time, N).
+        """
+        x, y = np.broadcast_to(starts[:, None], states.shape), states / self.closing.level.units
+        for rotation in self.closing.rotations:
+            rate = _rate(rotation)
+            across = linear.einsum("ij,ntj->nti", rotation / rate, x)
+            along = -linear.einsum("ij,ntj->nti", rotation / rate, across)
+            parts = [(one / self.closing.level.units * y).sum(axis=2) for one in (across, along)]
+            angle = elementary.arctan2(*parts)[..., None]
+            x = x - along + elementary.cos(angle) * along + elementary.sin(angle) * across
+        return linear.norm(x / self.closing.level.units - y, axis=2)
+
+    def closed(self, loops: Loops) -> NDArray[np.bool_]:
+        """Which loops are orbits: they close, and are no equilibria, nor relative ones, that close after any time."""
+        return (loops.residual <= CLOSES) & (self.closing.extent(loops) > SAME)
 
     def described(self, loops: Loops, row: int = 0) -> PeriodicOrbit:
         """A loop that was found, with its multipliers."""
@@ -225,11 +276,17 @@ class Problem:
         forwards, backwards = np.eye(x.shape[1]), np.eye(x.shape[1])
         for i in range(m):
             forwards, backwards = linear.matmul(forth[i], forwards), linear.matmul(backwards, back[i])
-        undone = linear.inv(turn)
+        units, undone = level.units, linear.inv(turn)
         rates = np.stack([self.system.vector_field(x[0]), *linear.matmul(closing.rotations, x[0])])
         functions = {**level.functions, **{name: f for name, (f, _) in closing.held.items()}}
         gradients = np.stack([f.gradient(x[0]) for f in functions.values()])
-        found = loop_spectrum(linear.matmul(undone, forwards), linear.matmul(backwards, turn), gradients, rates)
+        level = level.through(x[0]) if closing.holds_period else level
+        found = loop_spectrum(
+            linear.matmul(undone, forwards) * units / units[:, None],
+            linear.matmul(backwards, turn) * units / units[:, None],
+            gradients * units,
+            rates / units,
+        )
         return PeriodicOrbit(
             level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
             bool(loops.regularity[row] > ISOLATED), found.values, found.pair_defect, found.trivial_defect,
@@ -239,6 +296,11 @@ class Problem:
     def system(self) -> System:
         """The system."""
         return self.closing.level.system
+
+
+def _rate(rotation: Array) -> float:
+    """The angular velocity of a rotation by its angle."""
+    return float(np.abs(linear.eigvals(rotation)).max(initial=0.0)) or 1.0
 
 
 def problem_at(
@@ -251,8 +313,12 @@ def problem_at(
     momenta: Momenta = (),
     symmetry: DiscreteSymmetry | None = None,
     threads: int | None = None,
+    along: Array | None = None,
 ) -> Problem:
     """The problem of a level, by default that of a state.
+
+    Args:
+        along: States whose sizes are the units, shape (n, N), such as those of the orbit of a guess.
 
     Raises:
         LeafError: the leaf is not regular, or no state has these values.
@@ -263,12 +329,20 @@ def problem_at(
         Leaf.through(system, state) if leaf is None else leaf,
         float(system.functions.energy(state)) if energy is None else energy,
     )
+    if leaf is None and energy is None:
+        level = level.through(state)
+    if along is not None:
+        level = level.in_units_of(along)
+    if symmetry is not None:
+        wanted = "one of discrete_symmetries(system)"
+        check_kind(symmetry, DiscreteSymmetry, "symmetry", wanted, "leave it out if the orbit closes without one")
+        if not are_equal(symmetry.system, system):
+            raise ParameterError(f"symmetry: wanted {wanted}; got one of {symmetry.system.name!r}")
     if symmetry is not None and (symmetry.is_reverser or not symmetry.meets(level.values)):
         raise ParameterError(
             f"symmetry: wanted one of discrete_symmetries(system) that keeps time and {level.text}; got {symmetry.text}"
         )
-    functions = {"H": system.functions.energy, **system.functions.casimirs}
-    held = {name: (function, level.number(name)) for name, function in functions.items()}
+    held = {name: (function, level.constant(name)) for name, function in level.functions.items()}
     names, rotations = _rotations(system, momenta, state)
     if holds_period:
         del held["H"]
@@ -307,13 +381,24 @@ def _rotations(system: System, momenta: Momenta, state: Array) -> tuple[dict[str
     found: dict[str, tuple[PhaseFunction, float]] = {}
     fields = HamiltonianFields(system, functions)
     at_zero, at_state = fields.derivatives(np.zeros(n)), fields.derivatives(state)
+    sizes = np.abs(at_state).max(axis=(0, 1))
     for k, (one, function) in enumerate(zip(given, functions, strict=True)):
         name = one if isinstance(one, str) else str(function.expression)
+        if all(system.bracket(function.expression, x) == 0 for x in system.bracket.variables):
+            raise ParameterError(
+                f"momenta: wanted integrals that move states; {name} is a Casimir, which moves nothing"
+            )
         if np.any(at_zero[..., k] != at_state[..., k]) or fields.fields(np.zeros(n))[..., k].any():
             raise ParameterError(
                 f"momenta: wanted integrals whose flows are linear, such as 'l3'; that of {name} is not"
             )
         if not system.is_constant(function.expression):
             raise ParameterError(f"momenta: wanted integrals; {name} is not constant along orbits of {system.name!r}")
-        found[name] = function, float(function(state) if values is None else values[one])
+        rows = (at_state[..., : k + 1] / sizes[: k + 1]).reshape(-1, k + 1)
+        if name in found or linear.svd(rows, compute_uv=False)[-1] < _DEPENDENT:
+            raise ParameterError(f"momenta: wanted each once; {name} is one of the others, or a combination of them")
+        value = function(state) if values is None else as_number(values[one], f"momenta: {name}", "a finite number")
+        if not np.isfinite(value):
+            raise ParameterError(f"momenta: {name}: wanted a finite number; got {value}")
+        found[name] = function, float(value)
     return found, np.moveaxis(at_state, 2, 0).copy()

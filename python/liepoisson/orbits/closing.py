@@ -13,7 +13,7 @@ eliminated, so that the linear equations have the size of one state; residuals a
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +33,8 @@ _MEETS, _TRIALS = 1e-4, 12
 """A guess must have come to this residual, from which on convergence is quadratic, after so many steps."""
 _RANK = 1e-11
 """Singular values below this, relative to the largest, belong to families: steps do not follow them."""
+_LAST_DIGITS = 2 * float(np.finfo(float).eps)
+"""A value that differs by less, relative, is the value that is held: cos(q) of a small q knows no more."""
 GROWTH = 100.0
 """A segment is so short that neighbours grow by no more than about this along it: a hundredth of a double's digits."""
 MOST_SEGMENTS = 256
@@ -132,7 +134,7 @@ class Closing:
             stalled = ~better & (best.residual[active] < _MEETS)
             go = np.isfinite(size) & ~stalled & ((k < _TRIALS) | (size < _MEETS)) & (size > 1e-17)
             matrix = np.where(go[:, None, None], rows, 0.0)
-            sizes = linear.svd(matrix, compute_uv=False)
+            sizes = linear.svd(np.where(np.isfinite(size)[:, None, None], rows, 0.0), compute_uv=False)
             with np.errstate(all="ignore"):
                 best.regularity[chosen] = (sizes[:, -2 if self.holds_period else -1] / sizes[:, 0])[better]
             step = -linear.einsum("nij,nj->ni", linear.pinv(matrix, rcond=_RANK), np.where(go[:, None], values, 0.0))
@@ -166,11 +168,27 @@ class Closing:
         for j, (function, value) in enumerate(self.held.values()):
             gradient = function.gradient(x[:, 0]) * units
             scale = np.maximum(np.abs(gradient).sum(axis=1), np.finfo(float).tiny)
-            deviations[:, j], slopes[:, j] = (function(x[:, 0]) - value) / scale, gradient / scale[:, None]
+            off = function(x[:, 0]) - value
+            off = np.where(np.abs(off) <= _LAST_DIGITS * abs(value), 0.0, off)
+            deviations[:, j], slopes[:, j] = off / scale, gradient / scale[:, None]
         closing = turn * units / units[:, None]
         directions = [level.system.vector_field(x[:, 0]), *linear.einsum("kij,nj->kni", self.rotations, x[:, 0])]
         late = rates * (T / m)[:, None, None]
         return Linearised(gaps, deviations, slopes, tangents, late, closing, along, np.array(directions) / units)
+
+    def growth(self, loops: Loops) -> Array:
+        """By how much neighbours grow in one of the segments, at most, in units of the level, shape (n,)."""
+        found = self.linearised(loops.state, loops.time, loops.angle).segments
+        return np.abs(found).sum(axis=3).max(axis=(1, 2))
+
+    def extent(self, loops: Loops) -> Array:
+        """About how far loops move in their time, across the rotations and in units of the level, shape (n,)."""
+        rates = self.level.system.vector_field(loops.state) / self.level.units
+        basis: list[Array] = []
+        for rotation in self.rotations:
+            turned = linear.einsum("ij,nmj->nmi", rotation, loops.state) / self.level.units
+            basis.append(_unit(_across(turned, basis)))
+        return linear.norm(_across(rates, basis), axis=2).max(axis=1) * loops.time
 
     def _equations(
         self, found: Linearised, here: tuple[Array, Array, Array], anchors: tuple[Array, ...], extra: Array | None
@@ -185,9 +203,8 @@ class Closing:
         values = [rest, found.deviations]
         off = (x[:, 0] - anchors[0]) / self.level.units
         for direction in found.directions:  # held across the flow and the rotations
-            unit = direction / np.maximum(linear.norm(direction, axis=1, keepdims=True), np.finfo(float).tiny)
-            rows.append(np.concatenate([unit, np.zeros((n, 1 + k))], axis=1)[:, None])
-            values.append(linear.einsum("ni,ni->n", unit, off)[:, None])
+            rows.append(np.concatenate([_unit(direction), np.zeros((n, 1 + k))], axis=1)[:, None])
+            values.append(linear.einsum("ni,ni->n", _unit(direction), off)[:, None])
         if extra is not None:
             rows.append(np.broadcast_to(extra, (n, 1, N + 1 + k)))
             moved = np.concatenate([off, time[:, None] / anchors[1][:, None] - 1.0, angle - anchors[2]], axis=1)
@@ -247,6 +264,18 @@ class Linearised:
             moves[:, i + 1] = linear.einsum("nij,nj->ni", self.segments[:, i], moves[:, i]) + self.gaps[:, i]
             moves[:, i + 1] += self.late[:, i] * delay[:, None]
         return moves, delay, step[:, N + 1 :]
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors of length 1 in the same directions, shape (..., N)."""
+    return vectors / np.maximum(linear.norm(vectors, axis=-1, keepdims=True), np.finfo(float).tiny)
+
+
+def _across(vectors: Array, basis: Sequence[Array]) -> Array:
+    """The parts of vectors that are orthogonal to those of an orthonormal basis, shape (..., N)."""
+    for one in basis:
+        vectors = vectors - linear.einsum("...i,...i->...", vectors, one)[..., None] * one
+    return vectors
 
 
 def exponential(matrices: Array) -> Array:

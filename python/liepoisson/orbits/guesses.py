@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.algebra.residues import primes
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, blocks, has_passed
+from liepoisson.inputs.deadline import CUT_SHORT, blocks, checkpoint, has_passed, seconds_left
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
@@ -23,12 +24,12 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, SAME, Momenta, PeriodicOrbit, Problem, orbit_columns, problem_at
 from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
 from liepoisson.orbits.shooting import Flow, n_times_of
-from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time
+from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time, searched
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 
@@ -39,14 +40,13 @@ if TYPE_CHECKING:
 Guess: TypeAlias = "StartsLike | PeriodicOrbit | SymmetricOrbit | Orbit"
 """A state, an orbit that was found, or a trajectory that comes back near to itself."""
 
-_SAME = 1e-6
-_LARGEST_PART = 12
-"""An orbit is looked for whose period is a part of the one that was found, up to this one."""
 _RETURNS, _OTHER_PERIOD = 8, 0.05
 """How many of the nearest returns of a trajectory are tried, and how much their times differ, relative."""
 _NEAR_PERIOD = 0.2
 """How much a return's time may differ from a period that is given."""
 _UNITS, _TIMES_PER_UNIT, _GUESSES, _TOGETHER = 30.0, 12.0, 2, 64
+_SIZES = 32
+"""States of the orbit of a guess whose sizes are the units."""
 _LOOKS = 1000
 """Times of a trajectory at which returns are looked for; all pairs of them are compared."""
 
@@ -113,13 +113,18 @@ def periodic_orbit(
         )
     with run.deadline.running():
         states, times, angles = _guesses(system, guess, period)
+        flow = Flow(system, run.threads)
+        _, along = flow.survey(states, float(times.max()), _SIZES, seconds_left(TIME_LIMIT))
         problem = problem_at(
             system, states[0], leaf=leaf, energy=energy, holds_period=holds_period, momenta=momenta,
-            symmetry=symmetry, threads=run.threads,
+            symmetry=symmetry, threads=run.threads, along=along.reshape(-1, states.shape[1]),
         )  # fmt: skip
         rest = linear.norm(system.vector_field(states) / problem.closing.level.units, axis=1) * times
-        if not (rest > _SAME).any():
-            raise ParameterError(f"guess: wanted a state on an orbit; got {shown(states[0])}, which is at rest")
+        if not (rest > SAME).any():
+            raise ParameterError(
+                f"guess: wanted a state on an orbit, which moves in the period; {shown(states[0])} is at rest, or the "
+                f"period {times[0]:g} too short: in this time it moves by {rest[0]:.1e} of its size"
+            )
         if not holds_period:
             states, arrived = problem.closing.level.projected(states, np.eye(states.shape[1]))
             if not arrived.any():
@@ -132,8 +137,14 @@ def periodic_orbit(
         loops = problem.closing.solved(
             problem.loops(states, times, angles if angles.shape[1] == k else None, n_segments=count)
         )
-        best = int(np.argmin(loops.residual))
-        if not loops.residual[best] <= CLOSES:
+        is_orbit = problem.closed(loops)
+        best = int(np.argmin(np.where(is_orbit, -1.0, loops.residual)))
+        if loops.residual[best] <= CLOSES and not is_orbit[best]:
+            raise OrbitError(
+                f"an orbit must move; from this guess Newton's method comes to {shown(loops.state[best, 0])} on "
+                f"{problem.closing.level.text}, which is at rest{' or only turns' if k else ''}"
+            )
+        if not is_orbit[best]:
             raise OrbitError(
                 f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to "
                 f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g} on {problem.closing.level.text}. "
@@ -203,19 +214,51 @@ def _returns(orbit: Orbit, period: float | None) -> tuple[Array, Array]:
 
 
 def shortest(problem: Problem, loops: Loops) -> Loops:
-    """The loop whose time is the largest part of that of a loop which also closes, or the loop itself."""
-    closing = problem.closing
-    x, T, angle = loops.state[:, 0], float(loops.time[0]), loops.angle
-    parts = np.arange(2, _LARGEST_PART + 1)
-    ends, _ = closing.flow.ends(np.repeat(x, len(parts), axis=0), T / parts)
-    turns = closing.turn(angle / parts[:, None])
-    gap = np.abs((ends - linear.matmul(turns, x[0])) / closing.level.units).max(axis=1)
-    for n in parts[::-1]:
-        if gap[n - 2] < _SAME:
-            part = closing.solved(problem.loops(x, np.array([T / n]), angle / n))
-            if part.residual[0] <= CLOSES and abs(part.time[0] * n / T - 1) < _SAME:
-                return part
+    """The loop of the least time of which this one is a multiple: divided by a prime as long as that closes, too."""
+    while (part := _part(problem, loops)) is not None:
+        loops = part
     return loops
+
+
+def _part(problem: Problem, loops: Loops) -> Loops | None:
+    """The loop whose time is the largest prime part of that of a loop, if one closes, too."""
+    closing, T = problem.closing, float(loops.time[0])
+    chain, units = loops.state[0], closing.level.units
+    most = _most_parts(problem, loops)
+    if most < 2:
+        return None
+    parts = np.array([*primes(most, 1), 2])
+    first = (
+        len(chain) - 1
+    ) // parts  # of each part the segment in which it ends: the round-off of others does not count
+    ends, _ = closing.flow.ends(chain[first], T * (1 / parts - first / len(chain)))
+    for n, end in zip(parts.tolist(), ends, strict=True):
+        angles = problem.parts(loops.angle[0], n)
+        gaps = np.abs((end - linear.matmul(closing.turn(angles), chain[0])) / units).max(axis=1)
+        best = int(np.argmin(gaps))
+        if gaps[best] < SAME:
+            part = closing.solved(problem.loops(chain[:1], np.array([T / n]), angles[best][None]))
+            if problem.closed(part)[0] and abs(part.time[0] * n / T - 1) < SAME:
+                return part
+    return None
+
+
+def _most_parts(problem: Problem, loops: Loops) -> int:
+    r"""A number of orbits that a loop cannot consist of more than: f turns by $2\pi$ or more along each of them.
+
+    Its direction moves by no more than $|Df\,f|/|f|$, of which the mean over some states is taken twice.  Up to a
+    rotation, by half a turn at most, $\pi$ is enough.
+
+    References: [fenchel1929].
+    """
+    system, m, T = problem.system, loops.state.shape[1], float(loops.time[0])
+    _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-_SIZES // m), seconds_left(TIME_LIMIT))
+    states = between[:, :-1].reshape(-1, between.shape[2])
+    rates = system.vector_field(states)
+    turning = linear.einsum("nij,nj->ni", system.functions.jacobian(states), rates)
+    speed, turned = (linear.norm(each / problem.closing.level.units, axis=1) for each in (rates, turning))
+    mean = float((turned / np.maximum(speed, np.finfo(float).tiny)).mean())
+    return int(np.ceil(2 * T * mean / np.pi / (1 if len(problem.closing.rotations) else 2)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -311,7 +354,7 @@ def periodic_orbits(
     """
     run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
     n_starts = as_count(n_starts, "n_starts", least=1)
-    level = level_of(as_system(system), leaf, energy)
+    level = searched(level_of(as_system(system), leaf, energy), run.seed)
     draw, n_done, meets = stream(run.seed, Purpose.PERIODIC_ORBITS), 0, False
     found: list[PeriodicOrbit] = []
     n_families = 0
@@ -325,7 +368,7 @@ def periodic_orbits(
             if not len(starts):
                 continue
             problem = problem_at(
-                level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads
+                level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads, along=starts
             )
             meets = True
             try:
@@ -358,7 +401,8 @@ def _orbits_from(
     level, (longest, unit) = problem.closing.level, times
     n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
     grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, max(run.left, LEAST_LEFT))
-    gaps = linear.norm((states - starts[:, None]) / level.units, axis=2)
+    checkpoint("following orbits")
+    gaps = problem.gaps(starts, states)
     inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
     rows, places = np.nonzero(inner)
     best = np.argsort(gaps[rows, places + 1], kind="stable")[:n_wanted]
@@ -366,12 +410,12 @@ def _orbits_from(
     for k in range(0, len(rows), _TOGETHER):
         some = slice(k, k + _TOGETHER)
         loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
-        for j in np.nonzero((loops.residual <= CLOSES) & (loops.time <= 1.2 * longest))[0]:
-            yield problem.described(shortest(problem, loops.of(np.array([j]))))
+        for j in np.nonzero(problem.closed(loops) & (loops.time <= 1.2 * longest))[0]:
+            yield problem.described(problem.in_short_segments(shortest(problem, loops.of(np.array([j])))))
 
 
 def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
     """Whether the periods and multipliers are the same."""
-    near = abs(one.period - other.period) <= _SAME * one.period
+    near = abs(one.period - other.period) <= SAME * one.period
     sums = [np.sum(orbit.multipliers) for orbit in (one, other)]
-    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * _SAME * (abs(sums[0]) + 1))
+    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * SAME * (abs(sums[0]) + 1))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
@@ -18,9 +18,11 @@ from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal, as_energy, as_system, by_name
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf_in_units import unit_groups
 from liepoisson.model.phase_functions import PhaseFunction
-from liepoisson.portable import linear
-from liepoisson.structure.casimir_part import difference
+from liepoisson.numeric.time_scale import balanced
+from liepoisson.portable import elementary, linear
+from liepoisson.structure.casimir_part import ORDINARY, difference
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -55,14 +57,66 @@ class Level(ReadOnlyArrays):
     @cached_property
     def constants(self) -> Mapping[str, Exact]:
         """The exact values of `functions`."""
+        still = self._still
+        return self.values if still == 0 else {**self.values, "H": difference(self.values["H"], still)}
+
+    @cached_property
+    def _still(self) -> Exact:
+        """What H is more than its moving part."""
         part, casimirs = self.system.casimir_part, [self.values[name] for name in self.system.functions.casimirs]
         other = 0.0 if part.other is None else float(self.system.functions.of(part.other)(self.leaf.state))
-        still = part.value(casimirs, other)
-        return self.values if still == 0 else {**self.values, "H": difference(self.values["H"], still)}
+        return part.value(casimirs, other)
+
+    def through(self, state: Array) -> Level:
+        """The level of the same leaf with the energy of a state, without the round-off of what does not move."""
+        moving = Fraction(float(self.functions["H"](state)))
+        return replace(self, values={**self.values, "H": difference(moving, difference(Fraction(0), self._still))})
+
+    def in_units_of(self, states: Array) -> Level:
+        r"""The level in units that are the sizes of states, such as those of an orbit; itself where it nearly is.
+
+        Sizes are root mean squares.  Components of one field have one size, the largest in it.  Canonical coordinates
+        have each their own, and one of them may be small by accident; of them the ratios are those that make rows and
+        columns of Df about equal, and $u_q u_p$ is the same for all pairs.
+        """
+        states = states[np.isfinite(states).all(axis=1)]
+        if not len(states):
+            return self
+        largest = np.abs(states).max(axis=0, initial=0.0)
+        sizes = largest * np.sqrt(((states / np.where(largest > 0, largest, 1.0)) ** 2).mean(axis=0))
+        bracket = self.system.bracket
+        if bracket.entries():
+            groups = np.array(unit_groups(bracket))
+            sizes = np.array([sizes[groups == k].max() for k in groups])
+        else:
+            ratios = self._ratios(states)
+            sizes = ratios * (sizes / ratios).max()
+        sizes = np.where((sizes > 0) & np.isfinite(sizes), sizes, self.units)
+        units = elementary.exp2(np.round(elementary.log2(sizes)))
+        is_near = np.abs(elementary.log2(units / self.units)).max() < elementary.log2(ORDINARY)
+        return self if is_near else replace(self, units=units)
+
+    def _ratios(self, states: Array) -> Array:
+        """Units of canonical coordinates, up to a common factor, in which they act on one another equally strongly."""
+        slopes = np.abs(self.system.functions.jacobian(states))
+        slopes = slopes[np.isfinite(slopes).all(axis=(1, 2))]
+        if not len(slopes):
+            return self.units
+        ratios = self.units * balanced(np.median(slopes, axis=0)[None] * self.units / self.units[:, None])[1][0]
+        pairs = [pair for pair in self.system.bracket.constant if pair[0] < pair[1]]
+        if len({k for pair in pairs for k in pair}) == 2 * len(pairs):
+            for i, j in pairs:
+                action = np.sqrt(ratios[i] * ratios[j])
+                ratios[i], ratios[j] = ratios[i] / action, ratios[j] / action
+        return ratios
+
+    def constant(self, name: str) -> float:
+        """The value of one of `functions` as a double."""
+        return _double(self.constants[name])
 
     def number(self, name: str) -> float:
         """The value of H or of a Casimir as a double."""
-        return float(cast("Any", to_sympy(self.values[name])))
+        return _double(self.values[name])
 
     @property
     def dimension(self) -> int:
@@ -76,7 +130,7 @@ class Level(ReadOnlyArrays):
 
     def deviations(self, states: Array) -> Array:
         """How far H and the Casimirs are from their values, shape (..., function)."""
-        wanted = [float(cast("Any", to_sympy(value))) for value in self.constants.values()]
+        wanted = [*map(_double, self.constants.values())]
         return np.stack([f(states) - c for f, c in zip(self.functions.values(), wanted, strict=True)], axis=-1)
 
     def gradients(self, states: Array) -> Array:
@@ -91,11 +145,16 @@ class Level(ReadOnlyArrays):
             states: Guesses, shape (n, N).
             directions: Columns along which they may be moved, shape (N, d) or (n, N, d).
         """
-        x = states.copy()
+        x, is_ordinary = states.copy(), bool((self.units == 1).all())
+        if not is_ordinary:
+            directions = directions * linear.norm(directions * self.units[:, None], axis=-2)[..., None, :]
         for _ in range(_MOST_STEPS):
             rest = self.deviations(x)
             slopes = linear.matmul(self.gradients(x), directions)
             good = np.isfinite(rest).all(axis=-1) & np.isfinite(slopes).all(axis=(-1, -2))
+            if not is_ordinary:
+                lengths = np.maximum(linear.norm(slopes, axis=-1), np.finfo(float).tiny)
+                slopes, rest = slopes / lengths[..., None], rest / lengths
             slopes[~good], rest[~good] = 0.0, 0.0
             move = -linear.einsum("nij,nj->ni", linear.pinv(slopes, rcond=1e-10), rest)
             step = linear.einsum("...ij,...j->...i", directions, move)
@@ -119,10 +178,14 @@ class Level(ReadOnlyArrays):
         return linear.svd(slopes, compute_uv=False)[..., -1] > _INDEPENDENT
 
 
+def _double(value: Exact) -> float:
+    return float(cast("Any", to_sympy(value)))
+
+
 def short(value: Exact) -> str:
     """A value as text: a fraction if it is a short one, else a decimal of twelve digits."""
     if isinstance(value, Fraction):
-        return str(value) if value.denominator < 10**6 else f"{float(value):.12g}"
+        return str(value) if value.denominator < 10**6 and abs(value) < 10**12 else f"{float(value):.12g}"
     return str(value)
 
 

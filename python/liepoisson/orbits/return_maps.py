@@ -36,7 +36,7 @@ from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import CLOSES, PeriodicOrbit, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import PeriodicOrbit, orbit_columns, problem_at
 from liepoisson.orbits.guesses import shortest
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.shooting import Flow
@@ -233,13 +233,14 @@ class ReturnMap:
                 direction=self.direction,
             )  # fmt: skip
             starts, times = self._nearest(starts, n, level.units)
-            problem = problem_at(self.system, starts[0], leaf=leaf, energy=energy, threads=self.threads)
+            problem = problem_at(self.system, starts[0], leaf=leaf, energy=energy, threads=self.threads, along=starts)
             try:
                 for k in range(0, len(starts), _TOGETHER):
                     some = slice(k, k + _TOGETHER)
                     loops = problem.closing.solved(problem.loops(starts[some], times[some]))
-                    for j in np.nonzero(loops.residual <= CLOSES)[0]:
-                        one = problem.described(shortest(problem, loops.of(np.array([j]))))
+                    for j in np.nonzero(problem.closed(loops))[0]:
+                        loop = shortest(problem, loops.of(np.array([j])))
+                        one = problem.described(problem.in_short_segments(loop))
                         points = self._points(one, n)
                         if points is not None and not any(_share(points, other, level.units) for other in states):
                             found.append(one)

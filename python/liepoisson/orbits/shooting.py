@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from liepoisson.errors import TimeLimitError
 from liepoisson.formula.scalars import MOST, TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_memory
-from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.deadline import checkpoint, seconds_left
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.portable import linear
@@ -38,6 +38,7 @@ TOGETHER = 16
 _ARRAYS_OF_STATES = 3
 """Arrays of all states that a survey makes: the states, those in units of the level, and their derivatives."""
 
+_UNDER_WAY = "following orbits"
 _MOST_STEPS = 20
 _LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
 _MEETS = 1e-4
@@ -107,7 +108,7 @@ class Flow:
         backwards = bool(n) and times[0] < 0
         order = np.argsort(np.abs(times), kind="stable")
         for first in range(0, n, TOGETHER):
-            checkpoint("following orbits to a fixed set")
+            checkpoint(_UNDER_WAY)
             some = order[first : first + TOGETHER]
             grid = np.unique(np.append(0.0, np.abs(times[some])))
             orbit = integrate(
@@ -118,7 +119,9 @@ class Flow:
                 method=self.method,
                 kernel="lanes",  # one trajectory alone is then the same as among others
                 threads=1,
+                time_limit=seconds_left(TIME_LIMIT),
             )
+            checkpoint(_UNDER_WAY)
             places = np.searchsorted(grid, np.abs(times[some]))
             rows = np.arange(len(some))
             states[some] = orbit.state[rows, places]
@@ -236,8 +239,8 @@ class Shooting:
         residual, regularity = np.full(len(T), np.inf), np.zeros(len(T))
         best_x, best_T = x.copy(), T.copy()
         active = np.arange(len(T))
-        basis, mirror = fixed_basis(self.first), mirror_basis(self.last)
         units = self.level.units
+        basis, mirror = fixed_basis(self.first) * units[:, None], mirror_basis(self.last)
         for k in range(_MOST_STEPS):
             if not active.size:
                 break

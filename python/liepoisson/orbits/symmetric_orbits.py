@@ -22,6 +22,7 @@ from liepoisson.inputs.deadline import blocks, checkpoint, has_passed
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal
+from liepoisson.leaf.starts import find_start
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
@@ -116,7 +117,7 @@ def symmetric_periodic_orbits(
     """
     run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
     n_starts, seed = as_count(n_starts, "n_starts", least=1), run.seed
-    level = level_of(system, leaf, energy)
+    level = searched(level_of(system, leaf, energy), seed)
     chosen = reversers_of(level, reversers)
     flow = Flow(level.system, run.threads)
     draws = [stream(seed, Purpose.SYMMETRIC_ORBITS, k) for k in range(len(chosen))]
@@ -195,6 +196,24 @@ def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) 
             f"{half} on it; of {len(every)} changes of signs and exchanges of components that reverse time none does"
         )
     return found
+
+
+def searched(level: Level, seed: int) -> Level:
+    """The level in units of its states: of the nearer half of random ones, or of one that a search finds."""
+    n = len(level.units)
+    if not level.functions["H"].is_polynomial:  # nothing but a state says how large states are
+        level = level.in_units_of(level.leaf.state[None])
+    draw = stream(seed, Purpose.SYMMETRIC_ORBITS, _UNITS)
+    states, arrived = level.projected(draw.standard_normal((_N_UNITS, n)) * level.units, np.eye(n))
+    if arrived.any():
+        states = states[arrived]
+        lengths = linear.norm(states / level.units, axis=1)
+        return level.in_units_of(states[lengths <= np.median(lengths)])
+    try:
+        state = find_start(level.system, leaf=level.leaf, energy=level.number("H"), seed=seed).state
+    except LeafError:
+        return level
+    return level.in_units_of(state[None])
 
 
 def natural_time(level: Level, seed: int) -> float:
@@ -353,10 +372,10 @@ def symmetric_orbit(level: Level, flow: Flow, segment: Segment) -> SymmetricOrbi
     _, forwards = flow.matrix(start, 2 * time)
     _, backwards = flow.matrix(start, -2 * time)
     spectrum = loop_spectrum(
-        linear.matmul(closing.T, forwards),
-        linear.matmul(closing, backwards),
-        level.gradients(start),
-        system.vector_field(start),
+        linear.matmul(closing.T, forwards) * units / units[:, None],
+        linear.matmul(closing, backwards) * units / units[:, None],
+        level.gradients(start) * units,
+        system.vector_field(start) / units,
     )
     residual = max(float(np.abs((last(end) - end) / units).max()) / 2, float(level.distance(start)))
     return SymmetricOrbit(
