@@ -26,7 +26,7 @@ HENON = lp.catalog.system("henon-heiles")
 
 def ours_family() -> lp.results.OrbitFamily:
     """The family from its first orbit, with so many members."""
-    first = lp.orbits.periodic_orbit(SADDLE, [3.1, 0, 0, 0.4], period=6.3, energy="1.05")
+    first = lp.orbits.periodic_orbit(SADDLE, [3.1, 0, 0, 0.4], period=6.3, energy="1.1")
     return lp.orbits.orbit_family(SADDLE, first, max_orbits=MEMBERS, longest_step=0.01, threads=1)
 
 

@@ -73,7 +73,7 @@ def test_lyapunov_families_of_the_earth_and_the_moon(bounds):
     c = (1 - mu) / abs(x + mu) ** 3 + mu / abs(x - 1 + mu) ** 3
     frequency = np.sqrt(((2 - c) + np.sqrt(9 * c * c - 8 * c)) / 2)
     assert family.period[0] == pytest.approx(2 * np.pi / frequency, rel=1e-3)
-    assert np.all(np.diff(family.period) > 0)
+    assert np.all(np.diff(family.period[:12]) > 0)
     assert {one.stability for one in family} == {"hyperbolic"}
     assert max(one.residual for one in family) <= 1e-12
     for one in (family[0], family[15], family[-1]):

@@ -201,7 +201,9 @@ class Problem:
             units = self.closing.level.units
             _, tangents = flow.ends(states, times, np.diag(units))
             growth = np.abs(tangents / units[:, None]).sum(axis=2).max(initial=1.0)
-            wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH)) if np.isfinite(growth) else MOST_SEGMENTS
+            if not np.isfinite(growth):  # an orbit that does not reach the time has no states between
+                return self._chained(states, times, angles, 1)
+            wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH))
             n_segments = int(np.clip(wanted, 1, MOST_SEGMENTS))
             tried = [self._chained(states, times, angles, n_segments)]
             if len(states) == 1:  # neighbours that move apart and together again grow in each segment, not in all
@@ -356,7 +358,8 @@ def with_parameter(problem: Problem, variable: FreeParameter) -> Problem:
     """The problem for the state with a parameter behind it, which is held like H and the Casimirs."""
     closing, space, number = problem.closing, StateAndParameter(variable), variable.value
     functions = {**space.functions(), **{name: space.function(name) for name in problem.momenta}}
-    held = {name: (functions[name], value) for name, (_, value) in closing.held.items()}
+    values = {name: value for name, (_, value) in closing.held.items()} | {"H": closing.level.number("H")}
+    held = {name: (functions[name], values[name]) for name in closing.held}
     held[variable.name] = space.function(space.parameter), number
     k, n = len(closing.rotations), len(closing.level.units) + 1
     rotations = np.zeros((k, n, n))

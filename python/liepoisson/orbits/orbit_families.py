@@ -69,8 +69,10 @@ _ZERO = 1e-13
 _KNOWN = 4
 _NEAR = 0.1
 """How near the period of a small orbit must be to that of the linear equations."""
+_SMALL = 4.0
 _TOO_SHORT, _AT_REST = "the steps became too short", "an equilibrium"
-_STAYS = (_TOO_SHORT, _AT_REST)
+_HOMOCLINIC = "an equilibrium on the orbit, which is homoclinic there"
+_STAYS = (_TOO_SHORT, _AT_REST, _HOMOCLINIC)
 """Ends at which no further orbit was reached."""
 Rates: TypeAlias = "tuple[Array, Array, Array]"
 _LEAVES = ("branch", "double period")
@@ -447,6 +449,7 @@ class _Follower:
 
     def advance(self, bound: float | None) -> str:
         """Go on by one orbit; why the family ends there, or nothing."""
+        is_homoclinic = False
         while self.step > _SHORTEST:
             new, length, is_last = self.moved(self.step), self.step, False
             old, value = self._value(self.loops), self._value(new)
@@ -463,14 +466,18 @@ class _Follower:
                 new, is_last = closing.solved(self.moved(length)), True
             if new.residual[0] <= CLOSES:
                 if self._has_turned(new):
-                    return _AT_REST
+                    if self._is_small(new):
+                        return _AT_REST
+                    is_homoclinic = True
+                    self.step /= 2
+                    continue
                 tangent = self._tangent_of(new, self.tangent)
                 angle = float(elementary.arccos(min(1.0, float(linear.matmul(tangent, self.tangent)))))
                 if angle < _BAD:
                     break
             self.step /= 2
         else:
-            return _TOO_SHORT
+            return _HOMOCLINIC if is_homoclinic else _TOO_SHORT
         self.piece = self._piece((self.loops, self.tangent), (new, tangent))
         self.loops, self.tangent = new, tangent
         if is_last:
@@ -489,13 +496,21 @@ class _Follower:
         return True
 
     def _has_turned(self, loops: Loops) -> bool:
-        """Whether the velocity of the start has turned around: between the two loops is an equilibrium.
-
-        After it come the same orbits again, from half a period later.
-        """
+        """Whether the velocity of the start has turned around: between the two starts is an equilibrium."""
         field = self.closing.flow.system.vector_field
         rates = [field(one.state[0, 0]) / self.units for one in (self.loops, loops)]
         return bool(linear.matmul(rates[0], rates[1]) < 0)
+
+    def _is_small(self, loops: Loops) -> bool:
+        """Whether the orbit is as small as the step: it shrinks to the equilibrium, after which the same orbits come.
+
+        A small one has the size $2a$, and the step to one of the amplitude $-b$ the length $a + b$; an orbit that comes
+        near to a saddle stays large.
+        """
+        start, time = self.loops.state[0, 0], float(self.loops.time[0])
+        half, _ = self.closing.flow.ends(start[None], np.array([time / 2]))
+        size, step = (linear.norm((one - start) / self.units) for one in (half[0], loops.state[0, 0]))
+        return bool(size < _SMALL * step)
 
     def points_between(self, number: int, first: PeriodicOrbit, last: PeriodicOrbit) -> list[FamilyPoint]:
         """What changes between the last two orbits, located by the secant method (Illinois) along the family.
