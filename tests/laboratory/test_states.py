@@ -27,7 +27,7 @@ def tops():
 
 @pytest.fixture(scope="module")
 def kirchhoff():
-    record = page_of(lp.catalog.system("kirchhoff"), start=START, surfaces=["dot(m, p) - 1/2"]).record
+    record = page_of(lp.catalog.system("kirchhoff"), start=START, surfaces=["dot(m, m) - 1/2"]).record
     return Addresses.of(record)
 
 
@@ -53,7 +53,7 @@ def test_an_address_of_a_system_is_read_and_written_as_it_was(kirchhoff):
         "view=projection&space=1,2,0&series=2,5&tol=1e-10"
     )
     state = kirchhoff.read(address)
-    assert (state["surface"], state["axes"]) == ("dot(m, p) - 1/2", ("m1", "p1"))
+    assert (state["surface"], state["axes"]) == ("dot(m, m) - 1/2", ("m1", "p1"))
     assert (state["projection"], state["series"]) == (("m1", "m2"), ("m2", "p2"))
     assert kirchhoff.write(state) == address
 

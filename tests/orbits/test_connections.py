@@ -136,7 +136,7 @@ def test_a_periodic_orbit_without_any_reverser():
         assert follows_scipy(one) < 1e-5
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_that_of_the_proof_is_found_without_the_reversers(twisted_orbits, homoclinic_orbits):
     """The first of 52 symmetric ones, among them that of the proof, by the angles where it meets its mirror image."""
     gamma = twisted_orbits[0]

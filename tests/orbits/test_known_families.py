@@ -76,7 +76,7 @@ def test_lyapunov_families_of_the_earth_and_the_moon(bounds):
     assert np.all(np.diff(family.period[:12]) > 0)
     assert {one.stability for one in family} == {"hyperbolic"}
     assert max(one.residual for one in family) <= 1e-12
-    for one in (family[0], family[15], family[-1]):
+    for one in (family[0], family[8], family[15]):
         assert closes(one, 1e-11)  # some hundred steps of 1e-13
     np.testing.assert_allclose(family[20].states(5)[0], family[20].states(5)[-1], atol=1e-8)
 

@@ -94,7 +94,8 @@ def calls():
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_every_function_refuses_a_wrong_object_in_its_own_words():
+def test_every_function_refuses_a_wrong_object_in_its_own_words(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # "text" is the name of a file
     wrong, drawn = [], set()
     with mpl.rc_context():
         for name, arguments, others in calls():
