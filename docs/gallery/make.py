@@ -46,7 +46,7 @@ GROUPS = {
     "Twist and charge": ("lyapunov", "twist-section", "twist-sweep", "charged-top", "leibniz", "structure"),
     "Chaos and its measures": (
         *("henon-heiles", "megno-map", "frequencies", "sticky", "spectrum", "exponent-error"),
-        *("covariant", "splitting", "homoclinic"),
+        *("covariant", "splitting", "homoclinic", "orbit-families"),
     ),
     "Proofs": ("coverings", "enclosure", "painleve"),
     "Lattices, waves, fluids, other algebras": ("toda", "three-wave", "fluid", "fluid-spectrum", "manakov"),
