@@ -31,6 +31,15 @@ def test_an_orbit_is_moved_to_a_level_and_turns(command):
     assert len(record["angles"]) == 1
 
 
+def test_momenta_have_values_where_orbits_are_searched(command):
+    level = ("--leaf", "C1=1/5,C2=1", "--energy", "2", "--starts", 5)
+    code, out, err = command("periodic", "lagrange", *level, "--momentum", "l3")
+    assert (code, out) == (2, "")
+    assert "--momentum must come with a value where orbits are searched: --momentum l3=1/2" in err
+    code, out, _ = command("periodic", "lagrange", *level, "--momentum", "l3=1/2", "--format", "json")
+    assert {one["momenta"]["l3"] for one in json.loads(out)["orbits"]} <= {0.5}
+
+
 def test_orbits_of_a_level(command):
     code, out, _ = command("periodic", "henon-heiles", "--energy", "1/12", "--starts", 40)
     found = lp.orbits.periodic_orbits(HENON, {}, "1/12", n_starts=40)

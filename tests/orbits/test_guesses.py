@@ -340,3 +340,10 @@ def test_an_equilibrium_is_sent_to_families():
     rest = lp.phase_space.equilibrium(SADDLE, [np.pi, 0, 0, 0])
     with pytest.raises(lp.errors.ParameterError, match="orbit_family"):
         lp.orbits.periodic_orbit(SADDLE, rest, period=6)
+
+
+def test_a_search_needs_the_values_of_momenta():
+    """Random states have all values."""
+    top = lp.catalog.system("lagrange")
+    with pytest.raises(lp.errors.ParameterError, match=r"write for example momenta=\{'l3': 1.5\}"):
+        lp.orbits.periodic_orbits(top, {"C1": 1, "C2": 1}, 2, momenta=["l3"], n_starts=4)

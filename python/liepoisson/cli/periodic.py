@@ -19,8 +19,9 @@ from liepoisson.cli.options import (
 )
 from liepoisson.cli.output import TABLE_ENDINGS, data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
-from liepoisson.cli.starts import find_start, read_numeric_system, state_of
+from liepoisson.cli.starts import assignments, find_start, read_numeric_system, state_of
 from liepoisson.errors import ParameterError
+from liepoisson.formula.numbers import as_double
 from liepoisson.formula.scalars import TIME_LIMIT
 
 if TYPE_CHECKING:
@@ -34,7 +35,10 @@ NO_ORBIT = 1
 """Exit code: no periodic orbit was found."""
 
 PERIOD_HELP = "About the period of an orbit near --start or --guess; without it orbits of the level are searched."
-MOMENTUM_HELP = "A linear integral that is held, too, as in --momentum l3: orbits close up to its rotations."
+MOMENTUM_HELP = (
+    "A linear integral that is held, too: orbits close up to its rotations. --momentum l3=1/2; near a start also "
+    "--momentum l3, with the value there."
+)
 EQUILIBRIUM_HELP = "An equilibrium around which the orbits begin, written as --start."
 MODE_HELP = "Of the equilibrium, which frequency, 0 for the largest.  [default: 0]"
 ALONG_HELP = 'What varies: "energy" or the name of a Casimir; the others are held.'
@@ -81,11 +85,13 @@ def periodic(
         written = None if data is None else write_result(one, data)
         show(one, format_, _orbit_record, text=lambda _: "\n".join([*orbit_lines(one), *_wrote(written)]))
         return
+    if any("=" not in word for word in momentum or ()):
+        raise ParameterError("--momentum must come with a value where orbits are searched: --momentum l3=1/2.")
     begin = find_start(chosen, where, seed)
     options = {} if starts is None else {"n_starts": starts}
     with running("looking for periodic orbits", 1.0, quiet=common.quiet) as listen:
         found = periodic_orbits(
-            chosen, begin.leaf, begin.energy if where.energy is None else where.energy, momenta=momentum or (),
+            chosen, begin.leaf, begin.energy if where.energy is None else where.energy, momenta=_momenta(momentum),
             seed=seed, time_limit=time_limit, progress=listen, **options,
         )  # fmt: skip
     written = None if data is None else write_result(found, data)
@@ -127,7 +133,7 @@ def continue_(
     chosen = read_numeric_system(system, common.values)
     stem = f"{name_of_files(chosen, common.values)}-family"
     data, picture = data_file(out, f"{stem}.csv", endings=TABLE_ENDINGS), figure_stem(plot, figure, stem)
-    options: dict[str, Any] = {"along": along, "max_orbits": max_orbits, "momenta": momentum or ()}
+    options: dict[str, Any] = {"along": along, "max_orbits": max_orbits, "momenta": _momenta(momentum)}
     options |= {} if longest_step is None else {"longest_step": longest_step}
     options |= {"increasing": False} if down else {}
     start: PeriodicOrbit | Equilibrium | FamilyPoint
@@ -210,9 +216,17 @@ def _near(
     energy = begin.energy if where.energy is None else where.energy
     with running("looking for the orbit", 1.0, quiet=quiet) as listen:
         return periodic_orbit(
-            system, begin.state, period=period, leaf=begin.leaf, energy=energy, momenta=momentum or (),
+            system, begin.state, period=period, leaf=begin.leaf, energy=energy, momenta=_momenta(momentum),
             time_limit=time_limit, progress=listen,
         )  # fmt: skip
+
+
+def _momenta(words: Sequence[str] | None) -> Sequence[str] | dict[str, float]:
+    """Integrals by name, or with values where one has a value."""
+    if not words or not any("=" in word for word in words):
+        return words or ()
+    values = assignments(words, "--momentum", "--momentum l3=1/2", "integral")
+    return {name: as_double(value, "--momentum") for name, value in values.items()}
 
 
 def _at_rest(system: System, words: Sequence[str], option: str) -> Equilibrium:

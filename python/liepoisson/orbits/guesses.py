@@ -341,7 +341,7 @@ def periodic_orbits(
         system: A system whose parameters are all numbers.
         leaf: A regular leaf, or the values of the Casimirs by name.
         energy: The value of the Hamiltonian; a text is exact.
-        momenta: Linear integrals that are held, as for `periodic_orbit`.
+        momenta: Linear integrals that are held, with their values, `{"l3": 0.5}`.
         n_starts: How many random states of the level are followed.
         t_end: How long; by default 30 times $1/\rho(Df)$, with the median of the spectral radius along them.
         seed: Draws the states.
@@ -370,6 +370,11 @@ def periodic_orbits(
             problem = problem_at(
                 level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads, along=starts
             )
+            if problem.momenta and not isinstance(momenta, Mapping):
+                raise ParameterError(
+                    "momenta: wanted integrals with the values that the search holds; got none; write for example "
+                    f"momenta={{{next(iter(problem.momenta))!r}: 1.5}}"
+                )
             meets = True
             try:
                 for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run):
