@@ -208,3 +208,12 @@ def test_no_family_begins_at_a_branch_point_or_leaves_a_fold():
     family = follow(CUSP, equilibrium(CUSP, [1, 0]), along="h", increasing=False, max_equilibria=14)
     with pytest.raises(lp.errors.ParameterError, match="got a fold"):
         follow(CUSP, family.points[0], along="h")
+
+
+def test_the_wanted_value_says_the_direction():
+    top = lp.catalog.system("lagrange")
+    family = lp.phase_space.equilibrium_family(
+        top, lp.phase_space.equilibrium(top, [0, 0, 3, 0, 0, 1]), along="C1", until=2.5
+    )
+    assert (family.end, family.value[-1]) == ("the wanted value", 2.5)
+    assert np.all(np.diff(family.value) < 0)

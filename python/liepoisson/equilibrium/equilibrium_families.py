@@ -29,13 +29,13 @@ from liepoisson.equilibrium.equilibrium_list import equilibrium_columns
 from liepoisson.equilibrium.family_equations import HOLDS, SAME, FamilyEquations, Place, family_equations, value_of
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import ParameterError, TimeLimitError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
-from liepoisson.leaf._checks import as_system
+from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.portable import elementary, linear
 
@@ -135,7 +135,7 @@ def equilibrium_family(
     *,
     along: str,
     until: float | str | None = None,
-    increasing: bool = True,
+    increasing: bool | None = None,
     max_equilibria: int = 200,
     longest_step: float = _LONGEST,
     time_limit: float = TIME_LIMIT,
@@ -159,7 +159,7 @@ def equilibrium_family(
             name in `parameters`, such as "g", or "a3" of a vector a. Of a `Top`: I1, ..., a1, ..., b1, ..., epsilon.
             Everything else is held.
         until: The value at which the family ends; the last equilibrium has it to round-off.
-        increasing: Whether the value increases at the beginning.
+        increasing: Whether the value increases at the beginning; by default it moves towards `until`, or increases.
         max_equilibria: At most so many equilibria.
         longest_step: The longest step, in units of the leaf.
         time_limit: Seconds after which the family ends with what was found.
@@ -176,10 +176,8 @@ def equilibrium_family(
     """
     run = RunOptions.read(None, None, time_limit, progress)
     system, most = as_system(system), as_count(max_equilibria, "max_equilibria", least=2, most=100_000)
-    longest = as_number(longest_step, "longest_step", "a length > 0")
-    if not 0 < longest < np.inf:
-        raise ParameterError(f"longest_step: wanted a length > 0; got {longest}; try longest_step={_LONGEST}")
-    bound = None if until is None else as_number(until, "until", "a number")
+    longest = as_positive(longest_step, "longest_step", "a length > 0", example=_LONGEST)
+    bound = None if until is None else as_energy(until, "until")
     first = start.equilibrium if isinstance(start, EquilibriumFamilyPoint) else start
     if not isinstance(first, Equilibrium):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"start: wanted an equilibrium or a point of a family; got {shown(start)}")
@@ -188,7 +186,7 @@ def equilibrium_family(
     points: list[EquilibriumFamilyPoint] = []
     end = ""
     with run.deadline.running():
-        follower.begin(start, increasing=increasing)
+        follower.begin(start, bound, increasing=increasing)
         found.append(follower.equations.equilibrium(follower.place))
         while not end and len(found) < most:
             try:
@@ -213,7 +211,7 @@ class _Follower:
         self.equations, self.longest, self.step = equations, longest, min(_FIRST, longest)
         self.place, self.is_singular = equations.first(), False
 
-    def begin(self, start: EquilibriumFamilyStart, *, increasing: bool) -> None:
+    def begin(self, start: EquilibriumFamilyStart, bound: float | None, *, increasing: bool | None) -> None:
         """The first place, and the direction in which it goes on.
 
         Raises:
@@ -236,6 +234,8 @@ class _Follower:
                 "this one is not. Begin beside it; branches are found along the family"
             )
         slope = float(linear.matmul(equations.slope(self.place.unknowns), space[0]))
+        if increasing is None:
+            increasing = bound is None or bound > equations.value(self.place.unknowns)
         self.tangent = -space[0] if (slope < 0) == increasing and slope != 0 else space[0]
         return None
 

@@ -63,7 +63,8 @@ def as_energy(value: Any, name: str = "energy") -> float:
     """
     energy = as_number(value, name, "a finite number")
     if not np.isfinite(energy):
-        raise ParameterError(f"{name} must be a finite number; got {energy}. Take one of leaf.energy_range().")
+        hint = "Take one of leaf.energy_range()." if name.endswith("energy") else "Leave it out?"
+        raise ParameterError(f"{name} must be a finite number; got {energy}. {hint}")
     return energy
 
 

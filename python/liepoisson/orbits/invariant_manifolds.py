@@ -46,6 +46,7 @@ _SAMPLES = 16
 """Starts whose error is measured."""
 _CORRECTIONS = 4
 """Of the earlier start, so that both are at the same place of the manifold: each leaves about d of the gap."""
+_ROUND_OFF = 8 * np.finfo(float).eps
 _GOLDEN = (np.sqrt(5.0) - 1) / 2
 
 
@@ -252,6 +253,10 @@ def _states(space: UnstableSpace, points: Array, bases: Array, amplitudes: Array
     """
     level = space.level
     x, arrived = level.projected(points + linear.einsum("nij,nj->ni", bases, amplitudes), np.diag(level.units))
+    # near an equilibrium H hardly varies, and the round-off of its terms is all that is left
+    nearby = (x, x + level.units, x - level.units)
+    terms = np.max([np.abs(np.stack([f(y) for f in level.functions.values()], axis=-1)) for y in nearby], axis=0)
+    arrived |= (np.abs(level.deviations(x)) <= _ROUND_OFF * terms).all(axis=-1)
     if not arrived.all():
         raise OrbitError(
             f"a start must lie on {level.text}; none was found near the linear manifold at the amplitude "
