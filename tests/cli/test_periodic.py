@@ -66,8 +66,8 @@ def test_a_family_its_table_and_its_branch(command, tmp_path):
     assert out.startswith(repr(family))
     assert table.read_text() == family.to_csv(tmp_path / "expected.csv").read_text()
     assert figure.stat().st_size > 1000
-    _, out, _ = command("continue", *given, "--branch", 3, "--max-orbits", 2, "--format", "json")
-    branch = lp.orbits.orbit_family(HENON, family.points[2], max_orbits=2)
+    _, out, _ = command("continue", *given, "--branch", 3, "--max-orbits", 15, "--format", "json")
+    branch = lp.orbits.orbit_family(HENON, family.points[2], max_orbits=15)
     record = json.loads(out)
     assert [one["period"] for one in record["orbits"]] == pytest.approx(branch.period.tolist())
     assert record["along"] == "energy"

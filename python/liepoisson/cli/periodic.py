@@ -44,7 +44,7 @@ MODE_HELP = "Of the equilibrium, which frequency, 0 for the largest.  [default: 
 ALONG_HELP = 'What varies: "energy" or the name of a Casimir; the others are held.'
 UNTIL_HELP = "The value at which the family ends, as in --until 1/6."
 DOWN_HELP = "Begin towards smaller values, where --until does not say the direction."
-BRANCH_HELP = "Print the branch that leaves at this point of the family instead: 1 is the first one that is listed."
+BRANCH_HELP = "Print the family that leaves at this branch or double period instead: 1 is the first one of the list."
 STEP_HELP = "The longest step between starts of orbits, in units of the level.  [default: 0.2]"
 MIDDLE_HELP = "The middle of a homoclinic orbit, written as in `orbit`."
 ORIGIN_HELP = "The equilibrium from which it comes and to which it goes, written as --start."
@@ -147,8 +147,7 @@ def continue_(
         start = _near(chosen, where, period, momentum, seed=seed, time_limit=time_limit, quiet=common.quiet)
     with running("following the family", 1.0, quiet=common.quiet) as listen:
         limits: dict[str, Any] = {"until": until, "time_limit": time_limit, "progress": listen}
-        whole = options if branch is None else options | {"max_orbits": 1000}
-        found = orbit_family(chosen, start, mode=mode, **whole, **limits)
+        found = orbit_family(chosen, start, mode=mode, **options, **limits)
         if branch is not None:
             points = [one for one in found.points if one.kind in ("branch", "double period")]
             if not 1 <= branch <= len(points):
