@@ -53,6 +53,7 @@ from liepoisson.orbits.multipliers import SymmetricOrbits as SymmetricOrbits
 from liepoisson.orbits.orbit_families import FamilyPoint as FamilyPoint
 from liepoisson.orbits.orbit_families import OrbitFamily as OrbitFamily
 from liepoisson.orbits.refine import PreciseMidpoint as PreciseMidpoint
+from liepoisson.orbits.refine import PreciseOrbit as PreciseOrbit
 from liepoisson.orbits.refine import PreciseSegment as PreciseSegment
 from liepoisson.orbits.return_maps import Cycles as Cycles
 from liepoisson.orbits.return_maps import MapExponents as MapExponents

@@ -1,5 +1,6 @@
 """Orbits to many digits."""
 
+import mpmath as mp
 import pytest
 from flint import arb, ctx
 from numbers_of_the_proof import MIDPOINT, QUARTER, START
@@ -28,6 +29,39 @@ def test_a_harmonic_oscillator():
     with ctx.workprec(300):
         assert abs(float(arb(precise.time) - arb.pi() / 6)) < 1e-60
         assert abs(float(arb(precise.start[1]) ** 2 - 2)) < 1e-58
+
+
+def test_an_orbit_without_symmetry_to_forty_digits():
+    """Of p^2/2 + q^2/2 + q^4/4 = 3/4 the amplitude is 1 and the period 4 K(m = 1/4)/sqrt(2)."""
+    duffing = lp.System(lp.canonical(1), "p1^2/2 + q1^2/2 + q1^4/4")
+    precise = lp.orbits.periodic_orbit(duffing, [0.9, 0.3], period=4.8, energy="3/4").polished(digits=40)
+    with ctx.workprec(300):
+        q, p = map(arb, precise.start)
+        assert abs(float(p * p / 2 + q * q / 2 + q**4 / 4 - arb(3) / 4)) < 1e-39
+    mp.mp.dps = 50
+    wanted = 4 * mp.ellipk(mp.mpf(1) / 4) / mp.sqrt(2)
+    assert abs(mp.mpf(precise.time) - wanted) < mp.mpf(10) ** -38
+    assert precise.residual < 1e-18
+
+
+@pytest.mark.thorough
+def test_the_orbit_of_the_proof_without_its_symmetry(twisted_orbits):
+    """Four times the segment between its fixed sets."""
+    level, gamma = {"C1": 1, "C2": "1/2", "C3": 1}, twisted_orbits[0]
+    one = lp.orbits.periodic_orbit(gamma.system, gamma.start, period=gamma.period, leaf=level, energy="1/2")
+    precise = one.polished(digits=25)
+    with ctx.workprec(300):
+        assert abs(float(arb(precise.time) - 4 * arb(QUARTER))) < 4e-18
+
+
+def test_orbits_that_cannot_be_polished():
+    pendulum = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
+    with pytest.raises(lp.errors.ParameterError, match="polynomials"):
+        lp.orbits.periodic_orbit(pendulum, [1, 0], period=7).polished()
+    top = lp.catalog.system("lagrange")
+    turning = lp.orbits.periodic_orbit(top, [1, 0, 0.5, 0, 0.6, 0.8], period=4, momenta=["l3"])
+    with pytest.raises(lp.errors.ParameterError, match="momenta"):
+        turning.polished()
 
 
 @pytest.mark.slow

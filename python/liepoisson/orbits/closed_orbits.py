@@ -38,6 +38,7 @@ from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
+    from liepoisson.orbits.refine import PreciseOrbit
 
 CLOSES = 1e-12
 """Largest residual of an orbit, in units of its level."""
@@ -136,6 +137,17 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table, which has one row: level, period, stability, start and multipliers."""
         return orbit_columns((self,), self.system)
+
+    def polished(self, *, digits: int = 30) -> PreciseOrbit:
+        """The same orbit to so many digits, of polynomial equations without rotations.
+
+        Raises:
+            ParameterError: the equations are no polynomials, or momenta are held.
+            OrbitError: Newton's method does not converge.
+        """
+        from liepoisson.orbits.refine import polished_orbit
+
+        return polished_orbit(self, digits)
 
     def states(self, n_times: int = 201) -> Array:
         """States at evenly spaced times over one period, shape (n_times, N)."""

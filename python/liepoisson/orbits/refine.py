@@ -1,4 +1,4 @@
-r"""Segments of symmetric orbits, and midpoints of homoclinic ones, to any number of digits: Newton's method in Arb.
+r"""Periodic orbits, and midpoints of homoclinic ones, to any number of digits: Newton's method in Arb.
 
 A homoclinic orbit begins at an amplitude a on the linear unstable space so small that $|a|^3$ is below the tolerance
 (see `liepoisson.orbits.homoclinic_orbits`), some loops before it did in doubles, and Newton's method in amplitude and
@@ -33,6 +33,7 @@ from liepoisson.portable import linear
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.orbits.closed_orbits import PeriodicOrbit
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.level import Level
     from liepoisson.orbits.multipliers import SymmetricOrbit
@@ -65,6 +66,71 @@ class PreciseSegment:
     time: str
     digits: int
     residual: float
+
+
+@dataclass(frozen=True)
+class PreciseOrbit:
+    """A periodic orbit as decimal texts, which liepoisson reads as exact numbers.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> precise = lp.orbits.periodic_orbit(system, [0, 0, 0, 0.2], period=6.3).polished(digits=30)
+        >>> precise.digits, precise.start[0], round(float(precise.time), 9)
+        (30, '0', 6.395230041)
+
+    Attributes:
+        start: The components of a state of it.
+        time: The time after which it closes, up to the symmetry of the orbit.
+        digits: How many digits of them are right, on the level with the exact values of `orbit.level`.
+        residual: How far the last step of Newton's method moved, relative to the state.
+    """
+
+    start: tuple[str, ...]
+    time: str
+    digits: int
+    residual: float
+
+
+def polished_orbit(orbit: PeriodicOrbit, digits: int) -> PreciseOrbit:
+    r"""A periodic orbit to so many digits, by least squares of $\varphi_T(x) = Px$ on its level, across the flow.
+
+    Raises:
+        ParameterError: the equations are no polynomials, or the orbit closes up to rotations only.
+        OrbitError: Newton's method does not converge.
+    """
+    from flint import ctx
+
+    digits = as_count(digits, "digits", least=10, most=MOST_DIGITS)
+    if orbit.momenta:
+        raise ParameterError("polished: wanted an orbit that closes without rotations; this one holds momenta")
+    growth = float(np.abs(orbit.multipliers).max(initial=1.0))
+    working = digits + ceil(2 * log(growth, 10)) + 4  # the normal equations square it
+    n, system = len(orbit.start), orbit.system
+    with ctx.workprec(bits(working)):
+        flow, functions = PreciseFlow(system, working), level_functions(orbit.level)
+        wanted = [as_ball(value) for value in orbit.level.constants.values()]
+        identity = exact_columns(np.eye(n))
+        closing = identity if orbit.symmetry is None else exact_columns(orbit.symmetry.matrix.astype(np.float64))
+        x, time = [as_ball(float(v)) for v in orbit.start], as_ball(float(orbit.time))
+        across, moved = column(flow.rate(x)).transpose(), 1.0
+        for _ in range(_MOST_STEPS):
+            end, tangents = flow.end(x, time, identity)
+            gap = (column(end) - closing * column(x)).entries()
+            rest = [value - c for value, c in zip(functions.values(x), wanted, strict=True)]
+            slopes = stacked(
+                beside(tangents - closing, column(flow.rate(end))),
+                beside(stacked(functions.derivatives(x), across), zeros(len(rest) + 1, 1)),
+            )
+            step = solved(slopes, column([-value for value in [*gap, *rest, as_ball(0.0)]])).entries()
+            x = [(a + b).mid() for a, b in zip(x, step, strict=False)]
+            time = (time + step[-1]).mid()
+            moved = max(float(abs(value)) for value in step)
+            if moved * moved * growth < 10.0 ** -(digits + 2):
+                start = tuple(text_of(value, digits) for value in x)
+                return PreciseOrbit(start, text_of(time, digits), digits, moved)
+    raise OrbitError(
+        f"an orbit must close; Newton's method in {digits} digits still moves by {moved:.1e} after {_MOST_STEPS} steps"
+    )
 
 
 def text_of(value: Ball, digits: int) -> str:
