@@ -71,6 +71,8 @@ def test_a_family_its_table_and_its_branch(command, tmp_path):
     record = json.loads(out)
     assert [one["period"] for one in record["orbits"]] == pytest.approx(branch.period.tolist())
     assert record["along"] == "energy"
+    command("continue", *given, "--out", tmp_path / "family.nc")
+    assert repr(lp.load(tmp_path / "family.nc")) == repr(family)
     code, out, err = command("continue", *given, "--branch", 4)
     assert (code, out) == (2, "")
     assert "--branch must be from 1 to 3" in err

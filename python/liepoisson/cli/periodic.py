@@ -45,6 +45,7 @@ ALONG_HELP = 'What varies: "energy" or the name of a Casimir; the others are hel
 UNTIL_HELP = "The value at which the family ends, as in --until 1/6."
 DOWN_HELP = "Begin towards smaller values, where --until does not say the direction."
 BRANCH_HELP = "Print the family that leaves at this branch or double period instead: 1 is the first one of the list."
+FAMILY_OUT_HELP = "Also write the family to this file: .nc, which `liepoisson.load` reads, or .csv, its table."
 STEP_HELP = "The longest step between starts of orbits, in units of the level.  [default: 0.2]"
 MIDDLE_HELP = "The middle of a homoclinic orbit, written as in `orbit`."
 ORIGIN_HELP = "The equilibrium from which it comes and to which it goes, written as --start."
@@ -117,7 +118,7 @@ def continue_(
     momentum: MomentaOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = TIME_LIMIT,
-    out: TableOption = None,
+    out: Annotated[str | None, typer.Option(metavar="FILE", help=FAMILY_OUT_HELP)] = None,
     plot: Annotated[bool, typer.Option("--plot", help="Draw a figure, a .png file in the working folder.")] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help="Draw the figure into this file.")] = None,
     format_: FormatOption = Format.TEXT,
@@ -132,7 +133,7 @@ def continue_(
     check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, common.values)
     stem = f"{name_of_files(chosen, common.values)}-family"
-    data, picture = data_file(out, f"{stem}.csv", endings=TABLE_ENDINGS), figure_stem(plot, figure, stem)
+    data, picture = data_file(out, f"{stem}.nc"), figure_stem(plot, figure, stem)
     options: dict[str, Any] = {"along": along, "max_orbits": max_orbits, "momenta": _momenta(momentum)}
     options |= {} if longest_step is None else {"longest_step": longest_step}
     options |= {"increasing": False} if down else {}

@@ -52,7 +52,12 @@ from liepoisson.orbits.multipliers import HYPERBOLIC, SymmetricOrbit
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from xarray import Dataset
+
     from liepoisson.model.system import System
+    from liepoisson.orbits.saved_families import SavedFamily
 
 _FIRST = 1e-2
 """The first step, and the amplitude of the first orbit around an equilibrium, in units of the level."""
@@ -161,6 +166,25 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
             words = f"{one.kind} at {value_of(one.orbit, self.along):.9g}"
             points[one.after] = ", ".join(filter(None, [points[one.after], words]))
         return orbit_columns(self.found, self.system) | {"next_point": np.array(points)}
+
+    @property
+    def dataset(self) -> Dataset:
+        """The family as a labelled xarray Dataset."""
+        return self._saved.dataset
+
+    def save(self, path: str | Path) -> Path:
+        """Writes a NetCDF file; `liepoisson.load` reads it as the same family, from whose last orbit another may go on.
+
+        Raises:
+            OutputError: The name does not end in .nc, or the file cannot be written.
+        """
+        return self._saved.save(path)
+
+    @property
+    def _saved(self) -> SavedFamily:
+        from liepoisson.orbits.saved_families import SavedFamily
+
+        return SavedFamily.of(self)
 
     def _head(self) -> str:
         points = ", ".join(f"{one.kind} at {value_of(one.orbit, self.along):.9g}" for one in self.points)

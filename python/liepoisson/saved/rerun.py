@@ -48,6 +48,9 @@ RUNS = {
 }
 """By kind: the module, the class of the result, and the function that makes it."""
 
+KEPT = {"orbit family": ("liepoisson.orbits.saved_families", "SavedFamily", "")}
+"""What is loaded and not repeated; its `family()` is what was saved."""
+
 
 @explains_its_arguments
 def load(path: str | Path, *, verify: bool = True) -> Any:
@@ -79,7 +82,8 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
         return read_sweep(path)
     dataset = read_dataset(path, verify=verify)
     try:
-        return _result(dataset)
+        found = _result(dataset)
+        return found.family() if found.kind in KEPT else found
     except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
         raise DamagedFileError(f"{path}: {error!r:.200} is missing or altered; make it again") from error
 
@@ -144,6 +148,11 @@ def rerun(
                 "lp.sweep(spec, store=...) keeps what is computed and goes on from there."
             )
         return sweep(spec or given.spec, threads=threads, progress=progress, allow_code=allow_code)
+    if given.kind in KEPT:
+        raise ParameterError(
+            f"source: wanted a run; got a saved {given.kind}, which is not repeated. lp.load reads it; "
+            "lp.orbits.orbit_family goes on from one of its orbits."
+        )
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]
     try:
@@ -223,9 +232,9 @@ def _recorded(source: str | Path | Dataset) -> Any:
 def _result(dataset: Dataset) -> Any:
     """The result that a dataset holds; errors are of many kinds."""
     kind = dataset.attrs["kind"]
-    if not isinstance(kind, str) or kind not in RUNS:
-        raise ValueError(f"kind: wanted {' or '.join(RUNS)}; got {shown(kind)}")
-    module, name, _ = RUNS[kind]
+    if not isinstance(kind, str) or kind not in RUNS | KEPT:
+        raise ValueError(f"kind: wanted {' or '.join(RUNS | KEPT)}; got {shown(kind)}")
+    module, name, _ = (RUNS | KEPT)[kind]
     system = None if kind == "sweep" else _system(dataset)
     found = result_of(getattr(import_module(module), name), dataset, system)
     if kind == "sweep":
