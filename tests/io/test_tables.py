@@ -9,6 +9,7 @@ from test_dataset import STATES, TOP, runs_of_all_kinds
 import liepoisson as lp
 from liepoisson.errors import OutputError
 from liepoisson.io.result import Result
+from liepoisson.orbits.saved_families import SavedFamily
 
 HENON = lp.catalog.system("henon-heiles")
 
@@ -28,6 +29,9 @@ def lists_of_all_kinds():
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
         "connecting orbits": lambda: lp.orbits.connecting_orbits(lp.phase_space.equilibrium(duffing, [0, 0])),
+        "a family of orbits": lambda: SavedFamily.of(
+            lp.orbits.orbit_family(duffing, lp.phase_space.equilibrium(duffing, [1, 0]), max_orbits=4)
+        ),
         "homoclinic orbits": lambda: lp.orbits.symmetric_homoclinic_orbits(
             lp.phase_space.equilibrium(duffing, [0, 0]), n_starts=20
         ),
@@ -50,6 +54,8 @@ def rows_of(result):
         return len(result.time)
     if kind == "sweep":
         return len(result.points)
+    if kind == "orbit family":
+        return len(result.value)
     return result.outcome.size
 
 
