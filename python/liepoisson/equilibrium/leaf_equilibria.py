@@ -49,7 +49,7 @@ from liepoisson.equilibrium.stability import (
 )
 from liepoisson.equilibrium.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_number
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_deadline, as_number, as_seed
 from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint
@@ -57,7 +57,6 @@ from liepoisson.inputs.given import named
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal, as_system
 from liepoisson.leaf.leaf import Leaf
-from liepoisson.numeric.sampling import as_seed
 
 if TYPE_CHECKING:
     from liepoisson.model.phase_functions import PhaseFunction

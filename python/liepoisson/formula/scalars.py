@@ -42,6 +42,11 @@ def as_count(value: Any, name: str, *, least: int = 0, most: int = MOST, hint: s
     return number
 
 
+def as_seed(seed: int) -> int:
+    """A seed as a plain int: up to 128 bits, the entropy that numpy's `SeedSequence` keeps."""
+    return as_count(seed, "seed", most=2**128 - 1)
+
+
 def as_number(value: Any, name: str, wanted: str) -> float:
     """A real number as a plain float, also an exact one as a text ("1/3"); complex numbers, dates, booleans are not."""
     scalar = as_scalar(value)

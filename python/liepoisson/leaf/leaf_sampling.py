@@ -15,14 +15,13 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_count, as_seed
 from liepoisson.inputs.arrays import Array, check_memory
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf._checks import as_energy
 from liepoisson.leaf.chain_sampling import infinite_volume, sample_by_chains
 from liepoisson.leaf.leaf_search import check_energy_in_reach
 from liepoisson.leaf.top_sampling import Draw, Shell, top_draw
-from liepoisson.numeric.sampling import as_seed
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_number
+from liepoisson.formula.scalars import as_number, as_seed
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import is_data_set, is_named, named
@@ -19,7 +19,6 @@ from liepoisson.leaf._checks import as_energy, as_system, by_name, example_of_va
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_in_units import unit_groups
 from liepoisson.leaf.leaf_projection import Equations
-from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.portable import linear
 

@@ -12,11 +12,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Self, TypeAlias
 
 from liepoisson.compile.field import Field
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_threads, as_time_limit
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.systems import HasField, as_field, component_names
 
 ENSEMBLE_METHOD = Taylor(tol=1e-13)

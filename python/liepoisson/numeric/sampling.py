@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import UnknownNameError, did_you_mean
-from liepoisson.formula.scalars import MOST, as_count
+from liepoisson.formula.scalars import MOST, as_count, as_seed
 from liepoisson.inputs.arrays import check_memory
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
@@ -98,11 +98,6 @@ def sample_states(
     return _draw(
         draw, components, n_starts, seed, length=vector_length(system, components), first=first, purpose=Purpose.STATES
     )
-
-
-def as_seed(seed: int) -> int:
-    """A seed as a plain int: up to 128 bits, the entropy that numpy's `SeedSequence` keeps."""
-    return as_count(seed, "seed", most=2**128 - 1)
 
 
 def as_first(first: int, n: int) -> int:

@@ -24,13 +24,12 @@ from numpy.typing import ArrayLike
 
 from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import check_choice
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.sampling import as_seed
 from liepoisson.orbits.shooting import Flow
 from liepoisson.orbits.unstable_spaces import UnstableSpace, unstable_space
 from liepoisson.poincare.section import Section, section

@@ -20,7 +20,7 @@ from liepoisson import __version__
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.numbers import as_array
 from liepoisson.formula.parameters import names_of_places
-from liepoisson.formula.scalars import as_count, as_number, as_time
+from liepoisson.formula.scalars import as_count, as_number, as_seed, as_time
 from liepoisson.indicators.verdict import Rule, as_rule, rule_of
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import as_scalar, listed, named
@@ -28,7 +28,7 @@ from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
 from liepoisson.model.system_file_reader import parse_system_file
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
-from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
+from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
 from liepoisson.portable import elementary
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 

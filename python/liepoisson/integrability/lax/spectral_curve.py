@@ -24,11 +24,11 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.scalars import as_seed
 from liepoisson.inputs.given import listed, named
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
-from liepoisson.numeric.sampling import as_seed
 
 if TYPE_CHECKING:
     from liepoisson.integrability.lax.pair import LaxPair
