@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,10 @@ from liepoisson.orbits.shooting import Flow, are_finite, n_times_of
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     from liepoisson.streams import Random
 
-    Base: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium"
+Base: TypeAlias = "PeriodicOrbit | SymmetricOrbit | Equilibrium"
+"""What has an unstable and a stable manifold."""
 
 AMPLITUDE = 1e-4
 """Where orbits begin on the linear unstable space, in units of the level (see above)."""
