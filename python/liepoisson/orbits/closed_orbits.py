@@ -134,6 +134,11 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
         """
         return kind_of(self.multipliers)
 
+    @property
+    def multiplier_words(self) -> str:
+        """The multipliers as tables show them: one of each reciprocal pair, with five digits."""
+        return ", ".join(f"{m:.5g}" for m in self.multipliers[: len(self.multipliers) // 2])
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table, which has one row: level, period, stability, start and multipliers."""
         return orbit_columns((self,), self.system)

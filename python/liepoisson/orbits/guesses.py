@@ -304,12 +304,11 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
         )
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
-        half = ", ".join(f"{m:.5g}" for m in one.multipliers[: len(one.multipliers) // 2])
         return (
             f"{one.period:.8f}",
             f"{one.rate:.4f}",
             one.stability,
-            half,
+            one.multiplier_words,
             f"{one.residual:.0e}",
             f"{one.pair_defect:.0e}",
         )

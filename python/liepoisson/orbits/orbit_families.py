@@ -194,13 +194,11 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         )
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
-        half = one.multipliers[: len(one.multipliers) // 2]
-        shown_multipliers = ", ".join(f"{m:.5g}" for m in half)
         return (
             f"{value_of(one, self.along):.9g}",
             f"{one.period:.8f}",
             one.stability,
-            shown_multipliers,
+            one.multiplier_words,
             f"{one.residual:.0e}",
         )
 
@@ -250,7 +248,7 @@ def orbit_family(
             as "g", or "a3" of a vector a; of a `Top` I1, ..., a1, ..., b1, ..., epsilon. Everything else is held.
         until: The value at which the family ends; the last orbit has it to round-off.
         increasing: Whether the value increases at the beginning; by default it moves towards `until`, or increases.  Of
-            a branch that can only go one way it is not asked.
+            a branch it is not asked.
         mode: Of an equilibrium, which frequency, 0 for the largest.
         max_orbits: At most so many orbits.
         longest_step: The longest step between starts, in units of the level.  Two points of one kind between neighbours
@@ -447,16 +445,14 @@ class _Follower:
         if self.variable is not None:
             system, state = self.variable.at(float(start[-1])), start[:-1]
             problem = problem_at(system, state, momenta=tuple(self.problem.momenta), threads=1)
-            found = problem.described(replace(loops, state=loops.state[..., :-1]))
-            return replace(found, is_isolated=bool((np.abs(found.multipliers - 1) > HYPERBOLIC).all()))
+            return _alone(problem.described(replace(loops, state=loops.state[..., :-1])))
         level = self.held.level
         if self.name == "H":
             level = replace(level, values={**level.values, "H": Fraction(float(self.system.functions.energy(start)))})
         else:
             level = level_of(self.system, Leaf.through(self.system, start), float(self.system.functions.energy(start)))
         closing = replace(self.held, level=replace(level, units=self.units))
-        found = replace(self.problem, closing=closing).described(loops)
-        return replace(found, is_isolated=bool((np.abs(found.multipliers - 1) > HYPERBOLIC).all()))
+        return _alone(replace(self.problem, closing=closing).described(loops))
 
     def _slope(self) -> float:
         """The derivative of the free value along the tangent."""
@@ -668,7 +664,7 @@ class _Piece:
         """Let the curve pass through a loop."""
         u = place / self.length
         off = _flat(loops.state, loops.time, loops.angle) - self._cubic(u)[0]
-        if all(abs(place - other) > _SAME * self.length for other, _ in self.known):
+        if all(abs(u - other) > _SAME for other, _ in self.known):
             self.known = [*self.known, (u, off / (u * (1 - u)) ** 2)][-_KNOWN:]
 
     def at(self, place: float) -> tuple[Loops, Array]:
@@ -692,6 +688,11 @@ class _Piece:
         value = value + u * u * (3 - 2 * u) * last + u * u * (u - 1) * h * rate_at_end
         slope = 6 * u * (1 - u) * (last - first) / h + (1 - u) * (1 - 3 * u) * rate + u * (3 * u - 2) * rate_at_end
         return value, slope
+
+
+def _alone(orbit: PeriodicOrbit) -> PeriodicOrbit:
+    """The orbit, alone on its level if no multiplier is 1: the loop was found without the level's equation."""
+    return replace(orbit, is_isolated=bool((np.abs(orbit.multipliers - 1) > HYPERBOLIC).all()))
 
 
 def _flat(state: Array, time: Array, angle: Array) -> Array:

@@ -376,8 +376,7 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         )
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
-        half = ", ".join(f"{m:.5g}" for m in one.multipliers[: len(one.multipliers) // 2])
-        return f"{one.period:.8f}", one.stability, half, f"{one.residual:.0e}"
+        return f"{one.period:.8f}", one.stability, one.multiplier_words, f"{one.residual:.0e}"
 
 
 @explains_its_arguments
