@@ -118,7 +118,7 @@ def _saddles(evidence: Evidence, context: Context) -> None:
     )
     roots = discriminant(quadratic.subs(m, 1), q).subs(z0**4, u**2).subs(z0**2, u)
     evidence.zero("with u = z₀²/m² the discriminant of Q is (9u² − 36u + 4)m⁴", roots - (9 * u**2 - 36 * u + 4))
-    ends = [roots.subs(u, value) for value in (Rational(2, 5), 1)]
+    ends: list[Any] = [roots.subs(u, value) for value in (Rational(2, 5), 1)]
     evidence.proof(
         "value",
         "so for 0 < u < 1 no root of Q is negative or 0: both have the sum (2 − 5u)m²/4 and a positive product; they "
@@ -246,10 +246,10 @@ def _kovalevskaya_family(evidence: Evidence, context: Context) -> None:
         [value.subs(middle) - wanted for value, wanted in ((top.hamiltonian, h), (momentum, c), (F, 0))],
     )
     evidence.note(
-        "F = 0 with ∇F = 0 is a family of periodic orbits. Where they are hyperbolic, orbits with these middles are "
-        "homoclinic to them. The twist changes F by ε{F, H}₁, the bracket taken for ε = 1, and so the values of F on "
-        "both manifolds of the family differ by εM, M = ∫{F, H}₁ dt. The integrand is linear in β, which stays fixed "
-        "in space. The reversal l₂, α₂, β₂ → −l₂, −α₂, −β₂, t → −t maps the orbit to itself: only the part of β along "
-        "e₂ in the middle counts, M is proportional to sin θ, with the angle θ of β around α from the plane of e₁ and "
-        "e₃, and has simple zeros unless it vanishes."
+        "F = 0 with ∇F = 0 is a family of periodic orbits. Where they are hyperbolic, orbits with these middles tend "
+        "to them both ways, as far as is computed below. The twist changes F by ε{F, H}₁, the bracket taken for ε = 1, "
+        "and so the values of F on both manifolds of the family differ by εM, M = ∫{F, H}₁ dt. The integrand is linear "
+        "in β, which stays fixed in space. The reversal l₂, α₂, β₂ → −l₂, −α₂, −β₂, t → −t maps the orbit to itself: "
+        "only the part of β along e₂ in the middle counts, M is proportional to sin θ, with the angle θ of β around α "
+        "from the plane of e₁ and e₃, and has simple zeros unless it vanishes."
     )

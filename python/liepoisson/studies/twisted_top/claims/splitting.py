@@ -7,7 +7,7 @@ solution that `homoclinic` verifies.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import liepoisson as lp
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 
-Array = NDArray[np.float64]
+Array: TypeAlias = NDArray[np.float64]
 
 EPSILON = 0.7
 """Of the twisted sleeping top."""
@@ -119,8 +119,8 @@ class Loop:
         values, vectors = np.linalg.eig(top.functions.jacobian(self.rest))
         spaces: list[Array] = []
         for way in (1, -1):
-            chosen = vectors[:, way * values.real > _HYPERBOLIC]
-            basis = np.linalg.svd(np.hstack([chosen.real, chosen.imag]))[0][:, : chosen.shape[1]]
+            chosen = vectors[:, way * np.real(values) > _HYPERBOLIC]
+            basis = np.linalg.svd(np.hstack([np.real(chosen), np.imag(chosen)]))[0][:, : chosen.shape[1]]
             run = lp.integrate(top, self.state(-way * flight), times=[0, way * flight], tangents=basis.T)
             spaces.append(np.linalg.qr(run.tangent[0, 1].T)[0])
         cosines = np.linalg.svd(spaces[0].T @ spaces[1])[1]
@@ -231,7 +231,7 @@ def _splitting(evidence: Evidence) -> dict[str, Any]:
 def _on_manifold(top: lp.Top, rest: Array, way: int, psi: Array) -> Array:
     """The value of l3 on a manifold where alpha3 is least, at angles of (l1, l2)."""
     values, vectors = np.linalg.eig(top.functions.jacobian(rest))
-    v = vectors[:, np.argmax(way * values.real)]
+    v = vectors[:, np.argmax(way * np.real(values))]
     phases = np.exp(2j * np.pi * np.arange(_N_PHASES) / _N_PHASES)
     run = lp.section(
         top, rest + 1e-7 * (phases[:, None] * v / np.abs(v).max()).real, surface="l1*alpha2 - l2*alpha1", direction=0,
