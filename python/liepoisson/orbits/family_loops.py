@@ -27,7 +27,7 @@ from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.model.free_parameter import FreeParameter
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.numeric.curves import Curve
-from liepoisson.orbits.closed_orbits import CLOSES, Momenta, PeriodicOrbit, Problem, problem_at, with_parameter
+from liepoisson.orbits.closed_orbits import Momenta, PeriodicOrbit, Problem, problem_at, with_parameter
 from liepoisson.orbits.closing import GROWTH, Closing, Linearised, Loops, guessed
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.multipliers import HYPERBOLIC
@@ -52,6 +52,23 @@ class FamilyLoop:
     def start(self) -> Array:
         """The first state, with the parameter behind it if one varies."""
         return self.loops.state[0, 0]
+
+    @property
+    def residual(self) -> float:
+        """How well the loop closes."""
+        return float(self.loops.residual[0])
+
+    @cached_property
+    def unknowns(self) -> Array:
+        """All states, the time and the angles."""
+        return _flat(self.loops.state, self.loops.time, self.loops.angle)
+
+    @cached_property
+    def units(self) -> Array:
+        """Those of the level for the first state, from which others follow, and the time, which counts relatively."""
+        units = np.full(self.loops.state[0].shape, np.inf)
+        units[0] = self.curve.units
+        return _flat(units, self.loops.time, np.ones_like(self.loops.angle))
 
     @cached_property
     def linearised(self) -> Linearised:
@@ -129,60 +146,37 @@ class LoopCurve(Curve[FamilyLoop]):
         """The energy, the Casimir or the parameter that varies."""
         return float(self.free(point.start))
 
-    def slope(self, point: FamilyLoop) -> Array:
-        """Its derivatives by the components of a tangent."""
-        rest = np.zeros(1 + point.loops.angle.shape[1])
-        return np.append(self.free.gradient(point.start) * self.units, rest)
-
-    def coordinates(self, point: FamilyLoop) -> Array:
-        """All states, the time and the angles."""
-        return _flat(point.loops.state, point.loops.time, point.loops.angle)
-
-    def rates(self, point: FamilyLoop, tangent: Array) -> Array:
-        """How they change along a tangent."""
-        closed = replace(point.linearised, gaps=np.zeros_like(point.linearised.gaps))
-        moves, delay, turned = closed.moves(tangent[None])
-        return _flat(moves * self.units, delay * point.loops.time, turned)
-
-    def components(self, point: FamilyLoop, change: Array) -> Array:
-        """The changes of the first state, in units, of the relative time and of the angles."""
-        _, time, angle = self._parts(change, point)
-        return np.concatenate([change[: len(self.units)] / self.units, time / point.loops.time, angle[0]])
-
-    def _parts(self, coordinates: Array, like: FamilyLoop) -> tuple[Array, Array, Array]:
-        """States, time and angles."""
-        n = like.loops.state.size
-        return coordinates[:n].reshape(like.loops.state.shape), coordinates[n : n + 1], coordinates[None, n + 1 :]
-
-    def solved(self, coordinates: Array, near: FamilyLoop, across: Array) -> FamilyLoop:
-        """What Newton's method makes of a guess."""
-        return FamilyLoop(self, self.closing.solved(guessed(*self._parts(coordinates, near)), extra=across))
-
-    def at_value(self, point: FamilyLoop, value: float) -> FamilyLoop:
-        """What it makes of a loop where the value is a wanted one."""
+    def solved(self, guess: Array, near: FamilyLoop, aim: Array | float) -> FamilyLoop:
+        """What Newton's method makes of a guess: across a direction, or where the value is a wanted one."""
+        shape, n = near.loops.state.shape, near.loops.state.size
+        loops = guessed(guess[:n].reshape(shape), guess[n : n + 1], guess[None, n + 1 :])
+        if isinstance(aim, np.ndarray):
+            return FamilyLoop(self, self.closing.solved(loops, extra=aim[np.isfinite(near.units)]))
         function = self.held.held[self.name][0]
-        rest = 0.0 if function is self.free else float(function(point.start)) - self.value(point)  # of Casimirs alone
-        closing = replace(self.held, held={**self.held.held, self.name: (function, value + rest)})
-        return FamilyLoop(self, closing.solved(point.loops))
-
-    def holds(self, point: FamilyLoop) -> bool:
-        """Whether the loop closes."""
-        return bool(point.loops.residual[0] <= CLOSES)
+        rest = 0.0 if function is self.free else float(function(near.start)) - self.value(near)  # of Casimirs alone
+        closing = replace(self.held, held={**self.held.held, self.name: (function, aim + rest)})
+        return FamilyLoop(self, closing.solved(loops))
 
     def null_space(self, point: FamilyLoop, n: int) -> Array:
         """The n directions in which it moves most nearly along loops."""
-        return self.closing.null_space(point.loops, point.linearised, n)
+        closed = replace(point.linearised, gaps=np.zeros_like(point.linearised.gaps))
+        found: list[Array] = []
+        for tangent in self.closing.null_space(point.loops, point.linearised, n):
+            moves, delay, turned = closed.moves(tangent[None])
+            found.append(_flat(moves * self.units, delay * point.loops.time, turned))
+        return np.array(found)
 
     def tests(self, point: FamilyLoop, tangent: Array) -> dict[str, Array]:
-        """Functions that pass zero where something changes; none where there are no multipliers."""
-        del tangent
+        """Functions that pass zero where something changes; of loops without multipliers the slope of the value."""
+        gradient = self.free.gradient(point.start) * self.units
+        slope = {"fold": np.array([linear.matmul(gradient, tangent[: len(gradient)])])}
         half = point.orbit.multipliers[: len(point.orbit.multipliers) // 2]
         if not half.size:
-            return {}
+            return slope
         sums = half + 1 / half
         pairs = [sums[i] - sums[j] for i in range(len(sums)) for j in range(i)]
         found = {"branch": 2 - sums, "double period": -2 - sums, "collision": np.array(pairs) ** 2}
-        return {kind: np.prod(factors).real[None] for kind, factors in found.items()}
+        return slope | {kind: np.array([np.prod(factors).real]) for kind, factors in found.items()}
 
     def obstacle(self, first: FamilyLoop, last: FamilyLoop) -> tuple[str, bool]:
         """An equilibrium between two starts, where the velocity turns around; no shorter step helps at a small orbit.

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -28,7 +27,7 @@ from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.model.free_parameter import FreeParameter
-from liepoisson.numeric.curves import FIRST, LONGEST, Between, Follower, Piece, Zero
+from liepoisson.numeric.curves import FIRST, LONGEST, TRIALS, Follower
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, SAME, Momenta, PeriodicOrbit, orbit_columns
 from liepoisson.orbits.family_loops import FamilyLoop, LoopCurve
@@ -43,8 +42,8 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.orbits.saved_families import SavedFamily
 
-_NEAR, _TRIALS = 0.1, 8
-"""How near the period of a small orbit must be to that of the linear equations, and how many sizes are tried."""
+_NEAR = 0.1
+"""How near the period of a small orbit must be to that of the linear equations."""
 _LEAVES = ("branch", "double period")
 """Points at which another family begins."""
 
@@ -240,9 +239,9 @@ def orbit_family(
         follower = family.follower(start, mode)
         if not isinstance(start, FamilyPoint):
             follower.turn_towards(bound, increasing)
-        between = partial(points_between, follower)
-        found, points, end = follower.followed(bound, most, run, lambda loop: loop.orbit, between)
-    return OrbitFamily(along, found, points, end or f"{most} orbits")
+        found, zeros, end = follower.followed(bound, most, run, lambda loop: loop.orbit)
+        points = (FamilyPoint(one.kind, one.point.orbit, one.after, one.is_located, one.tangent) for one in zeros)
+        return OrbitFamily(along, found, tuple(points), end or f"{most} orbits")
 
 
 @dataclass(frozen=True)
@@ -302,7 +301,7 @@ class _Family:
         curve = self._near(orbit.start, momenta=self.momenta or dict(orbit.momenta), symmetry=orbit.symmetry)
         loop = FamilyLoop(curve, curve.first(orbit.start, turns * orbit.time, turns * orbit.angles[None]))
         follower = Follower(curve, loop, self.longest)
-        if not follower.leave(_across(curve.null_space(loop, 2), point.tangent)[None]):
+        if not follower.leave(point.tangent):
             raise OrbitError("start: no branch was found beside the family; it may be tangent to it")
         return follower
 
@@ -320,7 +319,7 @@ class _Family:
         k = chosen[mode]
         direction = vectors[:, k].real / linear.norm(vectors[:, k].real)
         length, time, residual = float(np.abs(rest.state).max()) or 1.0, 2 * np.pi / values[k].imag, np.inf
-        for n in range(_TRIALS):  # how small the orbits must be, only the nonlinear terms know
+        for n in range(TRIALS):  # how small the orbits must be, only the nonlinear terms know
             state = rest.state + FIRST * 10.0**-n * length * direction
             curve = self._near(state, on=rest.state)
             extra = np.zeros(len(curve.units) + 1 + len(curve.closing.rotations))
@@ -335,53 +334,3 @@ class _Family:
             f"to {residual:.1e}. Another frequency may be a multiple of it: the eigenvalues are "
             f"{np.round(values, 6).tolist()}"
         )
-
-
-def points_between(follower: Follower[FamilyLoop], number: int) -> Between[FamilyPoint]:
-    """What changes in the last step.
-
-    Args:
-        follower: What made it.
-        number: That of the orbit before it.
-    """
-    changes = follower.changes(follower.piece)
-    kinds = [change.kind for change in changes]
-    found: list[Zero[FamilyLoop]] = []
-    for change in changes:
-        if change.kind == "fold" and "branch" in kinds:
-            continue
-        zero = follower.located(follower.piece, change)
-        if change.kind == "fold" and zero.point.orbit.multipliers.size:
-            zero = _crossed(follower, zero)
-        elif change.kind == "branch" and "fold" in kinds:
-            zero = zero._replace(kind="fold")
-        found.append(zero)
-    found.sort(key=lambda zero: zero.place)
-    points = [FamilyPoint(one.kind, one.point.orbit, number, one.is_located, one.tangent) for one in found]
-    return Between(points, all(one.is_located for one in points))
-
-
-def _crossed(follower: Follower[FamilyLoop], fold: Zero[FamilyLoop]) -> Zero[FamilyLoop]:
-    """Where the value turns but no multiplier passes 1: the family crosses another one there, which has the branch.
-
-    The point is located along the other one.
-    """
-    curve, near = follower.curve, fold._replace(kind="branch", is_located=False)
-    other = follower.end(fold.point, _across(curve.null_space(fold.point, 2), fold.tangent))
-    ends = [follower.moved(other, way * follower.piece.length / 4) for way in (-1, 1)]
-    if not all(map(curve.holds, ends)):
-        return near
-    piece = Piece(curve, *(follower.end(one, follower.turned(other, one)[0]) for one in ends))
-    crossed = [follower.located(piece, change) for change in follower.changes(piece) if change.kind == "branch"]
-    if not crossed:
-        return near
-    found, plane = crossed[0], curve.null_space(crossed[0].point, 2)
-    own = linear.matmul(linear.matmul(plane, fold.tangent), plane)
-    own = own - linear.matmul(own, found.tangent) * found.tangent
-    return found._replace(place=fold.place, tangent=own / linear.norm(own))
-
-
-def _across(plane: Array, along: Array) -> Array:
-    """The direction of a plane that is orthogonal to one."""
-    first, second = linear.matmul(plane, along)
-    return linear.matmul(np.array([-second, first]) / linear.norm(np.array([first, second])), plane)
