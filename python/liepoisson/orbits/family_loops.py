@@ -105,6 +105,7 @@ class LoopCurve(Curve[FamilyLoop]):
         cls,
         system: System,
         state: Array,
+        units: Array,
         name: str,
         variable: FreeParameter | None,
         *,
@@ -113,7 +114,7 @@ class LoopCurve(Curve[FamilyLoop]):
         on: Array | None = None,
     ) -> LoopCurve:
         """The equations near a state, with the values of H, of Casimirs and of momenta there, or at a state `on`."""
-        problem = problem_at(system, state, momenta=momenta, symmetry=symmetry, threads=1)
+        problem = problem_at(system, state, momenta=momenta, symmetry=symmetry, threads=1).in_units(units)
         functions = system.functions
         free = functions.energy if name == "H" else functions.casimirs.get(name, functions.energy)
         if variable is not None:
@@ -203,16 +204,17 @@ class LoopCurve(Curve[FamilyLoop]):
         """A loop with its multipliers, on its own level."""
         start, system = loops.state[0, 0], self.problem.system
         if self.variable is not None:
-            system, state = self.variable.at(float(start[-1])), start[:-1]
-            problem = problem_at(system, state, momenta=tuple(self.problem.momenta), threads=1)
-            return problem.described(replace(loops, state=loops.state[..., :-1]))
-        level, energy = self.held.level, float(system.functions.energy(start))
-        if self.name == "H":
-            level = replace(level, values={**level.values, "H": Fraction(energy)})
+            system, start = self.variable.at(float(start[-1])), start[:-1]
+            problem = problem_at(system, start, momenta=tuple(self.problem.momenta), threads=1)
+            loops = replace(loops, state=loops.state[..., :-1])
         else:
-            level = level_of(system, Leaf.through(system, start), energy)
-        closing = replace(self.held, level=replace(level, units=self.units))
-        return replace(self.problem, closing=closing).described(loops)
+            level, energy = self.held.level, float(system.functions.energy(start))
+            if self.name == "H":
+                level = replace(level, values={**level.values, "H": Fraction(energy)})
+            else:
+                level = level_of(system, Leaf.through(system, start), energy)
+            problem = replace(self.problem, closing=replace(self.held, level=level))
+        return problem.in_units(self.units[: len(start)]).described(loops)
 
 
 def _flat(state: Array, time: Array, angle: Array) -> Array:

@@ -26,11 +26,13 @@ from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_energy, as_system
+from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.free_parameter import FreeParameter
 from liepoisson.numeric.curves import FIRST, LONGEST, TRIALS, Follower
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, SAME, Momenta, PeriodicOrbit, orbit_columns
 from liepoisson.orbits.family_loops import FamilyLoop, LoopCurve
+from liepoisson.orbits.level import level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit
 from liepoisson.portable import linear
 
@@ -254,8 +256,9 @@ class _Family:
     longest: float
     variable: FreeParameter | None
 
-    def _near(self, state: Array, **options: Any) -> LoopCurve:
-        return LoopCurve.near(self.system, state, self.name, self.variable, **{"momenta": self.momenta} | options)
+    def _near(self, state: Array, units: Array, **options: Any) -> LoopCurve:
+        options = {"momenta": self.momenta} | options
+        return LoopCurve.near(self.system, state, units, self.name, self.variable, **options)
 
     def follower(self, start: FamilyStart, mode: int | None) -> Follower[FamilyLoop]:
         """What begins at the first loop, in a direction of the family.
@@ -280,7 +283,7 @@ class _Family:
             momenta = momenta or dict(start.momenta)
             if self.variable is None:  # which may break the symmetry
                 symmetry, time = start.symmetry, start.time
-        curve = self._near(start.start, momenta=momenta, symmetry=symmetry)
+        curve = self._near(start.start, start.level.units, momenta=momenta, symmetry=symmetry)
         loops = curve.held.solved(curve.first(start.start, time))
         if not loops.residual[0] <= CLOSES:
             raise OrbitError(f"start: wanted an orbit that closes to {CLOSES:g}; it does to {loops.residual[0]:.1e}")
@@ -298,7 +301,8 @@ class _Family:
         orbit, turns = point.orbit, 2 if point.kind == "double period" else 1
         if turns == 2 and orbit.symmetry is not None:
             raise ParameterError("start: wanted an orbit that closes without a symmetry, to be run through twice")
-        curve = self._near(orbit.start, momenta=self.momenta or dict(orbit.momenta), symmetry=orbit.symmetry)
+        momenta = self.momenta or dict(orbit.momenta)
+        curve = self._near(orbit.start, orbit.level.units, momenta=momenta, symmetry=orbit.symmetry)
         loop = FamilyLoop(curve, curve.first(orbit.start, turns * orbit.time, turns * orbit.angles[None]))
         follower = Follower(curve, loop, self.longest)
         if not follower.leave(point.tangent):
@@ -318,10 +322,13 @@ class _Family:
             raise ParameterError(f"{what}. Its eigenvalues are {np.round(values, 6).tolist()}")
         k = chosen[mode]
         direction = vectors[:, k].real / linear.norm(vectors[:, k].real)
+        ellipse = vectors[:, k].imag / linear.norm(vectors[:, k].real)
         length, time, residual = float(np.abs(rest.state).max()) or 1.0, 2 * np.pi / values[k].imag, np.inf
+        level = level_of(self.system, Leaf.through(self.system, rest.state), rest.energy)
+        units = level.in_units_of(rest.state + length * np.array([direction, ellipse])).units
         for n in range(TRIALS):  # how small the orbits must be, only the nonlinear terms know
             state = rest.state + FIRST * 10.0**-n * length * direction
-            curve = self._near(state, on=rest.state)
+            curve = self._near(state, units, on=rest.state)
             extra = np.zeros(len(curve.units) + 1 + len(curve.closing.rotations))
             extra[: len(state)] = direction / curve.units[: len(state)]
             with np.errstate(all="ignore"):
