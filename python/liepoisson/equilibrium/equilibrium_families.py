@@ -179,7 +179,7 @@ def equilibrium_family(
         if first is start:
             follower.turn_towards(bound, increasing)
         found, zeros, end = follower.followed(bound, most, run, equations.equilibrium)
-        points = tuple(_point(equations, zero) for zero in zeros)
+    points = tuple(_point(equations, zero) for zero in zeros)
     return EquilibriumFamily(along, found, points, end or f"{most} equilibria")
 
 

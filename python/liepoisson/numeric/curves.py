@@ -25,7 +25,7 @@ from liepoisson.portable import elementary, linear
 HOLDS = 1e-12
 """The largest residual of a solution, in units; Newton's method usually ends at 1e-16."""
 FIRST, LONGEST, _SHORTEST = 1e-2, 0.2, 1e-7
-"""The first step, the longest by default, and the shortest: five digits of its direction are known."""
+"""The first step, the longest by default, and the shortest: with that residual its direction has five digits."""
 _LEAST = 0.01
 """Part of the longest step down to which one is made again where a point in it was not located."""
 _GOOD, _BAD = 0.2, 0.5
@@ -261,11 +261,10 @@ class Follower(Generic[P]):
                     self.here, self.step, end = self._piece.ends[0], self._piece.length / 2, ""  # not in one step
                     continue
                 if found and found[-1].kind == _SINGULAR:
-                    end = _SINGULAR
-                    zeros += found[:-1]
+                    end = found.pop().kind
                 else:
                     members.append(new)
-                    zeros += found
+                zeros += found
             except TimeLimitError:
                 end = "the time limit"
             run.tell(len(members) / most)
@@ -291,9 +290,11 @@ class Follower(Generic[P]):
             found.append(Zero(_SINGULAR, piece.length, *piece.ends[1], True))
         kept, where = list[Zero[P]](), -np.inf
         for one in sorted(found, key=lambda one: one.place):
-            if one.kind != "branch" or one.place - where > _SAME * piece.length:  # of functions that are equal
+            if one.kind not in ("fold", "branch"):
                 kept.append(one)
-            where = one.place if one.kind == "branch" else where
+            elif one.place - where > _SAME * piece.length:  # several functions of the kind may vanish
+                kept.append(one)
+                where = one.place
             if one.kind == _SINGULAR:
                 break
         return kept
@@ -357,7 +358,5 @@ class Follower(Generic[P]):
         """Directions in the null space of a point where curves cross, orthogonal to a tangent."""
         space = self.curve.null_space(point, 2)
         share = linear.matmul(np.array([_tangent((point, one)) for one in space]), tangent)[:, None]
-        turned = linear.complement(share / linear.norm(share)).T * (
-            -1.0 if share[0] < 0 else 1.0
-        )  # as by a right angle
-        return linear.matmul(turned, space)
+        sign = -1.0 if share[0] < 0 else 1.0  # in a plane the direction is the tangent, turned by a right angle
+        return sign * linear.matmul(linear.complement(share / linear.norm(share)).T, space)

@@ -58,12 +58,12 @@ class FamilyLoop:
         """How well the loop closes."""
         return float(self.loops.residual[0])
 
-    @cached_property
+    @property
     def unknowns(self) -> Array:
         """All states, the time and the angles."""
         return _flat(self.loops.state, self.loops.time, self.loops.angle)
 
-    @cached_property
+    @property
     def units(self) -> Array:
         """Those of the level for the first state, from which others follow, and the time, which counts relatively."""
         units = np.full(self.loops.state[0].shape, np.inf)
@@ -170,14 +170,18 @@ class LoopCurve(Curve[FamilyLoop]):
     def tests(self, point: FamilyLoop, tangent: Array) -> dict[str, Array]:
         """Functions that pass zero where something changes; of loops without multipliers the slope of the value."""
         gradient = self.free.gradient(point.start) * self.units
-        slope = {"fold": np.array([linear.matmul(gradient, tangent[: len(gradient)])])}
+        found: dict[str, Array] = {"fold": np.array([linear.matmul(gradient, tangent[: len(gradient)])])}
         half = point.orbit.multipliers[: len(point.orbit.multipliers) // 2]
-        if not half.size:
-            return slope
-        sums = half + 1 / half
-        pairs = [sums[i] - sums[j] for i in range(len(sums)) for j in range(i)]
-        found = {"branch": 2 - sums, "double period": -2 - sums, "collision": np.array(pairs) ** 2}
-        return slope | {kind: np.array([np.prod(factors).real]) for kind, factors in found.items()}
+        if half.size:
+            sums = half + 1 / half
+            pairs = [sums[i] - sums[j] for i in range(len(sums)) for j in range(i)]
+            for kind, factors in (
+                ("branch", 2 - sums),
+                ("double period", -2 - sums),
+                ("collision", np.array(pairs) ** 2),
+            ):
+                found[kind] = np.array([np.prod(factors).real])
+        return found
 
     def obstacle(self, first: FamilyLoop, last: FamilyLoop) -> tuple[str, bool]:
         """An equilibrium between two starts, where the velocity turns around; no shorter step helps at a small orbit.

@@ -242,8 +242,8 @@ def orbit_family(
         if not isinstance(start, FamilyPoint):
             follower.turn_towards(bound, increasing)
         found, zeros, end = follower.followed(bound, most, run, lambda loop: loop.orbit)
-        points = (FamilyPoint(one.kind, one.point.orbit, one.after, one.is_located, one.tangent) for one in zeros)
-        return OrbitFamily(along, found, tuple(points), end or f"{most} orbits")
+    points = (FamilyPoint(one.kind, one.point.orbit, one.after, one.is_located, one.tangent) for one in zeros)
+    return OrbitFamily(along, found, tuple(points), end or f"{most} orbits")
 
 
 @dataclass(frozen=True)
