@@ -180,7 +180,7 @@ class LoopCurve(Curve[FamilyLoop]):
                 ("double period", -2 - sums),
                 ("collision", np.array(pairs) ** 2),
             ):
-                found[kind] = np.array([np.prod(factors).real])
+                found[kind] = np.array([float(np.prod(factors).real)])
         return found
 
     def obstacle(self, first: FamilyLoop, last: FamilyLoop) -> tuple[str, bool]:
