@@ -175,12 +175,8 @@ class LoopCurve(Curve[FamilyLoop]):
         if half.size:
             sums = half + 1 / half
             pairs = [sums[i] - sums[j] for i in range(len(sums)) for j in range(i)]
-            for kind, factors in (
-                ("branch", 2 - sums),
-                ("double period", -2 - sums),
-                ("collision", np.array(pairs) ** 2),
-            ):
-                found[kind] = np.array([float(np.prod(factors).real)])
+            factors = {"branch": 2 - sums, "double period": -2 - sums, "collision": np.array(pairs) ** 2}
+            found |= {kind: np.array([float(np.prod(values).real)]) for kind, values in factors.items()}
         return found
 
     def obstacle(self, first: FamilyLoop, last: FamilyLoop) -> tuple[str, bool]:
