@@ -63,6 +63,7 @@ COMMANDS = {
     "periodic": "periodic",
     "continue": "periodic",
     "melnikov": "periodic",
+    "diagram": "tori",
     "sweep": "sweep",
     "lab": "lab",
     "cite": "literature",

@@ -1,6 +1,7 @@
 """Figures of results.  They see result objects and Datasets only, and import matplotlib when they draw."""
 
 from liepoisson._lazy import unknown
+from liepoisson.plot.diagrams import diagram, leaf_classes
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
 from liepoisson.plot.families import family
 from liepoisson.plot.indicators import indicators, spectrum
@@ -13,11 +14,13 @@ from liepoisson.plot.sweep import sweep
 
 __all__ = [
     "convergence",
+    "diagram",
     "draw",
     "exponent_distribution",
     "family",
     "house_style",
     "indicators",
+    "leaf_classes",
     "orbit",
     "profile",
     "rod",

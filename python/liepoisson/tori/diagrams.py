@@ -9,8 +9,10 @@ equilibria of both flows.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_seed, as_time_limit
@@ -18,6 +20,7 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind
+from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.portable import linear
 from liepoisson.tori.critical_search import Critical, momentum_of
@@ -53,7 +56,7 @@ class CriticalFamily(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagram(ReadOnlyArrays):
+class Diagram(ReadOnlyArrays, Tabular):
     r"""Critical values of a momentum map with two integrals.
 
     Example:
@@ -79,6 +82,16 @@ class Diagram(ReadOnlyArrays):
     rest_values: Array
     rest_types: tuple[str, ...]
     energy_max: float
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each critical value its curve (-1 for an equilibrium), type and values."""
+        values = np.concatenate([*(one.values for one in self.families), self.rest_values])
+        lengths = [*(len(one.values) for one in self.families), *(1 for _ in self.rest_types)]
+        curves = [*range(len(self.families)), *(-1 for _ in self.rest_types)]
+        types = [*(one.type for one in self.families), *self.rest_types]
+        rows: dict[str, NDArray[Any]] = {"curve": np.repeat(np.array(curves, dtype=np.intp), lengths)}
+        rows["type"] = np.repeat(np.array(types, dtype=np.str_), lengths)
+        return rows | dict(zip(self.momentum.names, values.T, strict=True))
 
     def __repr__(self) -> str:
         return (

@@ -30,19 +30,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import LeafError, ShapeError
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
+from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.portable import elementary, linear
 from liepoisson.tori.lagrange_leaves import ScaledLeaf, class_of
+from liepoisson.tori.momentum_maps import MomentumMap
 
 N_POINTS = 200
 """Points of a curve between two special ones."""
@@ -69,7 +72,7 @@ class CriticalCurve(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class LagrangeDiagram(ReadOnlyArrays):
+class LagrangeDiagram(ReadOnlyArrays, Tabular):
     r"""The bifurcation diagram of a twisted Lagrange top on a leaf.
 
     Example:
@@ -97,6 +100,12 @@ class LagrangeDiagram(ReadOnlyArrays):
     sleeping_tops: dict[str, Array]
     hopf_values: Array
     scaled: ScaledLeaf = field(repr=False)
+
+    @cached_property
+    def momentum(self) -> MomentumMap:
+        """The momentum map, in the order of `integrals`."""
+        system = self.leaf.system
+        return MomentumMap(system, {name: system.functions.of(system.invariants[name]) for name in self.integrals})
 
     @property
     def edges(self) -> tuple[CriticalCurve, ...]:
@@ -145,6 +154,13 @@ class LagrangeDiagram(ReadOnlyArrays):
         cuts = np.flatnonzero(np.diff(inside.astype(int))) + 1
         parts = [part for part in np.split(np.arange(len(x)), [*cuts, half]) if len(part) > 1 and inside[part[0]]]
         return [values[part] for part in parts]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each critical value of rank 1 its curve, the kind of it and the values."""
+        lengths = [len(one.values) for one in self.curves]
+        rows: dict[str, NDArray[Any]] = {"curve": np.repeat(np.arange(len(self.curves)), lengths)}
+        rows["kind"] = np.repeat(np.array([one.kind for one in self.curves]), lengths)
+        return rows | dict(zip(self.integrals, np.concatenate([one.values for one in self.curves]).T, strict=True))
 
     def __repr__(self) -> str:
         return (

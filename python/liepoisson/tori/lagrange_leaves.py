@@ -190,6 +190,15 @@ def _sign(whole: Fraction, part: Fraction, square: Fraction) -> int:
     return one * ((difference > 0) - (difference < 0))
 
 
+def is_twisted_lagrange(system: System) -> bool:
+    """Whether `lagrange_top` accepts a system."""
+    try:
+        lagrange_top(system)
+    except ParameterError:
+        return False
+    return True
+
+
 def lagrange_top(system: System) -> TopParameters:
     """The parameters of a twisted Lagrange top, charged or not.
 

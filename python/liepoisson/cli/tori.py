@@ -1,0 +1,113 @@
+"""The command `diagram`: the critical values of the integrals of a system on a leaf."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from liepoisson.cli.options import Common, Format, FormatOption, SeedOption, SystemArgument, TableOption, Where, show
+from liepoisson.cli.output import TABLE_ENDINGS, data_file, figure_stem, name_of_files, write_figure, write_result
+from liepoisson.cli.runs import TimeLimitOption, check_limits, running
+from liepoisson.cli.starts import find_start, read_numeric_system
+from liepoisson.errors import ParameterError
+from liepoisson.formula.numbers import as_double
+from liepoisson.formula.scalars import TIME_LIMIT
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from liepoisson.tori.diagrams import Diagram
+    from liepoisson.tori.fibre_regions import Region
+    from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
+
+INTEGRAL_HELP = "An integral beside H: --integral K. By default the known ones that commute.  Repeat it for more."
+ENERGY_MAX_HELP = "Follow families up to this energy.  [default: the highest of random states]"
+CUT_HELP = "Of the twisted Lagrange top: draw the plane of this l3 instead of the figure in space."
+REGIONS_HELP = "Count the tori over each region of the plane."
+
+
+def diagram(
+    system: SystemArgument,
+    *,
+    where: Where,
+    integral: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=INTEGRAL_HELP)] = None,
+    energy_max: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_MAX_HELP)] = None,
+    cut: Annotated[str | None, typer.Option(metavar="NUMBER", help=CUT_HELP)] = None,
+    regions: Annotated[bool, typer.Option("--regions", help=REGIONS_HELP)] = False,
+    seed: SeedOption = 0,
+    time_limit: TimeLimitOption = TIME_LIMIT,
+    out: TableOption = None,
+    plot: Annotated[bool, typer.Option("--plot", help="Draw a figure, a .png file in the working folder.")] = False,
+    figure: Annotated[str | None, typer.Option(metavar="FILE", help="Draw the figure into this file.")] = None,
+    format_: FormatOption = Format.TEXT,
+    common: Common,
+) -> None:
+    """Print the bifurcation diagram of an integrable system on a leaf: the critical values of its integrals.
+
+    Of two integrals by search, with equilibria; of the twisted Lagrange top, charged or not, in closed form.
+    """
+    from liepoisson.tori.lagrange_leaves import is_twisted_lagrange
+
+    check_limits(seed=seed, time_limit=time_limit)
+    chosen = read_numeric_system(system, common.values)
+    stem = f"{name_of_files(chosen, common.values)}-diagram"
+    data, picture = data_file(out, f"{stem}.csv", endings=TABLE_ENDINGS), figure_stem(plot, figure, stem)
+    found: Diagram | LagrangeDiagram
+    counted: tuple[Region, ...] = ()
+    if is_twisted_lagrange(chosen) and not integral:
+        from liepoisson.tori.lagrange_diagrams import lagrange_diagram
+
+        if regions or energy_max is not None:
+            raise ParameterError(
+                "--regions and --energy-max are for diagrams by search; that of the twisted Lagrange top is in closed "
+                "form, with one torus over each regular value. Leave them out."
+            )
+        found = lagrange_diagram(find_start(chosen, where, seed).leaf)
+    else:
+        from liepoisson.tori.diagrams import diagram as search
+        from liepoisson.tori.fibre_regions import regions as count
+        from liepoisson.tori.momentum_maps import momentum_map
+
+        if cut is not None:
+            raise ParameterError("--cut is for the twisted Lagrange top, which has three integrals. Leave it out.")
+        momentum = momentum_map(chosen, integral or None)
+        limit = None if energy_max is None else as_double(energy_max, "--energy-max")
+        leaf = find_start(chosen, where, seed).leaf
+        with running("looking for critical values", 1.0, quiet=common.quiet):
+            found = search(leaf, momentum=momentum, energy_max=limit, seed=seed, time_limit=time_limit)
+            counted = count(found, seed=seed, time_limit=time_limit) if regions else ()
+    files = [] if data is None else [write_result(found, data)]
+    if picture is not None:
+        from liepoisson.plot.diagrams import diagram as draw
+
+        axes = draw(found, regions=counted, l3=None if cut is None else as_double(cut, "--cut"))
+        files += write_figure(cast("Figure", axes.figure), picture)
+    lines = [*diagram_lines(found), *(repr(one)[1:-1] for one in counted), *(f"wrote    {path}" for path in files)]
+    show(found, format_, diagram_record, text=lambda _: "\n".join(lines))
+
+
+def diagram_lines(found: Diagram | LagrangeDiagram) -> list[str]:
+    """What the diagram consists of, a line for each part."""
+    from liepoisson.tori.diagrams import Diagram
+
+    lines = [repr(found)[1:-1]]
+    if isinstance(found, Diagram):
+        h, other = found.momentum.names
+        for family in found.families:
+            low, high = family.values.min(axis=0), family.values.max(axis=0)
+            span = f"{h} from {low[0]:.6g} to {high[0]:.6g}, {other} from {low[1]:.6g} to {high[1]:.6g}"
+            lines.append(f"{family.type}: {span}")
+        for kind, value in zip(found.rest_types, found.rest_values, strict=True):
+            lines.append(f"equilibrium, {kind}: {h} = {value[0]:.6g}, {other} = {value[1]:.6g}")
+        return lines
+    return [*lines, *(f"{curve.kind} from {curve.ends[0]} to {curve.ends[1]}" for curve in found.curves)]
+
+
+def diagram_record(found: Diagram | LagrangeDiagram) -> dict[str, Any]:
+    """The diagram as data that JSON can write."""
+    from liepoisson.tori.diagrams import Diagram
+
+    rows = {name: column.tolist() for name, column in found.columns().items()}
+    kind = {} if isinstance(found, Diagram) else {"class": found.leaf_class}
+    return {"casimirs": found.leaf.casimirs, **kind, "critical_values": rows}

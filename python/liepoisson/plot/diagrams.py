@@ -1,0 +1,218 @@
+"""Bifurcation diagrams: critical values of the integrals of a system, with the numbers of tori; classes of leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import as_number
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import not_a
+from liepoisson.plot.labels import label, number, plain
+from liepoisson.plot.style import (
+    ANGULAR_MOMENTUM,
+    FIRST_FIELD,
+    INK,
+    MUTED,
+    axes_or_new,
+    house_style,
+    new_figure,
+    set_heading,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from liepoisson.leaf.leaf import Leaf
+    from liepoisson.tori.diagrams import Diagram
+    from liepoisson.tori.fibre_regions import Region
+    from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
+
+_LINES = {"elliptic": ("-", FIRST_FIELD), "hyperbolic": ("--", ANGULAR_MOMENTUM)}
+_CLASSES = {"UU-": (0, 0.1), "UU+": (0, 7.2), "AA": (0, -4.6), "AB": (6.6, 6.4), "AU": (4.9, -1.2)}
+"""Where the classes are named in their figure, in the middle of each."""
+_POINTS = {"focus-focus": "o", "elliptic, elliptic": "s"}
+
+
+@explains_its_arguments
+def diagram(
+    found: Diagram | LagrangeDiagram,
+    *,
+    regions: Sequence[Region] = (),
+    l3: float | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    r"""A bifurcation diagram: the critical values of the integrals.
+
+    Of two integrals a plane; of the twisted Lagrange top a figure in space that can be turned, or with `l3` the plane
+    of H and the third integral at this value, with the boundary of the image and the threads that pierce it.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> axes = lp.plot.diagram(lp.tori.diagram(leaf, energy_max=2))
+        >>> axes.get_xlabel(), axes.get_ylabel()
+        ('$\\ell_3$', '$H$')
+        >>> plt.close(axes.figure)
+
+    Args:
+        found: What `diagram` or `lagrange_diagram` returned.
+        regions: What `regions` returned for it: the number of tori is written into each.
+        l3: Of the twisted Lagrange top, the value at which the diagram is cut.
+
+    Raises:
+        ParameterError: it is no diagram, or an option is meant for the other kind.
+    """
+    from liepoisson.tori.diagrams import Diagram
+    from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
+
+    given: object = found
+    if not isinstance(given, Diagram | LagrangeDiagram):
+        raise not_a("what lp.tori.diagram or lagrange_diagram returns", given, "found", "call it first")
+    with house_style():
+        if isinstance(found, Diagram):
+            if l3 is not None:
+                raise ParameterError("l3: only the diagram of the twisted Lagrange top is cut. Leave it out.")
+            return _plane(found, regions, ax)
+        if regions:
+            raise ParameterError("regions: over all regular values of the twisted Lagrange top there is one torus.")
+        return _space(found, ax) if l3 is None else _slice(found, as_number(l3, "l3", "a number"), ax)
+
+
+def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
+    is_new, ax = ax is None, axes_or_new(ax, height=4.4)
+    told = set[str]()
+
+    def name(words: str) -> str:
+        fresh = words not in told
+        told.add(words)
+        return words if fresh else "_" + words
+
+    for family in found.families:
+        style, colour = _LINES[family.type]
+        ax.plot(family.values[:, 1], family.values[:, 0], style, color=colour, linewidth=1.4, label=name(family.type))
+    for kind in sorted(set(found.rest_types)):
+        chosen = found.rest_values[[one == kind for one in found.rest_types]]
+        mark = _POINTS.get(kind, "D")
+        ax.plot(chosen[:, 1], chosen[:, 0], mark, color=INK, markersize=4, zorder=4, label=f"equilibrium: {kind}")
+    for region in regions:
+        if region.fibre is not None:
+            energy, other = region.fibre.value.tolist()
+            ax.annotate(str(region.fibre.n_tori), (other, energy), ha="center", va="center", color=MUTED)
+    ax.set(xlabel=label(found.momentum.names[1]), ylabel=label(found.momentum.names[0]))
+    ax.set_ylim(top=found.energy_max)
+    set_heading(ax, _heading(found.leaf), is_new=is_new)
+    ax.legend(loc="best")
+    return ax
+
+
+def _slice(found: LagrangeDiagram, l3: float, ax: Axes | None) -> Axes:
+    is_new, ax = ax is None, axes_or_new(ax, height=4.4)
+    parts = found.boundary(l3)
+    for k, part in enumerate(parts):
+        words = "boundary, elliptic" if k == 0 else "_boundary"
+        ax.plot(part[:, 1], part[:, 0], color=FIRST_FIELD, linewidth=1.4, label=words)
+    pierced = [_crossings(curve.values, l3) for curve in found.threads]
+    edges = [_crossings(curve.values, l3) for curve in found.edges]
+    for points, mark, words in ((edges, "s", "edge"), (pierced, "o", "thread: focus-focus")):
+        places = np.concatenate([*points, np.zeros((0, 2))])
+        if len(places):
+            ax.plot(places[:, 1], places[:, 0], mark, color=INK, markersize=4, zorder=4, label=words)
+    # The image goes to infinity: what matters lies around the edges, threads and special points
+    special = np.concatenate([found.hopf_values, found.momentum(np.array([*found.sleeping_tops.values()]))])
+    places = np.concatenate([*edges, *pierced])
+    places = places if len(places) else special[:, [0, 2]]
+    middle = places.mean(axis=0)
+    half = 0.75 * np.maximum(np.ptp(places, axis=0), np.ptp(special, axis=0)[[0, 2]] / 2)
+    (low, left), (high, right) = middle - half, middle + half
+    ax.set(ylim=(low, high), xlim=(left, right))
+    ax.set(xlabel=label(found.integrals[2]), ylabel=label("H"))
+    heading = f"{_heading(found.leaf)}; class {found.leaf_class}, {label('l3')} = ${number(l3)}$"
+    set_heading(ax, heading, is_new=is_new)
+    ax.legend(loc="best")
+    return ax
+
+
+def _crossings(values: Any, l3: float) -> Any:
+    """Values of H and the third integral where a curve has this l3, by straight lines between its points."""
+    before, after = values[:-1], values[1:]
+    meets = (before[:, 1] < l3) != (after[:, 1] < l3)
+    share = ((l3 - before[meets, 1]) / (after[meets, 1] - before[meets, 1]))[:, None]
+    return (before[meets] + share * (after[meets] - before[meets]))[:, [0, 2]]
+
+
+def _space(found: LagrangeDiagram, ax: Any) -> Any:
+    is_new = ax is None
+    if ax is None:
+        ax = new_figure(6.4, 5.2).add_subplot(projection="3d")
+    special = np.concatenate([found.hopf_values, found.momentum(np.array([*found.sleeping_tops.values()]))])
+    middle, half = special.mean(axis=0), 1.6 * np.maximum(np.ptp(special, axis=0), 0.5)
+    told = set[str]()
+    for curve in found.curves:
+        near = (np.abs(curve.values - middle) <= half).all(axis=1)
+        h, spin, third = np.where(near[:, None], curve.values, np.nan).T
+        colour, style = (FIRST_FIELD, "-") if curve.kind == "edge" else (ANGULAR_MOMENTUM, "-")
+        words = {"edge": "edge: elliptic, elliptic", "thread": "thread: focus-focus"}[curve.kind]
+        ax.plot(spin, third, h, style, color=colour, label=words if words not in told else "_" + words)
+        told.add(words)
+    for name, values, mark in (
+        ("sleeping top", found.momentum(np.array([*found.sleeping_tops.values()])), "o"),
+        ("Hamiltonian Hopf", found.hopf_values, "^"),
+    ):
+        if len(values):
+            ax.plot(
+                values[:, 1], values[:, 2], values[:, 0], mark, color=INK, markersize=4, label=name, linestyle="none"
+            )
+    ax.set(xlabel=label("l3"), ylabel=label(found.integrals[2]), zlabel=label("H"))
+    set_heading(ax, f"{_heading(found.leaf)}; class {found.leaf_class}", is_new=is_new)
+    ax.legend(loc="upper left")
+    return ax
+
+
+def _heading(leaf: Leaf) -> str:
+    values = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in leaf.casimirs.items())
+    return "\n".join(filter(None, [plain(leaf.system.name), values]))
+
+
+@explains_its_arguments
+def leaf_classes(*, ax: Axes | None = None) -> Axes:
+    r"""The six classes of leaves of the twisted Lagrange top, in the plane of their two numbers.
+
+    $C_1 = c_1/c_3^{2/3}$ and $C_2 = c_2/c_3^{5/6}$, see `liepoisson.tori.lagrange_leaves`.
+    The walls are $e^2c^2 - 4c^3 - 4e^3 + 18ec - 27 = 0$ with $c = \pm C_2$, $e = (C_1 - C_2^2)/2$, where a sleeping top
+    changes its stability, and $C_1 = 3 + \tfrac43C_2^2$ for $|C_2| < 3$, where two threads exchange their ends.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> axes = lp.plot.leaf_classes()
+        >>> sorted({text.get_text() for text in axes.texts})
+        ['AA', 'AB', 'AU', 'BU', 'UU+', 'UU-']
+        >>> plt.close(axes.figure)
+    """
+    with house_style():
+        is_new, ax = ax is None, axes_or_new(ax, height=4.6)
+        for sign in (1, -1):
+            for root in (np.linspace(-4, -0.12, 4000), np.linspace(0.12, 4, 4000)):
+                # a double root r: r^3 + e r^2 + c r + 1 = 0 and 3 r^2 + 2 e r + c = 0
+                e = (1 - 2 * root**3) / root**2
+                c = -3 * root**2 - 2 * e * root
+                words = "a sleeping top changes its stability" if sign == 1 and root[0] < 0 else "_"
+                ax.plot(sign * c, e, color=FIRST_FIELD, linewidth=1.4, label=words)
+        c = np.linspace(-3, 3, 201)
+        ax.plot(c, (3 + c**2 / 3) / 2, "--", color=ANGULAR_MOMENTUM, linewidth=1.4, label="two threads exchange ends")
+        for name, (x, y) in _CLASSES.items():
+            for side in (1, -1) if x else (1,):
+                ax.annotate(name, (side * x, y), ha="center", va="center", color=INK)
+        for side in (1, -1):  # the narrow ones
+            arrow = {"arrowstyle": "-", "color": MUTED, "linewidth": 0.8}
+            ax.annotate(
+                "BU", (side * 4.2, 4.5), (side * 2.6, 5.2), ha="center", va="center", color=INK, arrowprops=arrow
+            )
+        ax.set(xlim=(-8, 8), ylim=(-6, 12))
+        ax.set(xlabel="$C_2$", ylabel=r"$e = (C_1 - C_2^2)/2$")
+        set_heading(ax, "Leaves of the twisted Lagrange top", is_new=is_new)
+        ax.legend(loc="lower right")
+    return ax

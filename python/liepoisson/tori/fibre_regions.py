@@ -1,0 +1,137 @@
+r"""The regions of a bifurcation diagram in the plane, and the number of tori over each, by a count.
+
+Values of random states are joined to their neighbours where the straight line between them crosses no critical curve:
+the parts that are joined are regions.  Over each the fibres have as many tori, counted at the value that is furthest
+from the curves.  A region that no random state has its values in is not found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import Deadline
+from liepoisson.inputs.refusals import check_kind
+from liepoisson.portable import linear
+from liepoisson.streams import Purpose, stream
+from liepoisson.tori.diagrams import Diagram
+from liepoisson.tori.fibres import Fibre, fibre
+from liepoisson.tori.momentum_maps import on_leaf
+
+_NEIGHBOURS = 12
+"""Each value is joined to so many of the nearest ones; values of one region that are not are two regions."""
+_WALL = 0.02
+"""Values nearer than this to a critical one, relative to the figure, are not asked for the number of tori."""
+
+
+@dataclass(frozen=True, eq=False)
+class Region(ReadOnlyArrays):
+    """A region of a diagram.
+
+    Attributes:
+        values: Values of random states in it, shape (m, 2).
+        fibre: The fibre of the value that is furthest from the curves; None if all are too near to them.
+    """
+
+    values: Array
+    fibre: Fibre | None
+
+    def __repr__(self) -> str:
+        if self.fibre is None:
+            return f"<Region of {len(self.values)} values, all near to critical ones>"
+        at = ", ".join(f"{value:.6g}" for value in self.fibre.value)
+        return f"<Region around ({at}): {self.fibre.n_tori} tori>"
+
+
+@explains_its_arguments
+def regions(
+    found: Diagram,
+    *,
+    n_values: int = 600,
+    n_states: int = 200,
+    spread: float = 1.0,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+) -> tuple[Region, ...]:
+    r"""The regions of a diagram and the number of tori over each.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_states=20)[0].fibre.n_tori
+        1
+
+    Args:
+        found: What `diagram` returned.
+        n_values: Number of random states whose values are looked at.
+        n_states: Random states of each fibre that is counted, see `fibre`.
+        spread: Standard deviation of the random states, in units of the leaf.
+
+    Raises:
+        ParameterError: it is no diagram.
+        OrbitError: the flows over a region do not close: its fibres are not compact.
+        TimeLimitError: the time is over.
+    """
+    deadline = Deadline(as_time_limit(time_limit))
+    check_kind(found, Diagram, "found", "what diagram returns", "call it first")
+    m = as_count(n_values, "n_values")
+    with deadline.running(), np.errstate(all="ignore"):
+        units = found.leaf.in_units().units
+        rough = spread * stream(as_seed(seed), Purpose.FIBRES).standard_normal((m, len(units))) * units
+        states = on_leaf(found.leaf, rough)
+        values = found.momentum(states[np.isfinite(states).all(axis=1)])
+        values = values[values[:, 0] <= found.energy_max]
+        size = np.ptp(values, axis=0) if len(values) else np.ones(2)
+        size = np.where(size > 0, size, 1.0)
+        curves = [family.values / size for family in found.families]
+        labels = _joined(values / size, curves)
+        result = list[Region]()
+        for label in np.unique(labels):
+            inside = values[labels == label]
+            walls = np.concatenate([*curves, found.rest_values / size])
+            distance = linear.norm(inside[:, None] / size - walls, axis=2).min(axis=1)
+            best = int(distance.argmax())
+            counted = None
+            if distance[best] > _WALL:
+                counted = fibre(
+                    found.leaf,
+                    inside[best],
+                    momentum=found.momentum,
+                    n_states=n_states,
+                    spread=spread,
+                    seed=seed,
+                    time_limit=max(deadline.left, 1e-3),
+                )
+            result.append(Region(inside, counted))
+    return tuple(sorted(result, key=lambda region: -len(region.values)))
+
+
+def _joined(values: Array, curves: list[Array]) -> NDArray[np.intp]:
+    """The number of the part of each value, of those that are joined."""
+    m = len(values)
+    labels = np.arange(m)
+    if m < 2:
+        return labels
+    begins = np.concatenate([curve[:-1] for curve in curves])
+    ends = np.concatenate([curve[1:] for curve in curves])
+    distance = linear.norm(values[:, None] - values[None], axis=2)
+    nearest = np.argsort(distance, axis=1, kind="stable")[:, 1 : _NEIGHBOURS + 1]
+    for k in range(m):
+        for j in nearest[k]:
+            if labels[k] != labels[j] and not _crosses(values[k], values[j], begins, ends):
+                labels[labels == labels[j]] = labels[k]
+    return labels
+
+
+def _crosses(here: Array, there: Array, begins: Array, ends: Array) -> bool:
+    """Whether the line from here to there crosses a segment."""
+
+    def side(a: Array, b: Array, c: Array) -> Array:
+        return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
+
+    across = side(here, there, begins) * side(here, there, ends) <= 0
+    return bool((across & (side(begins, ends, here) * side(begins, ends, there) <= 0)).any())
