@@ -33,8 +33,8 @@ from liepoisson.formula.grammar import Call, Node, Power, names_in, parse
 from liepoisson.formula.parameters import Value, flattened
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.tensor_arithmetic import Matrix
+from liepoisson.model.hamiltonian import scope_of
 from liepoisson.model.known_integrals import known_polynomials
-from liepoisson.structure.bracket_scope import scope_of
 
 if TYPE_CHECKING:
     from liepoisson.model.top_parameters import TopParameters
