@@ -255,8 +255,8 @@ def _writing(path: Path) -> Generator[None]:
         yield
     except OSError as error:
         raise lp.errors.OutputError(
-            f"could not write {path}: {error.strerror or error}. Choose another folder, or free some space if there is "
-            "none; what is finished is kept."
+            f"could not write {path}: {error.strerror or error}. If no space is left, free some, else choose another "
+            "folder; what is finished is kept."
         ) from error
 
 
