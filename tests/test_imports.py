@@ -31,6 +31,16 @@ orbit = lp.integrate(top, growth.end_state, times=[0, 1], dense=True).at(0.5)
     assert loaded(program) == []
 
 
+def test_a_first_orbit_loads_no_exact_linear_algebra():
+    program = """
+import sys, liepoisson as lp
+lp.integrate(lp.Top.kovalevskaya(), [1, 0, 1, 0, 0, 1, 0, 0, 0], t_end=1)
+print(*{"random", "liepoisson.algebra.coefficients", "liepoisson.algebra.linear_algebra"} & {*sys.modules})
+"""
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == []
+
+
 CALLS = """
 from liepoisson.cli.main import COMMANDS, main
 

@@ -12,7 +12,7 @@ from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.formula.expression import check_names, read_expression, read_formula
 from liepoisson.formula.grammar import parse
 from liepoisson.formula.scope import Scope
-from liepoisson.structure.bracket_scope import scope_of
+from liepoisson.model.hamiltonian import scope_of
 from liepoisson.structure.extensions import leibniz
 from liepoisson.structure.lie_algebras import so
 

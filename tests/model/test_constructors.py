@@ -3,7 +3,7 @@ import sympy as sp
 
 from liepoisson.formula.expression import read_expression
 from liepoisson.model.constructors import read_algebra, read_extension
-from liepoisson.structure.bracket_scope import scope_of
+from liepoisson.model.hamiltonian import scope_of
 
 
 @pytest.mark.parametrize(

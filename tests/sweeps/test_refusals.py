@@ -177,8 +177,9 @@ def test_a_call_is_refused_before_anything_is_made(tmp_path, change, message):
 @pytest.mark.parametrize(("old", "new", "message"), BAD_FILE)
 def test_a_wrong_file_is_refused_with_the_key(tmp_path, old, new, message):
     (tmp_path / "map.toml").write_text(FILE.replace(old, new, 1))
-    with pytest.raises(SystemFileError, match=message):
+    with pytest.raises(SystemFileError, match=message) as refused:
         read_sweep_file(tmp_path / "map.toml")
+    assert not re.search(r"\b(\w+): \1: ", str(refused.value))  # the key is named once
 
 
 def test_a_file_says_the_same_as_python(tmp_path):

@@ -16,6 +16,8 @@ from liepoisson.errors import ParameterError
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.algebra.rational_polynomials import RationalPolynomial
+
 _DIGITS = 40
 """Decimal digits to which an irrational number is known."""
 
@@ -103,3 +105,11 @@ def _rounded(value: Expr) -> Rounded:
 
 
 _KNOWN: dict[Expr, Rounded] = {}
+
+
+def of_degree_two(polynomial: RationalPolynomial) -> dict[tuple[int, ...], Rounded] | None:
+    """The coefficients of a polynomial of degree at most two; None for another one."""
+    expanded = polynomial.expanded
+    if max(map(len, expanded), default=0) > 2:
+        return None
+    return {monomial: rounded(value) for monomial, value in expanded.items()}

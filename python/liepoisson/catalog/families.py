@@ -190,8 +190,7 @@ def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
     """
     import numpy as np
 
-    from liepoisson.formula.numbers import as_array
-    from liepoisson.formula.scalars import as_count
+    from liepoisson.formula.scalars import as_array, as_count
     from liepoisson.portable import elementary
     from liepoisson.structure.lie.sine_algebra import sine_modes
 

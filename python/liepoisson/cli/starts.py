@@ -12,7 +12,7 @@ import numpy as np
 from liepoisson.cli.options import Where
 from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_double
+from liepoisson.formula.scalars import as_double
 
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array

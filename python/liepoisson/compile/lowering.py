@@ -17,10 +17,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import as_coefficient
-from liepoisson.algebra.rounded import ONE, ZERO, Rounded, rational, rounded
+from liepoisson.algebra.rounded import ONE, ZERO, Rounded, of_degree_two, rational, rounded
 from liepoisson.compile.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped, without_overflow
 from liepoisson.compile.field import Instruction, QuadraticField, TapeField, TapeFunction
-from liepoisson.compile.polynomial_dynamics import of_degree_two
 from liepoisson.compile.symbols import in_compiler_symbols, name_of_function
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 

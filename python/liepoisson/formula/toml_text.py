@@ -123,7 +123,7 @@ class TomlReader:
         except ExpressionError as error:
             raise self.toml.error(keys, error.within_formula()) from error
         except LiePoissonError as error:
-            raise self.toml.error(keys, str(error)) from error
+            raise self.toml.error(keys, str(error).removeprefix(_shown(keys))) from error
 
 
 def in_words(given: object) -> str:

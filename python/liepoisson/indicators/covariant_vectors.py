@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.indicators.mean_error import mean_error
 from liepoisson.indicators.tangent_frames import Carried, TangentFrames
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape

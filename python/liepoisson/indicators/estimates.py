@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.formula.scalars import as_array, as_count, as_number
 from liepoisson.inputs.arrays import ReadOnlyArrays, check_shape
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.refusals import counted

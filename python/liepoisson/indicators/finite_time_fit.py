@@ -20,8 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_deadline, as_number
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_deadline, as_number
 from liepoisson.indicators.estimates import (
     Estimate,
     FiniteTimeFit,

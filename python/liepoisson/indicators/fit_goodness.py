@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.indicators.estimates import Window
 from liepoisson.indicators.finite_time_fit import as_window, finite_time_fit, last_decade
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_shape

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_count, as_positive
 from liepoisson.indicators.estimates import Estimate, Resampling
 from liepoisson.indicators.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.indicators.tangent_frames import Clock, TangentFrames, as_duration, n_intervals

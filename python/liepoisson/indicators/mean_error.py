@@ -19,8 +19,7 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.indicators.estimates import Estimate, as_confidence
 from liepoisson.inputs.arrays import Array
 from liepoisson.portable import elementary, linear

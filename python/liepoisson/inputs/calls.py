@@ -72,12 +72,15 @@ _inside: ContextVar[bool] = ContextVar("inside a run", default=False)
 
 def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     """A function, or the `__init__` of a class, whose wrong calls are explained."""
+    code = inspect.unwrap(function).__code__  # as `inspect.signature` says, at less cost
+    by_place = code.co_varnames[: code.co_argcount]
+    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
     single = _single_arguments(function)
-    function.__doc__ = completed(function.__doc__, "Args", inspect.signature(function).parameters, ARGUMENTS)
+    function.__doc__ = completed(function.__doc__, "Args", names, ARGUMENTS)
 
     @wraps(function)
     def called(*args: P.args, **options: P.kwargs) -> R:
-        for name, value in (*zip(single, args, strict=False), *options.items()):
+        for name, value in (*zip(by_place, args, strict=False), *options.items()):
             flag = single.get(name) == _FLAG and isinstance(value, str)
             if flag or (single.get(name) and (isinstance(value, (bytes, bytearray)) or is_several(value))):
                 raise ParameterError(f"{name}: wanted {single[name]}; got {shown(value)}; give one value")
@@ -110,13 +113,14 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _single_arguments(function: Callable[..., Any]) -> dict[str, str]:
-    """What each argument must be, in order, where it is a flag, a text or one of some texts; else nothing."""
+    """What an argument must be, where it is a flag, a text or one of some texts."""
     found: dict[str, str] = {}
-    for name, parameter in inspect.signature(function).parameters.items():
-        kinds = str(parameter.annotation).removesuffix(" | None")
-        alias = get_origin(getattr(function, "__globals__", {}).get(kinds)) is Literal
-        found[name] = _FLAG if kinds == "bool" else "a text" if kinds == "str" or alias else ""
-        if kinds.startswith("Literal["):
+    scope = getattr(function, "__globals__", {})
+    for name, kinds in function.__annotations__.items():
+        kind = str(kinds).removesuffix(" | None")
+        if kind == "bool":
+            found[name] = _FLAG
+        elif kind == "str" or kind.startswith("Literal[") or get_origin(scope.get(kind)) is Literal:
             found[name] = "a text"
     return found
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from liepoisson.algebra.exact_numbers import is_sympy
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import sequence
 from liepoisson.io.files import write_atomically

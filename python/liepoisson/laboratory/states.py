@@ -17,7 +17,7 @@ from urllib.parse import parse_qsl, urlencode
 import numpy as np
 
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.given import by_name, listed, named
 from liepoisson.inputs.refusals import check_choice
 from liepoisson.laboratory.pages import checked_start, exact_text, shortest

@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import ChartError, ShapeError
-from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import Result, labelled, names_along, part
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.run import KeepsInvariants
 from liepoisson.numeric.systems import TOP_COMPONENTS
 from liepoisson.portable import linear
 

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_number
+from liepoisson.formula.scalars import as_array, as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import named

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import LeafError, ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_number, as_seed
+from liepoisson.formula.scalars import as_array, as_number, as_seed
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import is_data_set, is_named, named

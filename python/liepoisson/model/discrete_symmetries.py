@@ -29,8 +29,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import by_name

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.algebra.rational_polynomials import RationalPolynomial
-from liepoisson.algebra.triples import Scalar, Triple
 from liepoisson.formula.parameters import Column
-from liepoisson.model.top_parameters import TopNumbers, TopParameters
+from liepoisson.model.top_parameters import Scalar, TopNumbers, TopParameters, Triple
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from liepoisson.algebra.rational_polynomials import expression_of, values_of
 from liepoisson.compile.symbols import evaluated, first_of_equal, name_of_function
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import ANGLE

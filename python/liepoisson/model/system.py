@@ -28,10 +28,10 @@ from liepoisson.model.hamiltonian import (
     read_expression_in,
     read_functions,
     read_pairs_of_functions,
+    scope_of,
     with_exact_numbers,
 )
 from liepoisson.structure.bracket import Bracket, with_coefficients
-from liepoisson.structure.bracket_scope import scope_of
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
 

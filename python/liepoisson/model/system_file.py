@@ -48,7 +48,7 @@ from liepoisson.formula.scope import Scope, read_declaration, shape_of
 from liepoisson.formula.toml_text import TomlText
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import MAX_TITLE
-from liepoisson.structure.bracket_scope import scope_of
+from liepoisson.model.hamiltonian import scope_of
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System

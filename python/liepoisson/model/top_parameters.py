@@ -8,7 +8,7 @@ polynomials, without it.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from liepoisson.algebra.exact_numbers import Exact, as_coefficient, as_float, exceeds_sum, is_zero, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import ZERO, RationalPolynomial
 from liepoisson.algebra.rounded import rational
-from liepoisson.algebra.triples import Scalar, Triple
 from liepoisson.compile.field import TopField, Vector3
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.formula.parameters import Column, read_parameter
@@ -32,12 +31,43 @@ if TYPE_CHECKING:
 
 ExactVector: TypeAlias = tuple[Exact, Exact, Exact]
 
+Scalar: TypeAlias = Any
+"""Whatever can be added and multiplied."""
 
 DIMENSIONS = (3, 6, 9)
 """Numbers of coordinates: l, then alpha, then beta."""
 
 _DIFFERENCE = Fraction(1, 2**30)
 """Relative error that rounding the moments may leave in their differences, which are the coefficients of l'."""
+
+
+@dataclass(frozen=True, slots=True)
+class Triple:
+    """Three scalars of one kind in the formulas of tops: SymPy expressions, rational polynomials or numbers."""
+
+    first: Scalar
+    second: Scalar
+    third: Scalar
+
+    def __iter__(self) -> Iterator[Scalar]:
+        return iter((self.first, self.second, self.third))
+
+    def __getitem__(self, k: int) -> Scalar:
+        return (self.first, self.second, self.third)[k]
+
+    def __add__(self, other: Triple) -> Triple:
+        return Triple(*(x + y for x, y in zip(self, other, strict=True)))
+
+    def __rmul__(self, factor: Scalar) -> Triple:
+        return Triple(*(factor * x for x in self))
+
+    def dot(self, other: Triple) -> Scalar:
+        """The inner product."""
+        return self[0] * other[0] + self[1] * other[1] + self[2] * other[2]
+
+    def cross(self, other: Triple) -> Triple:
+        """The vector product."""
+        return Triple(*(self[i] * other[j] - self[j] * other[i] for i, j in ((1, 2), (2, 0), (0, 1))))
 
 
 class TopNumbers(NamedTuple):

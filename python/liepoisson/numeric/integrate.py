@@ -12,15 +12,13 @@ from numpy.typing import ArrayLike
 from liepoisson import _core
 from liepoisson.compile.field import TopField
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_number, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_number, as_time
 from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, pieces
-from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
+from liepoisson.numeric.run import IntegratedRun, KeepsInvariants, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
 from liepoisson.numeric.systems import HasField, component_names, core_field, without_value

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from liepoisson import _core
 from liepoisson.compile.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.formula.scalars import as_array, as_count, as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.refusals import check_choice, shown

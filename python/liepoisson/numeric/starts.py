@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_time
+from liepoisson.formula.scalars import as_array, as_time
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.given import is_data_set, is_named, is_several, labelled, listed, named
 from liepoisson.inputs.refusals import shown

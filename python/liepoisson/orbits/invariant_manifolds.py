@@ -23,8 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import OrbitError, ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_count, as_positive, as_seed, as_time
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import check_choice

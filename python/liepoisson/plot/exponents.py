@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.formula.scalars import as_array, as_count, as_number
 from liepoisson.indicators.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, sequence

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count
+from liepoisson.formula.scalars import as_array, as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import at_times, by_name
 from liepoisson.inputs.refusals import not_a
-from liepoisson.numeric.invariants import KeepsInvariants
+from liepoisson.numeric.run import KeepsInvariants
 from liepoisson.numeric.systems import has_invariants
 from liepoisson.plot.labels import label, vector_of, vector_symbol
 from liepoisson.plot.section import heading_of

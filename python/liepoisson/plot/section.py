@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_count, as_number, as_positive
+from liepoisson.formula.scalars import as_array, as_count, as_number, as_positive
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import as_scalar, listed
 from liepoisson.inputs.names import ANGLE

@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import TapeFunction
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import as_time
+from liepoisson.formula.scalars import as_array, as_time
 from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
 from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import ordered

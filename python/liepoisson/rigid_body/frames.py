@@ -20,8 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import Field
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT
+from liepoisson.formula.scalars import TIME_LIMIT, as_array
 from liepoisson.inputs.arrays import Array, check_shape, read_only
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import counted, not_a_system, shown
@@ -29,7 +28,7 @@ from liepoisson.io.result import Result, labelled, part
 from liepoisson.model.charts.quaternion_chart import components, rotation, shortest_turn
 from liepoisson.model.system import System
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.invariants import KeepsInvariants
+from liepoisson.numeric.run import KeepsInvariants
 from liepoisson.numeric.starts import StartsLike, as_starts, as_values
 from liepoisson.portable import linear
 from liepoisson.structure.lie_algebras import so

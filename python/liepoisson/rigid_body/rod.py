@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_count, as_time
 from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import counted

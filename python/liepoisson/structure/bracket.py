@@ -25,7 +25,6 @@ from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.constant_part import read_constant, with_linear_part_at
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
-from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix, linear_terms
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -35,7 +34,7 @@ if TYPE_CHECKING:
     from liepoisson.structure.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
     from liepoisson.structure.derivations import Constant, Derivation, Scaling
-    from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
     from liepoisson.structure.strata import Stratum
     from liepoisson.structure.trace_casimirs import TraceCasimirs
 
@@ -476,10 +475,14 @@ class Bracket:
     @cached_property
     def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
         """All (i, j, m, c) with sum_m c x_m the linear part of J_ij, both orders of i and j."""
+        from liepoisson.structure.poisson.poisson_tensor import linear_terms
+
         return linear_terms(self.algebra.dimension, self.algebra.brackets, self.extension)
 
     @cached_property
     def _matrix(self) -> PoissonMatrix:
+        from liepoisson.structure.poisson.poisson_tensor import PoissonMatrix
+
         return PoissonMatrix(self.variables, self._terms, self.constant)
 
     @cached_property

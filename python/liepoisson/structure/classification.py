@@ -16,9 +16,9 @@ from liepoisson.errors import ParameterError
 from liepoisson.formula.parameters import Parameter
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import free_name
-from liepoisson.structure.commutative.commutative_algebra import CommutativeAlgebra
-from liepoisson.structure.commutative.local_normal_form import RealFactor, SurdVector, real_factors
+from liepoisson.structure.commutative_algebra import CommutativeAlgebra
 from liepoisson.structure.extension import Extension, Products
+from liepoisson.structure.local_normal_form import RealFactor, SurdVector, real_factors
 from liepoisson.structure.normal_forms import complex_name
 
 if TYPE_CHECKING:

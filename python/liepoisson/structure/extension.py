@@ -25,7 +25,7 @@ from liepoisson.inputs.refusals import check_kind, not_a
 
 if TYPE_CHECKING:
     from liepoisson.structure.classification import Classification
-    from liepoisson.structure.commutative.commutative_algebra import CommutativeAlgebra, Vector
+    from liepoisson.structure.commutative_algebra import CommutativeAlgebra, Vector
 
 Products: TypeAlias = dict[tuple[int, int], dict[int, Exact]]
 """`products[mu, nu][lam]` with mu <= nu: the nonzero coefficients of e_mu e_nu along e_lam."""
@@ -294,7 +294,7 @@ class Extension:
 
     @cached_property
     def _algebra(self) -> CommutativeAlgebra:
-        from liepoisson.structure.commutative.commutative_algebra import CommutativeAlgebra
+        from liepoisson.structure.commutative_algebra import CommutativeAlgebra
 
         _check_associative(self.dimension, self.products)  # an unchecked extension has no unit, ideals, ...
         return CommutativeAlgebra(self.dimension, self.products)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.extension import Extension
     from liepoisson.structure.lie.lie_structure import LieStructure, Square, Subspace, Triple
-    from liepoisson.structure.lie.sparse_matrices import MatrixFamily
+    from liepoisson.structure.lie.matrix_family import MatrixFamily
 
 MAX_DIMENSION = 1000
 """The largest dimension: beyond it even sparse structure constants outgrow what anything here can work with."""

@@ -14,20 +14,11 @@ from itertools import combinations, permutations
 from numbers import Integral
 from typing import TypeAlias
 
-from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.tensors import read_names
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.structure.lie.sine_algebra import sine_brackets, sine_energy, sine_modes, sine_names
-from liepoisson.structure.lie.sparse_matrices import (
-    MatrixFamily,
-    add_multiple,
-    commutator,
-    entries_of,
-    in_field,
-    read_matrices,
-)
+from liepoisson.structure.lie.matrix_family import MatrixFamily
 from liepoisson.structure.lie_algebra import MAX_DIMENSION, LieAlgebra, joined_names
 
 __all__ = [
@@ -38,8 +29,6 @@ __all__ = [
     "heisenberg",
     "se",
     "sine",
-    "sine_energy",
-    "sine_modes",
     "sl",
     "so",
     "su",
@@ -289,6 +278,8 @@ def sine(N: int) -> LieAlgebra:
 
     References: Fairlie, Fletcher and Zachos (1989); Zeitlin (1991).
     """
+    from liepoisson.structure.lie.sine_algebra import sine_brackets, sine_names
+
     (size,) = read_sizes("sine", (N,), at_least=3)
     _check_size("sine", size * size - 1)
     if size % 2 == 0:
@@ -435,6 +426,9 @@ def read_representation(algebra: LieAlgebra, matrices: Sequence[object]) -> list
         ShapeError: not one square matrix per basis element, all of one size.
         BracketError: not a representation; the message names the pair.
     """
+    from liepoisson.algebra.coefficients import Coefficients
+    from liepoisson.structure.lie.sparse_matrices import add_multiple, commutator, entries_of, in_field, read_matrices
+
     read, size = read_matrices(matrices, "representation")
     if len(read) != algebra.dimension:
         raise ShapeError(

@@ -18,9 +18,8 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.formula.numbers import as_array
 from liepoisson.formula.parameters import names_of_places
-from liepoisson.formula.scalars import as_count, as_number, as_seed, as_time
+from liepoisson.formula.scalars import as_array, as_count, as_number, as_seed, as_time
 from liepoisson.indicators.verdict import Rule, as_rule, rule_of
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import as_scalar, listed, named

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from liepoisson import __version__, _core
 from liepoisson.compile.field import QuadraticField, TopField
 from liepoisson.errors import LiePoissonError, ParameterError
-from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_array
 from liepoisson.indicators.finite_time_exponents import exponents_of_many, finite_time_exponents
 from liepoisson.indicators.verdict import decide
 from liepoisson.inputs.arrays import Array

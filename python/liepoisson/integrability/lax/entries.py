@@ -26,9 +26,8 @@ from liepoisson.formula.grammar import parse
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import shown
-from liepoisson.model.hamiltonian import read_expression_in, with_exact_numbers
+from liepoisson.model.hamiltonian import read_expression_in, scope_of, with_exact_numbers
 from liepoisson.model.system import System
-from liepoisson.structure.bracket_scope import scope_of
 
 Element: TypeAlias = Any
 """A polynomial of FLINT, or a SymPy expression."""

@@ -3,6 +3,7 @@ r"""The paper's canonical chart: Euler angles and their momenta on a leaf of the
 $$\beta = w\,A\hat e_\parallel, \qquad \alpha = A\,(v\,\hat e_\parallel + r\,\hat e_\perp), \qquad \ell = Lp, \qquad
   r = \sqrt{\eta - 2\epsilon\,\ell\cdot\beta} .$$
 
+A takes space components to body components, with Goldstein's angles q = (phi, psi, theta), p = (p_phi, p_psi, p_theta).
 A gauge is made of the two space-fixed unit vectors, along beta and along the rest of alpha.
 
 References: Thiffeault and Morrison (2001), section "Canonical description"; the domain is ours.
@@ -25,7 +26,6 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import listed
 from liepoisson.model.canonical_system import CanonicalSystem
-from liepoisson.model.charts.euler_angles import angular_momentum, momenta_of, rotation_rows
 from liepoisson.model.charts.leaf_constants import (
     COMPONENTS,
     FIELDS,
@@ -45,6 +45,9 @@ if TYPE_CHECKING:
 
 ANGLES = ("phi", "psi", "theta")
 MOMENTA = ("p_phi", "p_psi", "p_theta")
+
+Turn: TypeAlias = tuple[Any, Any]
+"""The cosine and the sine of an angle."""
 
 NEAREST = 1e-10
 """Smallest margin at which a state is still given coordinates: there they have lost ten of their sixteen digits."""
@@ -364,3 +367,27 @@ class Gauge:
                     f"gauge must be two orthonormal vectors (e_par, e_perp); got {name} = {value!s:.40}. "
                     "Give exact numbers such as (3/5, 4/5, 0), or normalise them."
                 )
+
+
+def rotation_rows(phi: Turn, psi: Turn, theta: Turn) -> list[list[Any]]:
+    """The rows of the paper's matrix A, from cosines and sines of any kind (symbols, expressions, arrays)."""
+    (cf, sf), (cp, sp), (ct, st) = phi, psi, theta
+    return [
+        [cp * cf - ct * sf * sp, cp * sf + ct * cf * sp, sp * st],
+        [-sp * cf - ct * sf * cp, -sp * sf + ct * cf * cp, cp * st],
+        [st * sf, -st * cf, ct],
+    ]
+
+
+def angular_momentum(psi: Turn, theta: Turn, momenta: Sequence[Any]) -> list[Any]:
+    r"""The three components of $\ell = Lp$, with p = (p_phi, p_psi, p_theta)."""
+    (cp, sp), (ct, st) = psi, theta
+    p_phi, p_psi, p_theta = momenta
+    horizontal = (p_phi - p_psi * ct) / st
+    return [sp * horizontal + cp * p_theta, cp * horizontal - sp * p_theta, p_psi]
+
+
+def momenta_of(psi: Turn, theta: Turn, l: Sequence[Any]) -> list[Any]:
+    r"""The momenta $p = L^{-1}\ell$, with the paper's matrix $L^{-1}$; $\det L^{-1} = \sin\theta$."""
+    (cp, sp), (ct, st) = psi, theta
+    return [st * (sp * l[0] + cp * l[1]) + ct * l[2], l[2], cp * l[0] - sp * l[1]]

@@ -23,13 +23,12 @@ from numpy.typing import ArrayLike
 
 from liepoisson.algebra.exact_numbers import as_float, is_zero, to_sympy
 from liepoisson.errors import ChartError, ParameterError, ShapeError
-from liepoisson.formula.numbers import as_array
 from liepoisson.formula.parameters import Parameter, read_parameter
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.model.canonical_system import CanonicalSystem
-from liepoisson.model.charts.euler_angles import angular_momentum
-from liepoisson.model.charts.euler_chart import NEAREST, EulerChart
+from liepoisson.model.charts.euler_chart import NEAREST, EulerChart, angular_momentum
 from liepoisson.model.charts.leaf_constants import (
     COMPONENTS,
     FIELDS,

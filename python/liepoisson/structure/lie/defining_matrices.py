@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from liepoisson.algebra.coefficients import Coefficients
 
 if TYPE_CHECKING:
-    from liepoisson.structure.lie.sparse_matrices import MatrixAlgebra
+    from liepoisson.structure.lie.matrix_family import MatrixAlgebra
 
 Roots: TypeAlias = tuple[tuple[Fraction, int], ...]
 r"""A number $\sum q\,\zeta^a$ by its pairs (q, a), with $\zeta = e^{2\pi i/n}$ for an order n kept beside it."""

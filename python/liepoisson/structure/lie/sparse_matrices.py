@@ -1,16 +1,12 @@
-"""Matrices with exact entries, sparse: how they are read, their commutators, and the algebra that they span.
-
-`MatrixFamily` is what a Lie algebra remembers of the matrices that it was made of.
-"""
+"""Matrices with exact entries, sparse: how they are read, their commutators, and the algebra that they span."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import combinations
-from typing import Any, Protocol, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
@@ -20,47 +16,6 @@ from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.formula.tensors import Brackets
 from liepoisson.inputs.given import listed
-
-
-@dataclass(frozen=True)
-class MatrixFamily:
-    """Which family of matrices an algebra was made as, and its basis.
-
-    Attributes:
-        kind: "so", "su", "sl", "gl" or "sine".
-        size: Number of rows of the matrices.
-        basis: The matrices by their nonzero entries, small Gaussian integers; empty for the adjoint representation (so
-            in three dimensions) and for the sine algebra, which has matrices of its own.
-    """
-
-    kind: str
-    size: int
-    basis: tuple[Mapping[tuple[int, int], complex], ...] = ()
-
-
-class MatrixAlgebra(Protocol):
-    """A Lie algebra as its matrices see it; `LieAlgebra` is one."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        ...
-
-    @property
-    def dimension(self) -> int:
-        """The number of basis elements."""
-        ...
-
-    @property
-    def brackets(self) -> Brackets:
-        """The structure constants."""
-        ...
-
-    @property
-    def family(self) -> MatrixFamily | None:
-        """Which matrices it was made of."""
-        ...
-
 
 SparseMatrix: TypeAlias = dict[int, dict[int, Any]]
 """A matrix by its nonzero rows, each by its nonzero entries."""

@@ -149,10 +149,11 @@ class RunStore:
         """A stored piece, or the whole run, and the seconds that its integration took, checked."""
         record = self._records()[self._key(path)]
         try:
-            if _digest(path) != record["sha256"]:
-                raise _damaged(path, "its checksum does not match the one in manifest.json")
+            digest = _digest(path)
         except OSError as error:
             raise _damaged(path, f"it cannot be read ({error})") from error
+        if digest != record["sha256"]:
+            raise _damaged(path, "its checksum does not match the one in manifest.json")
         return lp.load(path), float(record["seconds"])
 
     def _key(self, path: Path) -> str:
@@ -254,8 +255,8 @@ def _writing(path: Path) -> Generator[None]:
         yield
     except OSError as error:
         raise lp.errors.OutputError(
-            f"could not write {path}: {error.strerror or error}. Free some space, or choose another folder; what is "
-            "finished is kept."
+            f"could not write {path}: {error.strerror or error}. If no space is left, free some, else choose another "
+            "folder; what is finished is kept."
         ) from error
 
 

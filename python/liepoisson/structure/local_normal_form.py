@@ -17,7 +17,7 @@ from liepoisson.algebra.quadratic_forms import (
     signature,
 )
 from liepoisson.algebra.real_fields import Scalar, Surd
-from liepoisson.structure.commutative.commutative_algebra import CommutativeAlgebra, Component, Vector
+from liepoisson.structure.commutative_algebra import CommutativeAlgebra, Component, Vector
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.normal_forms import (
     complex_truncated_polynomials,

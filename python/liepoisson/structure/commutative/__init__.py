@@ -1,1 +1,0 @@
-"""Under the extensions: the structure of commutative algebras and the way to their normal forms."""
