@@ -184,3 +184,34 @@ class Result(ReadOnlyArrays, Tabular):
     def _repr_html_(self) -> str:
         """What a notebook shows: the line of the result, and its dataset."""
         return as_line(repr(self)) + self.dataset._repr_html_()  # pyright: ignore[reportPrivateUsage]  # IPython's protocol
+
+
+class Kept(Result):
+    """A result that is written whole, as plain data beside its table; it is read again, and not repeated."""
+
+    rows = ("orbit",)
+
+    @abstractmethod
+    def record(self) -> Any:
+        """All of it as plain data that JSON can write."""
+
+    @classmethod
+    @abstractmethod
+    def of_record(cls, record: Any, system: Any) -> Self:
+        """The result that `record` has written, of the system of its file."""
+
+    @abstractmethod
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table by name, one-dimensional arrays; vectors have one column for each component."""
+
+    def arguments(self) -> dict[str, Any]:
+        """What a run is repeated with: nothing, as what a search finds depends on where it looked."""
+        return {}
+
+    def save(self, path: str | Path) -> Path:
+        """Writes a NetCDF file; `liepoisson.load` reads it as the same object.
+
+        Raises:
+            OutputError: The name does not end in .nc, or the file cannot be written; or the system has no text.
+        """
+        return super().save(path)

@@ -32,7 +32,6 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.free_parameter import FreeParameter
@@ -42,22 +41,17 @@ from liepoisson.orbits.closed_orbits import (
     ISOLATED,
     Momenta,
     PeriodicOrbit,
-    orbit_columns,
     problem_at,
     with_parameter,
 )
 from liepoisson.orbits.closing import GROWTH, Loops, guessed
 from liepoisson.orbits.level import level_of
-from liepoisson.orbits.multipliers import HYPERBOLIC, SymmetricOrbit
+from liepoisson.orbits.multipliers import HYPERBOLIC, SymmetricOrbit, orbit_columns
+from liepoisson.orbits.saved_orbits import SavedOrbits
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from xarray import Dataset
-
     from liepoisson.model.system import System
-    from liepoisson.orbits.saved_families import SavedFamily
 
 _FIRST = 1e-2
 """The first step, and the amplitude of the first orbit around an equilibrium, in units of the level."""
@@ -113,7 +107,7 @@ class FamilyPoint(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OrbitFamily(Found[PeriodicOrbit], Tabular):
+class OrbitFamily(Found[PeriodicOrbit], SavedOrbits):
     """Periodic orbits of a family, in their order along it.
 
     Example:
@@ -129,6 +123,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         end: Why it ends.
     """
 
+    kind = "orbit family"
     titles = ("along", "period", "stability", "multipliers", "residual")
 
     along: str
@@ -137,8 +132,8 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
     end: str
 
     @property
-    def system(self) -> System:
-        """The system."""
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system, that of the first orbit where a parameter varies."""
         return self.found[0].system
 
     @property
@@ -165,26 +160,9 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         for one in self.points:
             words = f"{one.kind} at {value_of(one.orbit, self.along):.9g}"
             points[one.after] = ", ".join(filter(None, [points[one.after], words]))
-        return orbit_columns(self.found, self.system) | {"next_point": np.array(points)}
-
-    @property
-    def dataset(self) -> Dataset:
-        """The family as a labelled xarray Dataset."""
-        return self._saved.dataset
-
-    def save(self, path: str | Path) -> Path:
-        """Writes a NetCDF file; `liepoisson.load` reads it as the same family, from whose last orbit another may go on.
-
-        Raises:
-            OutputError: The name does not end in .nc, or the file cannot be written.
-        """
-        return self._saved.save(path)
-
-    @property
-    def _saved(self) -> SavedFamily:
-        from liepoisson.orbits.saved_families import SavedFamily
-
-        return SavedFamily.of(self)
+        columns = orbit_columns(self.found, self.system)
+        value = {} if self.along in columns else {self.along: self.value}
+        return value | columns | {"next_point": np.array(points)}
 
     def _head(self) -> str:
         points = ", ".join(f"{one.kind} at {value_of(one.orbit, self.along):.9g}" for one in self.points)

@@ -28,17 +28,18 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time
 from liepoisson.indicators.mean_error import mean_error
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
-from liepoisson.inputs.deadline import CUT_SHORT, Deadline, checkpoint, has_passed
+from liepoisson.inputs.deadline import Deadline, checkpoint, has_passed
 from liepoisson.inputs.given import sequence
-from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import PeriodicOrbit, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import PeriodicOrbit, problem_at
 from liepoisson.orbits.guesses import shortest
 from liepoisson.orbits.level import level_of
+from liepoisson.orbits.multipliers import orbit_columns
+from liepoisson.orbits.saved_orbits import SearchedOrbits
 from liepoisson.orbits.shooting import Flow
 from liepoisson.poincare.first_return import FirstReturn, first_return
 from liepoisson.poincare.section import Section, section
@@ -249,7 +250,7 @@ class ReturnMap:
                 pass
             cut = has_passed()
         order = sorted(range(len(found)), key=lambda k: (-round(found[k].rate * found[k].period, 9), found[k].period))
-        return Cycles(tuple(found[k] for k in order), tuple(states[k] for k in order), n, count, level.text, cut)
+        return Cycles(self, tuple(found[k] for k in order), tuple(states[k] for k in order), n, count, level.text, cut)
 
     @property
     def _dimension(self) -> int:
@@ -331,7 +332,7 @@ class MapExponents(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Cycles(Found[PeriodicOrbit], Tabular):
+class Cycles(SearchedOrbits[PeriodicOrbit]):
     """Cycles of a map of first return, as periodic orbits.
 
     Example:
@@ -341,6 +342,7 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         (7, (1, 4))
 
     Attributes:
+        back: The map.
         found: The orbits, the largest multiplier first.
         points: Of each the points on the section, in the order of travel, shape (n_points, component).
         n_points: How many.
@@ -349,8 +351,10 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    kind = "cycles"
     titles = ("period", "stability", "multipliers", "residual")
 
+    back: ReturnMap
     found: tuple[PeriodicOrbit, ...]
     points: tuple[Array, ...]
     n_points: int
@@ -358,22 +362,19 @@ class Cycles(Found[PeriodicOrbit], Tabular):
     level: str
     is_cut_short: bool = False
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.back.system
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each cycle its period, stability, first point and multipliers."""
-        if not self.found:
-            return {"period": np.zeros(0)}
-        system = self.found[0].system
-        first = np.array([points[0] for points in self.points]).T
-        places = {f"point_{name}": column for name, column in zip(system.component_names, first, strict=True)}
-        return places | orbit_columns(self.found, system)
+        first = [points[0] for points in self.points]
+        return vector_columns("point", first, self.system.component_names) | orbit_columns(self.found, self.system)
 
     def _head(self) -> str:
-        plural = "" if len(self.found) == 1 else "s"
-        what = f"fixed point{plural}" if self.n_points == 1 else f"cycle{plural} of {self.n_points} points"
-        return (
-            f"{len(self.found) or 'No'} {what} on {self.level}, found from {self.n_starts} states of the "
-            f"section{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
-        )
+        noun, where = ("fixed point", "") if self.n_points == 1 else ("cycle", f"of {self.n_points} points ")
+        return self._sentence(noun, f"{where}on {self.level}", "{} states of the section")
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
         return f"{one.period:.8f}", one.stability, one.multiplier_words, f"{one.residual:.0e}"
