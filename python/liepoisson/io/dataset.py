@@ -22,7 +22,7 @@ from liepoisson.inputs.arrays import read_only
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import another_format, write_atomically
 from liepoisson.io.netcdf import netcdf, read_netcdf
-from liepoisson.io.result import KEY, ArrayLabel, Kept, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
+from liepoisson.io.result import KEY, ArrayLabel, Kept, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result, Saved
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -33,20 +33,21 @@ _LONGEST_ATTRIBUTE = 32_000
 """Characters: HDF5 keeps attributes of up to 64 kB."""
 
 
-def dataset_of(result: Result) -> Dataset:
+def dataset_of(result: Saved) -> Dataset:
     """The dataset of a result."""
     import xarray as xr
 
     writer = _Writer()
-    values = writer.whole(result) if isinstance(result, Kept) else writer.values_of(result)
+    if isinstance(result, Kept):
+        writer.whole(result)
+    else:
+        writer.records["run"] = writer.values_of(result)
     system = result.system
     # json writes a float with the digits that give the same float back
-    texts = {name: json.dumps(value) for name, value in {**writer.records, "run": values}.items()}
+    texts = {name: json.dumps(value) for name, value in writer.records.items()}
     attributes = {"format": FORMAT, "kind": type(result).kind, "system": str(system.name), "version": _core.__version__}
     attributes |= texts
     text = getattr(system, "text", None)
-    if text is None and isinstance(result, Kept):
-        raise OutputError(f"{system.name!r} has no text that it could be read from again; keep the table, to_csv(path)")
     if text is not None:
         attributes |= {"system_file": text, "system_kind": type(system).__name__}
     for name in (*texts, "system_file"):
@@ -176,20 +177,19 @@ class _Writer:
                 values[item.name] = _plain(value, name)
         return values
 
-    def whole(self, result: Kept) -> dict[str, Any]:
+    def whole(self, result: Kept) -> None:
         """The columns of its table, those of a state as one array, and the result itself as plain data."""
-        self.records["record"] = result.record()
-        (row,), components = result.rows, list(result.system.component_names)
+        self.records |= result.records()
+        row, components = result.row, list(result.system.component_names)
         self.coordinates["component"] = components
         columns = result.columns()
         for name in [one.removesuffix(f"_{components[0]}") for one in columns]:
             parts = [f"{name}_{component}" for component in components]
             if {*parts} <= {*columns}:
                 vector = np.stack([columns.pop(part) for part in parts], axis=1)
-                self.array(name, vector, ArrayLabel((row, "component"), {"long_name": name}))
+                self.array(name, vector, ArrayLabel((row, "component"), {"long_name": f"{name}, a state"}))
         for name, column in columns.items():
             self.array(name, column, ArrayLabel((row,), {"long_name": name.replace("_", " ")}))
-        return {}
 
     def array(self, name: str, value: Any, label: ArrayLabel) -> None:
         dims = _written_dims(label.dims, value.ndim)

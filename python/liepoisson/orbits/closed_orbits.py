@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_number
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.formula.scalars import as_number
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
 from liepoisson.inputs.refusals import check_kind

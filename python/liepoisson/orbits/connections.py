@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods, shows_progress
 from liepoisson.inputs.deadline import blocks, checkpoint, has_passed
 from liepoisson.io.tables import vector_columns

@@ -75,7 +75,7 @@ class InvariantManifold(_Saved):
         error: The largest measured distance of a start from the manifold, in units of the level.
     """
 
-    rows = ("manifold",)
+    row = "manifold"
 
     base: Base
     kind: str = field()  # pyright: ignore[reportIncompatibleVariableOverride]

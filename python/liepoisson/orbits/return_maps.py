@@ -367,6 +367,11 @@ class Cycles(SearchedOrbits[PeriodicOrbit]):
         """The system."""
         return self.back.system
 
+    @property
+    def method(self) -> Method:
+        """How the map follows orbits."""
+        return self.back.method
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each cycle its period, stability, first point and multipliers."""
         first = [points[0] for points in self.points]

@@ -27,7 +27,7 @@ from liepoisson.model.free_parameter import FreeParameter, values_of
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.model.system import System
 from liepoisson.model.system_text import formula_text
-from liepoisson.numeric.methods import METHODS, method_of, method_record
+from liepoisson.numeric.methods import METHODS, Method, Taylor, method_of, method_record
 
 T = TypeVar("T")
 
@@ -60,15 +60,20 @@ CLASSES = {
 class SavedOrbits(Kept):
     """A result that is made of orbits and of what belongs to them."""
 
-    def record(self) -> Any:
-        """All of it as plain data that JSON can write."""
+    @property
+    def method(self) -> Method:
+        """How its orbits were followed."""
+        return Taylor()
+
+    def records(self) -> dict[str, Any]:
+        """All of it as plain data that JSON can write, and the method."""
         writer = _Writer(self.system)
         whole = writer.plain(self)
-        return {"whole": whole, "objects": writer.objects}
+        return {"record": {"whole": whole, "objects": writer.objects}, "method": method_record(self.method)}
 
     @classmethod
     def of_record(cls, record: Any, system: Any) -> Self:
-        """The result that `record` has written.
+        """The result whose "record" was written.
 
         Raises:
             Exception: of many kinds, if something is missing or altered.
@@ -117,20 +122,21 @@ class _Writer:
         """A value as plain data: what JSON does not have is a dictionary that says what it is."""
         match value:
             case None | bool() | int() | float() | str():
-                return value
+                record = value
             case np.generic():
-                return value.item()
+                record = value.item()
             case np.ndarray():
                 parts = [value.real, value.imag] if value.dtype.kind == "c" else [value]
-                return {"array": [part.ravel().tolist() for part in parts], "shape": list(value.shape)}
+                record = {"array": [part.ravel().tolist() for part in parts], "shape": list(value.shape)}
             case tuple():
-                return [self.plain(one) for one in value]
+                record = [self.plain(one) for one in value]
             case Mapping():
-                return {"mapping": {name: self.plain(one) for name, one in value.items()}}
+                record = {"mapping": {name: self.plain(one) for name, one in value.items()}}
             case Fraction() | Expr():
-                return {"number": str(value)}
+                record = {"number": str(value)}
             case _:
-                return {"object": self._place(value)}
+                record = {"object": self._place(value)}
+        return record
 
     def _place(self, value: Any) -> int:
         if (place := self._places.get(id(value))) is not None:
@@ -163,7 +169,9 @@ class _Writer:
         other = {name: value for name, value in given.items() if own.get(name) != value}
         record = {name: self.plain(value) for name, value in other.items()}
         if not (other and given.keys() == own.keys() and are_equal(_with_values(self.system, other), system)):
-            raise OutputError(f"orbits of different systems, {self.system.name!r} and {system.name!r}, have no one file")
+            raise OutputError(
+                f"orbits of different systems, {self.system.name!r} and {system.name!r}, have no one file"
+            )
         return record
 
 

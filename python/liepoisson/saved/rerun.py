@@ -20,7 +20,7 @@ from liepoisson.formula.scalars import as_time_limit
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.dataset import check_format, read_dataset, result_of, stored, text_of
-from liepoisson.io.result import Kept, Result
+from liepoisson.io.result import Kept, Saved
 from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
 from liepoisson.numeric.systems import as_field
@@ -105,7 +105,7 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
 
 @explains_its_arguments
 def rerun(
-    source: str | Path | Dataset | Result,
+    source: str | Path | Dataset | Saved,
     *,
     threads: int | None = None,
     time_limit: float = math.inf,
@@ -152,7 +152,7 @@ def rerun(
     """
     given: Any = source
     spec = _spec_of_table(source)
-    if spec is None and not isinstance(source, Result):
+    if spec is None and not isinstance(source, Saved):
         given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
     if spec is not None or given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
