@@ -83,9 +83,9 @@ def of_equal_steps(name, step):
 
 def states_of(back):
     if back.system is HENON:
-        return np.array([lifted(0.1, 0.05, 0.1), lifted(-0.2, 0.1, 0.12)]), ["y", "p_x"]
+        return np.array([lifted(0.03 * k, 0.05 - 0.02 * k, 0.1) for k in range(-5, 6)]), ["y", "p_x"]
     surface = lp.sections.good_surface(TOP)
-    states = lp.sections.section_starts(lp.Leaf(TOP, LEVEL), surface, energy=0.5, n_starts=2, seed=3, direction=1)
+    states = lp.sections.section_starts(lp.Leaf(TOP, LEVEL), surface, energy=0.5, n_starts=12, seed=3, direction=1)
     return states, ["l1", "l3", "alpha1", "alpha2"]
 
 
@@ -93,16 +93,16 @@ def states_of(back):
 def test_the_derivative_is_that_of_the_map_that_a_method_computes(name):
     """As differences of the same map say, which is 1e-3 and more from that of the flow."""
     back, h = of_equal_steps(name, 0.2), 1e-5
-    for x in states_of(back)[0]:
-        steps = h * np.eye(len(x))
-        wanted = np.array([(back(x + e).state - back(x - e).state) / (2 * h) for e in steps]).T
+    for x in states_of(back)[0][:2]:
         slope = back.surface.gradient(x)
-        moved = np.eye(len(x)) - np.outer(slope, slope) / (slope @ slope)  # along the section
-        np.testing.assert_allclose(back.derivative(x) @ moved, wanted @ moved, atol=2e-6 * np.abs(wanted).max())
+        along = np.eye(len(x)) - np.outer(slope, slope) / (slope @ slope)  # along the section
+        wanted = np.array([(back(x + h * e).state - back(x - h * e).state) / (2 * h) for e in along]).T
+        np.testing.assert_allclose(back.derivative(x) @ along, wanted, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", EQUAL_STEPS)
 def test_images_and_areas_are_those_of_the_flow_to_the_order_of_the_method(name):
+    """The last step has any length up to the others, and its own error: of many states one is near the largest."""
     exact, _, order = EQUAL_STEPS[name]
     states, coordinates = states_of(exact)
     errors = []
@@ -121,7 +121,7 @@ def test_images_and_areas_are_those_of_the_flow_to_the_order_of_the_method(name)
 @pytest.mark.parametrize("name", EQUAL_STEPS)
 def test_the_map_of_a_method_is_an_orbit_and_has_an_inverse_and_exponents(name):
     back = of_equal_steps(name, 0.05)
-    states, _ = states_of(back)
+    states = states_of(back)[0][:2]
     once, run = back(states), back.orbit(states, 3)
     np.testing.assert_allclose(run.state[run.time < np.repeat(once.time, 3) + 1e-9], once.state, atol=1e-12)
     inverse = lp.sections.return_map(
