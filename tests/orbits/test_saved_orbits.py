@@ -1,11 +1,14 @@
 """Orbits and what was found of them in files: they come back as they were, with what they share, and go on."""
 
+from dataclasses import is_dataclass
 from functools import cache
 
 import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.io.result import Kept
+from liepoisson.orbits.saved_orbits import CLASSES
 from liepoisson.saved.rerun import KEPT
 
 HENON = lp.catalog.system("henon-heiles")
@@ -94,7 +97,12 @@ def kept():
 
 
 def test_every_kind_is_here():
+    def kinds(of):
+        return {kind for one in of.__subclasses__() for kind in ({one, *kinds(one)})}
+
     assert kept().keys() == KEPT.keys()
+    assert {type(one) for one in kept().values()} == {kind for kind in kinds(Kept) if is_dataclass(kind)}
+    assert {name for name, _ in KEPT.values()} <= CLASSES.keys()
 
 
 def same(one, other):

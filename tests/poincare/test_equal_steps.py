@@ -79,6 +79,23 @@ def test_gaps_failures_and_kept_functions():
     assert found.end_time[0] < 1.1
 
 
+def test_a_pole_and_a_jump_are_no_crossings():
+    swing = lp.System(lp.canonical(1), "p1^2/2 + q1^2/2")
+    for surface in ("1/q1", "(q1 - 1/3)^(-3)", "atan(1/q1)"):
+        assert not len(lp.section(swing, [[1, 0]], surface=surface, t_end=20, method=METHOD).time)
+    both = lp.section(swing, [[1, 0]], surface="(q1 - 1/2)/(q1 + 1/2)", t_end=6.28, method=METHOD)
+    np.testing.assert_allclose(both.state[:, 0], 0.5, atol=1e-14)
+
+
+def test_a_crossing_takes_few_steps(monkeypatch):
+    from liepoisson.poincare import equal_steps
+
+    made = []
+    monkeypatch.setattr(equal_steps, "after", lambda *given, after=equal_steps.after: made.append(0) or after(*given))
+    found = lp.section(HENON, STATES, **OF_X, method=METHOD)
+    assert len(made) < 8 * len(found.time)
+
+
 def test_backwards_and_without_starts():
     forth = lp.section(HENON, STATES[:1], surface="y", t_end=20, method=METHOD)
     back = lp.section(HENON, forth.end_state, surface="y", t_end=-20, method=METHOD)

@@ -53,7 +53,9 @@ class Tabular(ABC):
         return write_csv(path, self.columns())
 
 
-def vector_columns(name: str, vectors: Sequence[Any], names: Sequence[str] | None = None) -> dict[str, NDArray[Any]]:
+def vector_columns(
+    name: str, vectors: Sequence[Any] | NDArray[Any], names: Sequence[str] | None = None
+) -> dict[str, NDArray[Any]]:
     """A column for each component of vectors that are the rows, by the names of the components or numbers from 1."""
     rows = np.array(vectors, dtype=np.float64).reshape(len(vectors), -1 if len(vectors) else len(names or ()))
     labels = range(1, rows.shape[1] + 1) if names is None else names

@@ -56,7 +56,7 @@ class _Saved(SavedOrbits):
 
 
 @explains_its_methods
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class InvariantManifold(_Saved):
     r"""The unstable or stable manifold of an equilibrium or a periodic orbit, by orbits from its linear one.
 

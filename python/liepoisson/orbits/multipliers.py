@@ -16,7 +16,6 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -258,7 +257,7 @@ class SymmetricOrbit(ClosedOrbit):
         """2T: after this time the orbit is at the image of its start under P."""
         return 2 * self.time
 
-    @cached_property
+    @property
     def period(self) -> float:
         """The time after which it closes: 2T times the number of images of the start under P."""
         closing = linear.matmul(self.last.matrix, self.first.matrix)

@@ -48,7 +48,7 @@ _MOST_STEPS = 12
 class Precise(SavedOrbits):
     """Decimal texts of an orbit, which liepoisson reads as exact numbers."""
 
-    orbit: PeriodicOrbit | SymmetricOrbit | HomoclinicOrbit
+    orbit: Any
 
     @property
     def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]

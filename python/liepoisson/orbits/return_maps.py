@@ -375,8 +375,8 @@ class ReturnMap:
         """The orbit of a cycle, with its multipliers."""
         level, units = exact.level, exact.level.units
         inverse = replace(self, t_end=-self.t_end, direction=-self.direction)
-        loops = [one._around(x, len(times))[3] * units / units[:, None] for one in (self, inverse)]
-        spectrum = loop_spectrum(*loops, level.gradients(x) * units, self.system.vector_field(x) / units)
+        forth, back = (one._around(x, len(times))[3] * units / units[:, None] for one in (self, inverse))
+        spectrum = loop_spectrum(forth, back, level.gradients(x) * units, self.system.vector_field(x) / units)
         residual = float(np.abs((points[-1] - x) / units).max())
         return replace(
             exact, start=x, time=float(times.sum()), n_segments=1, residual=residual, multipliers=spectrum.values,

@@ -113,7 +113,9 @@ def crossings_in_equal_steps(
             system,
             np.array([walk.state for walk in active]).reshape(len(active), tape.n_components),
             times=times - times[0],
-            **{**options.inner(), "progress": None},
+            method=method,
+            threads=options.threads,
+            time_limit=options.left,
         )
         values, order, kernel = values_of_tape(tape, orbit.state)[..., 0], orbit.order, orbit.kernel
         for k, walk in enumerate(active):
@@ -175,21 +177,22 @@ class _Walk:
     def go(self, times: Array, states: Array, values: Array, outcome: str, wanted: tuple[int, int | None]) -> None:
         """Takes some steps, until the wanted number of crossings or where the method failed."""
         begins = not self.n_steps
-        if begins:
-            near = abs(values[0]) <= _AT_THE_START * abs(values[1] - values[0])
-            self.side = self.side if near or not np.isfinite(values[0]) else int(np.sign(values[0]))
+        near = begins and bool(abs(values[0]) <= _AT_THE_START * abs(values[1] - values[0]))
+        if begins and not near and np.isfinite(values[0]):
+            self.side = int(np.sign(values[0]))
         for k in range(len(times) - 1):
             if not np.isfinite(states[k + 1]).all():
                 self.outcome, self.is_done = outcome, True
                 return
             side = int(np.sign(values[k + 1])) if np.isfinite(values[k + 1]) else 0
             is_seen = bool(np.isfinite(values[k : k + 2]).all())
-            if side and self.side and side != self.side:
-                if not is_seen:
-                    self.n_lost += 1
-                elif wanted[0] in (0, side):
-                    at_start = begins and k == 0 and near
-                    self._cross(times[k : k + 2], states[k : k + 2], 0.0 if at_start else None, side)
+            changes = side * self.side < 0
+            self.n_lost += changes and not is_seen
+            if changes and is_seen and wanted[0] in (0, side):
+                part = 0.0 if near and k == 0 else self._part(float(times[k + 1] - times[k]), states[k])
+                if part is not None:
+                    state = after(self.system, states[k], part, self.method)
+                    self.crossings.append((float(times[k]) + part, state, side))
             if not is_seen:
                 self.n_unseen += 1
                 self.undefined += float(abs(times[k + 1] - times[k]))
@@ -203,29 +206,32 @@ class _Walk:
         if outcome != "finished":
             self.outcome, self.is_done = outcome, True
 
-    def _cross(self, times: Array, states: Array, part: float | None, side: int) -> None:
-        """Keeps the crossing of a step, at the part of it where the surface is met."""
-        part = self._part(float(times[1] - times[0]), states[0]) if part is None else part
-        self.crossings.append((float(times[0]) + part, after(self.system, states[0], part, self.method), side))
+    def _part(self, step: float, state: Array) -> float | None:
+        """The time after a state at which a shorter step ends on the surface, to the last digits; None at a pole.
 
-    def _part(self, step: float, state: Array) -> float:
-        """The time after a state at which a shorter step ends on the surface, to the last digits."""
+        By false position, where an end that stays twice counts half, so that it moves, too (the Illinois rule).
+        """
         low, high = 0.0, step
-        first, last = self._value(state, low), self._value(state, high)
-        best = min((abs(first), low), (abs(last), high))
+        first, last = (self._value(state, time) for time in (low, high))
+        sizes = [abs(first), abs(last)]  # at the present ends
+        best, largest, moved = min((sizes[0], low), (sizes[1], high)), max(sizes), 0
         for _ in range(_MOST_TRIALS):
-            middle = (low * last - high * first) / (last - first) if last != first else np.nan
+            if best[0] == 0.0 or abs(high - low) <= 4 * np.finfo(float).eps * abs(step):
+                break
+            middle = (low * last - high * first) / (last - first)
             if not min(low, high) < middle < max(low, high):
                 middle = 0.5 * (low + high)
             value = self._value(state, middle)
-            best = min(best, (abs(value), middle))
-            if value == 0.0 or not np.isfinite(value) or abs(high - low) <= 4 * np.finfo(float).eps * abs(step):
-                break
-            if (value > 0) == (last > 0):  # the other end counts half, so that it moves, too (the Illinois rule)
-                high, last, first = middle, value, 0.5 * first
+            if not np.isfinite(value):
+                return None
+            if (value > 0) == (last > 0):
+                high, last, first, sizes[1] = middle, value, first / 2 if moved > 0 else first, abs(value)
+                moved = 1
             else:
-                low, first, last = middle, value, 0.5 * last
-        return float(best[1])
+                low, first, last, sizes[0] = middle, value, last / 2 if moved < 0 else last, abs(value)
+                moved = -1
+            best = min(best, (abs(value), middle))
+        return None if best[0] > 0.0 and min(sizes) >= largest else float(best[1])
 
     def _value(self, state: Array, time: float) -> float:
         return float(values_of_tape(self.tape, after(self.system, state, time, self.method))[0])
