@@ -195,7 +195,7 @@ class ClosedOrbit(SavedOrbits):
 
 def orbit_columns(orbits: Sequence[ClosedOrbit], system: System) -> dict[str, NDArray[Any]]:
     """The columns of a table of orbits: energy, Casimirs, times, stability, start and multipliers of each."""
-    listed = ("period", "return_time", "rate", "stability", "residual", "pair_defect", "trivial_defect")
+    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect", "return_time")
     names, functions = system.component_names, system.functions
     starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
     multipliers = np.array([one.multipliers for one in orbits], dtype=np.complex128)
