@@ -44,6 +44,7 @@ def test_a_family_comes_back_as_it_was(tmp_path, make):
     assert repr(again) == repr(family)
     assert [repr(one) for one in again] == [repr(one) for one in family]
     assert again.to_dataframe().equals(family.to_dataframe())
+    assert family.to_dataframe()[family.along].tolist() == family.value.tolist()
     pairs = zip((*family, *(p.orbit for p in family.points)), (*again, *(p.orbit for p in again.points)), strict=True)
     for one, other in pairs:
         np.testing.assert_array_equal(other.start, one.start)
