@@ -20,6 +20,7 @@ from liepoisson import results as results
 from liepoisson import sections as sections
 from liepoisson import sweeps as sweeps
 from liepoisson import systems as systems
+from liepoisson import tori as tori
 from liepoisson._core import __version__ as __version__
 from liepoisson.equilibrium.leaf_equilibria import equilibria as equilibria
 from liepoisson.indicators.finite_time_exponents import finite_time_exponents as finite_time_exponents

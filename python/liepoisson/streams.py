@@ -44,6 +44,12 @@ class Purpose(IntEnum):
     """Amplitudes on the linear spaces of source and target, and the surface on which orbits from both are compared."""
     DIRECTIONS = 16
     """Directions of invariant manifolds with more than two of them."""
+    PERIOD_LATTICE = 17
+    """Times of commuting flows from which closing ones are looked for."""
+    CRITICAL_POINTS = 18
+    """States from which critical points of a momentum map are looked for."""
+    FIBRES = 19
+    """States of a fibre, of which those that flows join are one torus."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 

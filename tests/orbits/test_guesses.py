@@ -155,6 +155,19 @@ def test_the_period_can_be_held_instead_of_the_energy():
     assert 4 * ellipk((1 + orbit.energy) / 2) == pytest.approx(7, rel=1e-12)
 
 
+@pytest.mark.parametrize("period", [6.29, 6.3, 6.31])
+def test_a_held_period_leads_to_orbits_that_are_smaller_than_the_guess(period):
+    """Newton's method holds the state across the flow at the guess, which may be further away than they are large."""
+    orbit = lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=period, hold="period")
+    assert orbit.period == period
+    assert lp.orbits.periodic_orbit(HENON, orbit).period == pytest.approx(period, rel=1e-12)
+
+
+def test_no_energy_is_said_to_be_held_where_the_period_is():
+    with pytest.raises(lp.errors.OrbitError, match=r"at the period 6\.2, of any energy\. Give"):
+        lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=6.2, hold="period")
+
+
 @pytest.mark.parametrize(("system", "energy"), [(PENDULUM, 0), (HENON, "1/10")], ids=["pendulum", "henon-heiles"])
 def test_a_constant_in_the_hamiltonian_changes_no_orbit(system, energy):
     wanted = lp.orbits.periodic_orbits(system, {}, energy, n_starts=10)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import ellipk
 
 import liepoisson as lp
 
@@ -90,3 +91,78 @@ def test_lyapunov_families_of_a_heavy_top(number):
     for one in family:
         assert closes(one, 1e-11)
         assert one.pair_defect < 1e-9
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("turns", range(3))
+def test_straight_orbits_of_henon_and_heiles(turns):
+    r"""All three, up to the saddle: with the roots $y_1 < y_2 < y_3$ of $2E - y^2 + 2y^3/3$ the period is
+    $\sqrt{24/(y_3 - y_1)}\,K(m)$, $m = (y_2 - y_1)/(y_3 - y_1)$."""
+    system = lp.catalog.system("henon-heiles")
+    angle = 2 * np.pi * turns / 3
+    start = [0, 0, -0.2 * np.sin(angle), 0.2 * np.cos(angle)]
+    straight = lp.orbits.periodic_orbit(system, start, period=6.3)
+    family = lp.orbits.orbit_family(system, straight, until=0.165, longest_step=0.1)
+    assert len(family) > 10
+    for one in family:
+        first, second, third = np.sort(np.roots([2 / 3, -1, 0, 2 * one.energy]).real)
+        parameter = (second - first) / (third - first)
+        assert one.period == pytest.approx(np.sqrt(24 / (third - first)) * ellipk(parameter), rel=1e-13)
+        np.testing.assert_allclose(one.states(9)[:, :2] @ [np.cos(angle), np.sin(angle)], 0, atol=1e-12)
+
+
+def hill(k, rest_length, amplitude):
+    """Of x'' = -k(1 - l0/r(t)) x with r(t) = l0 + 1/k + A cos(sqrt(k) t), the trace after one period, by DOP853."""
+    rate = np.sqrt(k)
+
+    def rates(t, z):
+        stiffness = k * (1 - rest_length / (rest_length + 1 / k + amplitude * np.cos(rate * t)))
+        return [z[1], -stiffness * z[0], z[3], -stiffness * z[2]]
+
+    run = solve_ivp(rates, (0, 2 * np.pi / rate), [1, 0, 0, 1], "DOP853", rtol=1e-13, atol=1e-14)
+    return run.y[0, -1] + run.y[3, -1]
+
+
+@pytest.mark.thorough
+def test_the_vertical_orbits_of_a_spring_pendulum():
+    r"""They are harmonic, $2\pi/\sqrt k$, with the energy $kA^2/2$, until the mass comes to the pivot; across them the
+    motion is Hill's, and at its first parametric resonance the orbits with twice the period leave."""
+    k, rest_length = 3, 3 / 4
+    system = lp.catalog.system("spring-pendulum", {"k": k, "l0": "3/4"})
+    length = rest_length + 1 / k
+    rest = lp.phase_space.equilibrium(system, [0, -length, 0, 0])
+    np.testing.assert_allclose(rest.frequencies, [length**-0.5, k**0.5], rtol=1e-14)
+    family = lp.orbits.orbit_family(system, rest, mode=0, until=rest.energy + k * (0.9 * length) ** 2 / 2)
+    assert family.end == "the wanted value"
+    np.testing.assert_allclose(family.period, 2 * np.pi / np.sqrt(k), rtol=1e-14)
+    for one in family:
+        trace = hill(k, rest_length, np.sqrt(2 * (one.energy - rest.energy) / k))
+        assert one.multipliers.sum().real == pytest.approx(trace, rel=1e-10)
+    (point,) = family.points
+    resonance = brentq(lambda amplitude: hill(k, rest_length, amplitude) + 2, 0.1, 0.2, xtol=1e-14)
+    assert point.kind == "double period"
+    assert point.orbit.energy == pytest.approx(rest.energy + k * resonance**2 / 2, rel=1e-12)
+
+
+ONLY_IN_FAMILIES = {"charged-lagrange", "leibniz-lagrange-4", "leibniz-lagrange-5", "twisted-lagrange"}
+"""Of these the short search below finds orbits that are not alone on their level, which it counts."""
+NONE_FOUND = {
+    *("henon-heiles-kdv", "henon-heiles-sawada-kotera", "so21-heavy-top", "so21-twisted-top", "three-wave", "toda"),
+}
+"""Of these, whose levels are not bounded, nothing."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted({*lp.catalog.names()} - {"twisted-top"}))  # which has no numbers
+def test_orbits_of_the_catalog_close_by_another_integrator(name):
+    """All that are found on the level of a random state."""
+    system = lp.catalog.system(name)
+    state = 0.4 * np.random.default_rng(1).standard_normal(len(system.component_names))
+    if name in {"double-pendulum", "spring-pendulum"}:
+        state[1] -= 0.6
+    leaf = {casimir: float(f(state)) for casimir, f in system.functions.casimirs.items()}
+    found = lp.orbits.periodic_orbits(system, leaf, float(system.functions.energy(state)), n_starts=20)
+    for one in found:
+        assert closes(one, 1e-11)
+    assert (len(found) > 0) == (name not in ONLY_IN_FAMILIES | NONE_FOUND)
+    assert (len(found) + found.n_families > 0) == (name not in NONE_FOUND)

@@ -55,6 +55,29 @@ def test_the_pendulum_from_its_equilibrium():
     assert family.period[0] == pytest.approx(2 * np.pi, abs=1e-3)
 
 
+UNITS = {
+    "p1^2/2 - cos(q1/10^6)": (1e6, 1, 1e6),
+    "10^6*(p1^2/2 - cos(q1/10^6))": (1e6, 1e6, 1),
+    "10^-6*(p1^2/2 - cos(10^6*q1))": (1e-6, 1e-6, 1),
+    "p1^2/2 - cos(1000*q1)": (1e-3, 1, 1e-3),
+}
+
+
+@pytest.mark.parametrize("text", UNITS)
+def test_the_pendulum_in_other_units(text):
+    """H is no polynomial, which says in what units it is ordinary: those of the orbit do."""
+    length, energy, time = UNITS[text]
+    system = lp.System(lp.canonical(1), text)
+    start = lp.orbits.periodic_orbit(system, [length, 0], period=7 * time)
+    family = lp.orbits.orbit_family(system, start, until=0.8 * energy)
+    assert family.end == "the wanted value"
+    assert len(family) < 30
+    np.testing.assert_allclose(family.period, 4 * time * ellipk((1 + family.value / energy) / 2), rtol=1e-12)
+    small = lp.orbits.orbit_family(system, lp.phase_space.equilibrium(system, [0, 0]), max_orbits=20)
+    assert small.end == "20 orbits"
+    np.testing.assert_allclose(small.period, 4 * time * ellipk((1 + small.value / energy) / 2), rtol=1e-10)
+
+
 def test_the_lyapunov_family_of_a_saddle():
     """6.2675781399503 at E = 1.1, by DOP853 with fsolve."""
     rest = lp.phase_space.equilibrium(SADDLE, [np.pi, 0, 0, 0])

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from liepoisson.studies.twisted_top.claims.evidence import Evidence
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, summary_of
 from liepoisson.studies.twisted_top.typography import show
 
 
@@ -36,3 +36,14 @@ def test_evidence_records_each_step():
     assert failed.correct_statement.endswith("g: 2 (computed 3); h (the value is 0).")
     evidence.verdict = "wrong"
     assert evidence.conclude().verdict == "not settled"
+
+
+def test_floating_point_numbers_are_no_part_of_a_proof():
+    evidence = Evidence("holds")
+    evidence.zero("a", sp.Integer(0))
+    assert evidence.computation("b", True, ["c"], [("d", "e"), (-1, "2·10⁻³")])
+    verdict = evidence.conclude()
+    assert summary_of(verdict.steps) == "1 identity"
+    assert verdict.certificate == "✓ a\n✓ In floating point: b\n    c\n     d       e\n    −1  2·10⁻³"
+    assert not evidence.computation("f", False)
+    assert "✗ In floating point: f — not borne out" in evidence.conclude().certificate

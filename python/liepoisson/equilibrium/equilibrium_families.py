@@ -1,9 +1,8 @@
 r"""Families of equilibria: followed in a Casimir, in the value of an integral, or in a parameter.
 
 With one value, or a parameter, set free the solutions of the equations (`liepoisson.equilibrium.family_equations`) form
-curves, which are followed by their tangents (pseudo-arclength), so that folds are no obstacle.  Along a curve the
-following functions, each in its order, are continuous, and their zeros are located by the secant method (Illinois) to
-round-off:
+curves (`liepoisson.numeric.curves`).  Along a curve the following functions, each in its order, are continuous, and
+their zeros are located:
 
 * the derivative of the free value along the tangent; it vanishes at a fold;
 * the eigenvalues of the second variation on the level of what is held, modulo symmetries.  Where one passes zero the
@@ -26,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.equilibrium.equilibrium_list import equilibrium_columns
-from liepoisson.equilibrium.family_equations import HOLDS, SAME, FamilyEquations, Place, family_equations, value_of
+from liepoisson.equilibrium.family_equations import FamilyEquations, Place, family_equations, value_of
 from liepoisson.equilibrium.stability import Equilibrium
-from liepoisson.errors import ParameterError, TimeLimitError
+from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
@@ -36,18 +35,11 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.io.display import Found
 from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_energy, as_system
+from liepoisson.numeric.curves import HOLDS, LONGEST, Follower, Zero
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
-
-_FIRST, _LONGEST, _SHORTEST = 1e-2, 0.2, 1e-6
-"""The first and the longest step, in units of the leaf, and the shortest, relative to the longest."""
-_GOOD, _BAD = 0.2, 0.5
-"""The step grows where its tangents differ by less than the first angle, and is made again above the second."""
-_SECANTS, _TRIALS, _ROUND_OFF = 60, 8, 1e-14
-_TOO_SHORT, _SINGULAR = "the steps became too short", "a singular level"
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +129,7 @@ def equilibrium_family(
     until: float | str | None = None,
     increasing: bool | None = None,
     max_equilibria: int = 200,
-    longest_step: float = _LONGEST,
+    longest_step: float = LONGEST,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> EquilibriumFamily:
@@ -176,174 +168,56 @@ def equilibrium_family(
     """
     run = RunOptions.read(None, None, time_limit, progress)
     system, most = as_system(system), as_count(max_equilibria, "max_equilibria", least=2, most=100_000)
-    longest = as_positive(longest_step, "longest_step", "a length > 0", example=_LONGEST)
+    longest = as_positive(longest_step, "longest_step", "a length > 0", example=LONGEST)
     bound = None if until is None else as_energy(until, "until")
     first = start.equilibrium if isinstance(start, EquilibriumFamilyPoint) else start
     if not isinstance(first, Equilibrium):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"start: wanted an equilibrium or a point of a family; got {shown(start)}")
-    follower = _Follower(family_equations(system, first, along), longest)
-    found: list[Equilibrium] = []
-    points: list[EquilibriumFamilyPoint] = []
-    end = ""
+    equations = family_equations(system, first, along)
     with run.deadline.running():
-        follower.begin(start, bound, increasing=increasing)
-        found.append(follower.equations.equilibrium(follower.place))
-        while not end and len(found) < most:
-            try:
-                end = follower.advance(bound)
-                if end == _TOO_SHORT:  # it has not moved
-                    break
-                points += follower.points_between(len(found) - 1)
-                if follower.is_singular:
-                    end = _SINGULAR
-                    break
-                found.append(follower.equations.equilibrium(follower.place))
-            except TimeLimitError:
-                end = "the time limit"
-            run.tell(len(found) / most)
-    return EquilibriumFamily(along, tuple(found), tuple(points), end or f"{most} equilibria")
+        follower = _follower(equations, start, longest)
+        if first is start:
+            follower.turn_towards(bound, increasing)
+        found, zeros, end = follower.followed(bound, most, run, equations.equilibrium)
+    points = tuple(_point(equations, zero) for zero in zeros)
+    return EquilibriumFamily(along, found, points, end or f"{most} equilibria")
 
 
-class _Follower:
-    """A place that moves along a family."""
+def _follower(equations: FamilyEquations, start: EquilibriumFamilyStart, longest: float) -> Follower[Place]:
+    """What begins at the start, or at the first place of a branch that leaves a family there.
 
-    def __init__(self, equations: FamilyEquations, longest: float) -> None:
-        self.equations, self.longest, self.step = equations, longest, min(_FIRST, longest)
-        self.place, self.is_singular = equations.first(), False
+    Raises:
+        ParameterError: it is singular or not isolated, or there is no branch.
+    """
+    place = equations.first()
+    if equations.is_singular(place):
+        raise ParameterError(
+            f"start: wanted independent gradients of {', '.join(equations.held)}; got dependent ones. Leave out "
+            "integrals that are critical there"
+        )
+    if isinstance(start, EquilibriumFamilyPoint):
+        if start.kind != "branch":
+            raise ParameterError(f'start: wanted a point of the kind "branch"; got a {start.kind}')
+        follower = Follower(equations, place, longest)
+        if not follower.leave(start.tangent):
+            raise ParameterError("start: no branch was found beside the family; it may be tangent to it")
+        return follower
+    place = equations.solved(place.unknowns, place, equations.value(place))
+    if not place.residual <= HOLDS or len(equations.null_space(place)) > 1:
+        raise ParameterError(
+            "start: wanted an equilibrium that is isolated on its level, but for the motions of known integrals; "
+            "this one is not. Begin beside it; branches are found along the family"
+        )
+    return Follower(equations, place, longest)
 
-    def begin(self, start: EquilibriumFamilyStart, bound: float | None, *, increasing: bool | None) -> None:
-        """The first place, and the direction in which it goes on.
 
-        Raises:
-            ParameterError: it is singular or not isolated, or there is no branch.
-        """
-        equations = self.equations
-        if equations.is_singular(self.place):
-            raise ParameterError(
-                f"start: wanted independent gradients of {', '.join(equations.held)}; got dependent ones. Leave out "
-                "integrals that are critical there"
-            )
-        if isinstance(start, EquilibriumFamilyPoint):
-            return self._begin_a_branch(start)
-        unknowns = self.place.unknowns
-        self.place = equations.solved(unknowns, self.place, equations.value(unknowns))
-        space = equations.null_space(self.place)
-        if not self.place.residual <= HOLDS or len(space) > 1:
-            raise ParameterError(
-                "start: wanted an equilibrium that is isolated on its level, but for the motions of known integrals; "
-                "this one is not. Begin beside it; branches are found along the family"
-            )
-        slope = float(linear.matmul(equations.slope(self.place.unknowns), space[0]))
-        if increasing is None:
-            increasing = bound is None or bound > equations.value(self.place.unknowns)
-        self.tangent = -space[0] if (slope < 0) == increasing and slope != 0 else space[0]
-        return None
-
-    def _begin_a_branch(self, point: EquilibriumFamilyPoint) -> None:
-        """The first place of a branch: across the family in the null space."""
-        if point.kind != "branch":
-            raise ParameterError(f'start: wanted a point of the kind "branch"; got a {point.kind}')
-        space = self.equations.null_space(self.place)
-        along = linear.matmul(space, point.tangent)[:, None]
-        for direction in linear.matmul(linear.complement(along / linear.norm(along)).T, space):
-            self.tangent, self.step = direction, min(_FIRST, self.longest)
-            for _ in range(_TRIALS):
-                new = self.moved(self.step)
-                if new.residual <= HOLDS:
-                    self.tangent, _ = self._turned(new)
-                    self.place = new
-                    return
-                self.step /= 2
-        raise ParameterError("start: no branch was found beside the family; it may be tangent to it")
-
-    def moved(self, length: float, wanted: float | None = None) -> Place:
-        """The place after a step along the tangent, corrected across it, or to the wanted value."""
-        guess = self.place.unknowns + length * self.tangent * self.place.units
-        return self.equations.solved(guess, self.place, self.tangent if wanted is None else wanted)
-
-    def _turned(self, new: Place) -> tuple[Array, float]:
-        """The tangent of a new place, and its angle to the tangent before."""
-        before = self.tangent * self.place.units / new.units
-        space = self.equations.null_space(new)
-        share = linear.matmul(space, before / linear.norm(before))
-        cosine = float(linear.norm(share))
-        return linear.matmul(share, space) / (cosine or 1.0), float(elementary.arccos(min(1.0, cosine)))
-
-    def advance(self, bound: float | None) -> str:
-        """Go on by one place; why the family ends there, or nothing."""
-        while self.step > _SHORTEST * self.longest:
-            new, length, is_last = self.moved(self.step), self.step, False
-            old, value = (self.equations.value(one.unknowns) for one in (self.place, new))
-            holds = new.residual <= HOLDS
-            if bound is not None and holds and old != bound and (old - bound) * (value - bound) <= 0:
-                length *= (bound - old) / (value - old)
-                new, is_last = self.moved(length, bound), True
-            if new.residual <= HOLDS:
-                tangent, angle = self._turned(new)
-                if angle < _BAD:
-                    break
-            self.step /= 2
-        else:
-            return _TOO_SHORT
-        self.before = self.place, self.tangent, length
-        self.place, self.tangent = new, tangent
-        if angle < _GOOD:
-            self.step = min(self.longest, 1.5 * self.step)
-        return "the wanted value" if is_last else ""
-
-    def points_between(self, number: int) -> list[EquilibriumFamilyPoint]:
-        """What changes between the last two places, up to a singular level.
-
-        Args:
-            number: That of the first of them.
-        """
-        now, last = (self.place, self.tangent), self.equations.tests(self.place, self.tangent)
-        self.place, self.tangent, length = self.before
-        found: list[EquilibriumFamilyPoint] = []
-        try:
-            located: list[tuple[float, str, Place]] = []
-            for kind, first in self.equations.tests(self.place, self.tangent).items():
-                low, high = sorted(int((one < 0).sum()) for one in (first, last[kind]))
-                for k in range(low, high) if len(first) == len(last[kind]) else ():
-                    located.append(self._located(kind, k, (first[k], last[kind][k]), length))
-            where = -np.inf
-            for at, kind, place in sorted(located, key=lambda one: one[0]):
-                if self.equations.is_singular(place):
-                    self.is_singular = True
-                    break
-                if kind == "collision" or at - where > SAME * length:  # a fold is a zero of two functions
-                    found.append(self._point(kind, place, number))
-                    where = where if kind == "collision" else at
-        finally:
-            self.place, self.tangent = now
-        return found
-
-    def _point(self, kind: str, place: Place, number: int) -> EquilibriumFamilyPoint:
-        """A located point, with what it is."""
-        equations = self.equations
-        if kind == "collision":
-            one, other = min(combinations(equations.squares(place), 2), key=lambda pair: abs(pair[0] - pair[1]))
-            kind = "Hamiltonian Hopf" if one.real + other.real < 0 else kind
-        else:
-            kind = "branch" if len(equations.null_space(place)) > 1 else "fold"
-        value, tangent = equations.value(place.unknowns), self._turned(place)[0]
-        return EquilibriumFamilyPoint(kind, value, equations.equilibrium(place), number, tangent)
-
-    def _located(self, kind: str, k: int, ends: tuple[float, float], length: float) -> tuple[float, str, Place]:
-        """Where the k-th of the test functions of a kind vanishes, by the secant method in the step."""
-        (low, high), a, b, side = ends, 0.0, length, 0
-        middle, place = length, self.place
-        for _ in range(_SECANTS):
-            middle = (a * high - b * low) / (high - low)
-            place = self.moved(middle)
-            if self.equations.is_singular(place):
-                break
-            tests = self.equations.tests(place, self._turned(place)[0])[kind]
-            value = float(tests[k]) if k < len(tests) else 0.0
-            if value == 0 or b - a <= _ROUND_OFF * length:
-                break
-            if value * high > 0:
-                b, high, low, side = middle, value, low / 2 if side == 1 else low, 1
-            else:
-                a, low, high, side = middle, value, high / 2 if side == -1 else high, -1
-        return middle, kind, place
+def _point(equations: FamilyEquations, zero: Zero[Place]) -> EquilibriumFamilyPoint:
+    """A located point, with what it is; unknowns that are known to be as small as the residual may be are zero."""
+    kind, at = zero.kind, zero.point.unknowns
+    place = equations.place(np.where(np.abs(at) <= HOLDS * zero.point.units, 0.0, at))
+    if kind == "collision":
+        one, other = min(combinations(equations.squares(place), 2), key=lambda pair: abs(pair[0] - pair[1]))
+        kind = "Hamiltonian Hopf" if one.real + other.real < 0 else kind
+    else:
+        kind = "branch" if len(equations.null_space(place)) > 1 else "fold"
+    return EquilibriumFamilyPoint(kind, equations.value(place), equations.equilibrium(place), zero.after, zero.tangent)

@@ -12,7 +12,7 @@ state held across their motions, steps of least squares converge quadratically.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -30,13 +30,12 @@ from liepoisson.inputs.refusals import check_choice
 from liepoisson.leaf._checks import are_equal
 from liepoisson.model.free_parameter import FreeParameter, StateAndParameter, values_of
 from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.numeric.curves import HOLDS, Curve
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
 
-HOLDS = 1e-12
-"""The largest residual, relative to the sizes of terms; Newton's method usually ends at 1e-16."""
 SAME = 1e-6
 """Singular values of the equations below this, relative, are zero at a located point, and so are gradients."""
 _MOST_STEPS, _RANK = 20, 1e-11
@@ -67,7 +66,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyEquations:
+class FamilyEquations(Curve[Place]):
     """The equations, with all functions of z: the state, and the parameter behind it if one varies.
 
     Attributes:
@@ -103,14 +102,14 @@ class FamilyEquations:
         """Split into z and the multipliers."""
         return unknowns[: len(self.start)], unknowns[len(self.start) :]
 
-    def value(self, unknowns: Array) -> float:
+    def value(self, point: Place) -> float:
         """What varies."""
-        z = self.parts(unknowns)[0]
+        z = self.parts(point.unknowns)[0]
         return float(z[-1] if self.free is None else self.held[self.free](z))
 
-    def slope(self, unknowns: Array) -> Array:
+    def slope(self, point: Place) -> Array:
         """Its derivative by the unknowns, in units."""
-        z, multipliers = self.parts(unknowns)
+        z, multipliers = self.parts(point.unknowns)
         own = np.eye(len(z))[-1] if self.free is None else self.held[self.free].gradient(z)
         return np.append(own * self.units, np.zeros(len(multipliers)))
 
@@ -119,7 +118,7 @@ class FamilyEquations:
         n = self.n
         state = place.unknowns[:n] / self.units[:n]
         state = np.where(np.abs(state) < np.finfo(float).eps * np.abs(state).max(initial=0.0), 0.0, state)
-        return equilibrium(self.system_at(self.value(place.unknowns)), state * self.units[:n], along=self.kept)
+        return equilibrium(self.system_at(self.value(place)), state * self.units[:n], along=self.kept)
 
     def first(self) -> Place:
         """The start, with multipliers of least squares."""
@@ -208,9 +207,10 @@ class FamilyEquations:
             if isinstance(aim, np.ndarray):
                 row, value = aim, float(linear.matmul(aim, (unknowns - guess) / near.units))
             else:
-                slope = self.slope(unknowns)
+                here = replace(near, unknowns=unknowns)
+                slope = self.slope(here)
                 length = float(linear.norm(slope)) or 1.0
-                row, value = slope / length, (self.value(unknowns) - aim) / length
+                row, value = slope / length, (self.value(here) - aim) / length
             rows, values = np.concatenate([rows, row[None]]), np.append(values, value)
             size = float(np.abs(values).max())
             if not (np.isfinite(rows).all() and np.isfinite(size)) or (size >= least and size < HOLDS):
@@ -220,10 +220,11 @@ class FamilyEquations:
             unknowns = unknowns - linear.matmul(linear.pinv(rows, rcond=_RANK), values) * near.units
         return self.place(best, least)
 
-    def null_space(self, place: Place) -> Array:
+    def null_space(self, point: Place, n: int = 1) -> Array:
         """Orthonormal directions in which the equations hold to first order, the curve's among them, shape (k, ...)."""
-        _, sizes, rows = linear.svd(self.linearised(place.unknowns, place)[0])
-        return rows[min(int((sizes > SAME * sizes[0]).sum()), len(rows) - 1) :]
+        del n
+        _, sizes, rows = linear.svd(self.linearised(point.unknowns, point)[0])
+        return rows[min(int((sizes > SAME * sizes[0]).sum()), len(rows) - 1) :] * point.units
 
     def _flows(self, place: Place) -> tuple[LinearFlow, LinearFlow]:
         """The linearised flow modulo symmetries, and with the second variation on the level of what is held.
@@ -250,12 +251,14 @@ class FamilyEquations:
         chosen = np.append(values[values.imag > 0], real[(len(real) + 1) // 2 :])
         return linear.times(chosen, chosen)
 
-    def tests(self, place: Place, tangent: Array) -> dict[str, Array]:
-        """Functions that pass zero where something changes, each in its order."""
+    def tests(self, point: Place, tangent: Array) -> dict[str, Array]:
+        """Functions that pass zero where something changes, each in its order; none at a singular level."""
+        if self.is_singular(point):
+            return {}
         return {
-            "fold": np.array([linear.matmul(self.slope(place.unknowns), tangent)]),
-            "branch": linear.eigvalsh(self._flows(place)[1].hessian),
-            "collision": np.sort(_gaps(self.squares(place))),
+            "fold": np.array([linear.matmul(self.slope(point), tangent)]),
+            "branch": linear.eigvalsh(self._flows(point)[1].hessian),
+            "collision": np.sort(_gaps(self.squares(point))),
         }
 
 

@@ -152,6 +152,10 @@ class Problem:
     symmetry: DiscreteSymmetry | None
     momenta: Mapping[str, float]
 
+    def in_units(self, units: Array) -> Problem:
+        """The same in other units of the level."""
+        return replace(self, closing=replace(self.closing, level=replace(self.closing.level, units=units)))
+
     def loops(
         self, states: Array, times: Array, angles: Array | None = None, *, n_segments: int | None = None
     ) -> Loops:

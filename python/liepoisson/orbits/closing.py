@@ -211,13 +211,16 @@ class Closing:
             values.append(linear.einsum("ni,i->n", moved, extra)[:, None])
         return np.concatenate(rows, axis=1), np.concatenate(values, axis=1)
 
-    def null_space(self, loops: Loops, n: int) -> Array:
+    def null_space(self, loops: Loops, found: Linearised, n: int) -> Array:
         """The n directions (state, relative time, angles) in which one loop moves most nearly along loops.
 
         The equations hold one function less than fixes the loop, so that loops form a curve, or several that cross.
+
+        Raises:
+            LinAlgError: an orbit does not reach its time.
         """
         here = loops.state, loops.time, loops.angle
-        rows, _ = self._equations(self.linearised(*here), here, (loops.state[:, 0], loops.time, loops.angle), None)
+        rows, _ = self._equations(found, here, (loops.state[:, 0], loops.time, loops.angle), None)
         return linear.svd(rows)[2][0, -n:]
 
 

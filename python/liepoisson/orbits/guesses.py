@@ -136,6 +136,8 @@ def periodic_orbit(
         loops = problem.closing.solved(
             problem.loops(states, times, angles if angles.shape[1] == k else None, n_segments=count)
         )
+        if not problem.closed(loops).any():  # once more, held across the flow where they came, not at a far guess
+            loops = problem.closing.solved(loops)
         is_orbit = problem.closed(loops)
         best = int(np.argmin(np.where(is_orbit, -1.0, loops.residual)))
         if loops.residual[best] <= CLOSES and not is_orbit[best]:
@@ -144,9 +146,10 @@ def periodic_orbit(
                 f"{problem.closing.level.text}, which is at rest{' or only turns' if k else ''}"
             )
         if not is_orbit[best]:
+            where = ", of any energy" if holds_period else f" on {problem.closing.level.text}"
             raise OrbitError(
                 f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to "
-                f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g} on {problem.closing.level.text}. "
+                f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g}{where}. "
                 "Give a nearer guess, or one of lp.orbits.symmetric_periodic_orbits"
             )
         run.tell(0.5)

@@ -210,11 +210,16 @@ def open_questions(claims: Iterable[Entry]) -> list[dict[str, Any]]:
     """The questions of the paper, each with the answers that this run bears out; without any, it is not settled.
 
     A question has `text`, `place`, `words` (of the paper) and `answers`; an answer has `status` (a key of
-    `STATUS_CLASSES`), `text`, and the `claim` whose check shows it, with the `verdict` that it must have.
+    `STATUS_CLASSES`), `text`, with numbers from the data of this run, and the `claim` whose check shows it, with the
+    `verdict` that it must have.
     """
-    verdicts = {str(claim["id"]): str(claim["verdict"]) for claim in claims}
+    found = {str(claim["id"]): claim for claim in claims}
     none = {"status": "not settled", "text": "Nothing that was computed for this page decides it.", "claim": ""}
-    return [
-        {**question, "answers": [a for a in question["answers"] if verdicts.get(a["claim"]) == a["verdict"]] or [none]}
-        for question in TEXTS["open_questions"]
-    ]
+
+    def borne_out(answers: Iterable[Entry]) -> list[dict[str, Any]]:
+        known = [(a, found[a["claim"]]) for a in answers if a["claim"] in found]
+        return [
+            {**a, "text": a["text"].format_map(claim["data"])} for a, claim in known if claim["verdict"] == a["verdict"]
+        ]
+
+    return [{**question, "answers": borne_out(question["answers"]) or [none]} for question in TEXTS["open_questions"]]

@@ -16,6 +16,7 @@ from liepoisson.studies.twisted_top.claims import (
     canonical,
     charged,
     discussion,
+    homoclinic,
     leaves,
     nonintegrable,
     numerics,
@@ -41,7 +42,7 @@ __all__ = [
     "twisted_bracket",
 ]
 
-MODULES = (canonical, charged, discussion, leaves, nonintegrable, numerics, twisted)
+MODULES = (canonical, charged, discussion, homoclinic, leaves, nonintegrable, numerics, twisted)
 """Where the checks are."""
 
 

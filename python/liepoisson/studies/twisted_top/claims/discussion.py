@@ -142,63 +142,6 @@ def nearby_integrable_case(evidence: Evidence, context: Context) -> None:
     )
 
 
-@checks("homoclinic-orbits")
-def homoclinic_orbits(evidence: Evidence, context: Context) -> None:
-    """An elementary family of homoclinic orbits, for any inertia."""
-    from sympy import Symbol, symbols
-
-    top = symbolic_top(context, a=("a1", 0, 0), b=(0, 0, "b3"))
-    l, alpha, beta = top.vectors
-    a1, epsilon, moment = top.a[0], top.epsilon, top.inertia[2]
-    plane = {l[0]: 0, l[1]: 0, alpha[2]: 0, beta[0]: 0, beta[1]: 0}
-    z, x, y, B = l[2], alpha[0], alpha[1], beta[2]
-    off_plane = [top.rate(component).subs(plane) for component in (*plane, B)]
-    evidence.zero(
-        "a = (a₁, 0, 0), b = (0, 0, b₃): l = (0, 0, z), α = (x, y, 0), β = (0, 0, B) is invariant, B constant",
-        off_plane,
-    )
-    rates = [top.rate(component).subs(plane) for component in (z, x, y)]
-    wanted = (-a1 * y, y * z / moment, -x * z / moment + epsilon * B * a1)
-    evidence.zero(
-        "dz/dt = −a₁y, dx/dt = yz/I₃, dy/dt = −xz/I₃ + εBa₁", [r - v for r, v in zip(rates, wanted, strict=True)]
-    )
-    # With c = cosh(k t) and s = sinh(k t), c^2 = 1 + s^2; m = sqrt(a1 d I3), so that a1 d = m^2/I3.
-    c, s, z0, m = symbols("c s z0 m")
-    k = Symbol("k")
-    k_squared = (m**2 - z0**2) / moment**2
-    d = m**2 / (a1 * moment)
-    strength = d * z0 / (moment * a1)  # epsilon B at the saddle, from x z = epsilon B a1 I3
-    zt = z0 + 2 * k_squared * moment**2 / (z0 + m * c)
-    yt = -_rate(zt, c, s, k) / a1
-    xt = (z0**2 / (2 * moment) + a1 * d - zt**2 / (2 * moment)) / a1
-    residuals = (
-        _rate(xt, c, s, k) - yt * zt / moment,
-        _rate(yt, c, s, k) + xt * zt / moment - strength * a1,
-    )
-    evidence.zero(
-        "with z₀ ≠ 0, d = εBI₃a₁/z₀, m² = a₁dI₃ and k² = (m² − z₀²)/I₃² > 0, "
-        "z = z₀ + 2k²I₃²/(z₀ ± m cosh kt), x = (z₀²/2I₃ + a₁d − z²/2I₃)/a₁, y = −(dz/dt)/a₁ solves them",
-        [_hyperbolic(residual, c, s, k, k_squared) for residual in residuals],
-    )
-    evidence.note(
-        "For t → ±∞ it tends to the saddle z = z₀, x = d, y = 0. (Either sign of m; for B = 0, z = 2I₃k sech kt.)"
-    )
-
-
-def _rate(f: Any, c: Any, s: Any, k: Any) -> Any:
-    """Time derivative of a function of c = cosh kt, s = sinh kt."""
-    return k * (f.diff(c) * s + f.diff(s) * c)
-
-
-def _hyperbolic(expression: Any, c: Any, s: Any, k: Any, k_squared: Any) -> Any:
-    """The numerator with s^2 = c^2 - 1 and the known k^2 inserted."""
-    from sympy import Poly, fraction, together
-
-    numerator, _ = fraction(together(expression))
-    terms = Poly(numerator.expand(), s, k).terms()
-    return sum(f * (c**2 - 1) ** (i // 2) * s ** (i % 2) * k_squared ** (j // 2) * k ** (j % 2) for (i, j), f in terms)
-
-
 def _table(counts: Sequence[lp.results.FirstIntegrals]) -> list[tuple[object, ...]]:
     """The sizes of the searches; products of known integrals span all integrals but those that were found."""
     rows = [

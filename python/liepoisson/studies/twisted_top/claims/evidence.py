@@ -19,10 +19,11 @@ Ruling: TypeAlias = Literal[
 ]
 Method: TypeAlias = Literal["exact", "enclosed", "numerical"]
 StepKind: TypeAlias = Literal[
-    "note", "identity", "value", "counterexample", "rank", "search", "enclosure", "measurement"
+    "note", "identity", "value", "counterexample", "rank", "search", "enclosure", "measurement", "computation"
 ]
 
-# How the kinds are named where a verdict says what it rests on, singular and plural, the most telling first.
+# How the kinds are named where a verdict says what it rests on, singular and plural, the most telling first.  What is
+# computed in floating-point numbers beside a proof is no part of it.
 _NAMES: dict[StepKind, tuple[str, str]] = {
     "counterexample": ("counter-example", "counter-examples"),
     "rank": ("rank certificate", "rank certificates"),
@@ -262,6 +263,14 @@ class Evidence:
         """State what rigorous enclosures have proved just now; the table has a column for each arithmetic."""
         rows = tuple(tuple(map(str, row)) for row in table)
         return self._record(Step("enclosure", what, True, "", tuple(computed), rows))
+
+    def computation(
+        self, what: str, succeeded: bool, computed: Sequence[str] = (), table: Sequence[Sequence[object]] = ()
+    ) -> bool:
+        """State what was computed in floating-point numbers, with errors, beside what is proved."""
+        rows = tuple(tuple(map(show, row)) for row in table)
+        remark = "" if succeeded else "not borne out"
+        return self._record(Step("computation", f"In floating point: {what}", succeeded, remark, tuple(computed), rows))
 
     def proof(
         self,

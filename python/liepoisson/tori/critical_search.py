@@ -1,0 +1,272 @@
+r"""Critical points of a momentum map on a leaf, by Newton's method from random states; their rank and type.
+
+A state x is critical where the fields are dependent, $\sum_k\lambda_kX_{F_k}(x) = 0$ with $|\lambda| = 1$.  With the
+equations of the leaf these are solved for $(x, \lambda)$ by steps of least norm, as critical points come in families:
+orbits of the flows, and more of them beside.  There the function $\sum_k\lambda_kF_k$ rests, and its linearised flow
+on the leaf is symplectic.  With the rank r of the fields, $2r$ of its eigenvalues vanish; of the others [eliasson1990,
+bolsinov2004]
+
+- a pair $\pm i\nu$ is an *elliptic* direction,
+- a pair $\pm\nu$ a *hyperbolic* one,
+- four $\pm\mu\pm i\nu$ are *focus-focus*,
+
+for a generic $\lambda$ among those with $\sum_k\lambda_kX_{F_k}(x) = 0$.  Where another one vanishes the point is
+*degenerate*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import Deadline, checkpoint
+from liepoisson.inputs.refusals import check_kind
+from liepoisson.io.tables import Tabular
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf_projection import Equations
+from liepoisson.portable import linear
+from liepoisson.streams import Purpose, stream
+from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_leaf, unit_equations
+
+_STEPS, _LONGEST = 60, 0.5
+"""Newton's steps, and the longest one in units of the leaf."""
+_CONVERGED = 1e-12
+"""Residual relative to the fields."""
+_DEPENDENT = 1e-7
+"""Fields of length 1 whose least singular value is below this are dependent: the square root of the residual."""
+_ZERO = 1e-5
+"""Eigenvalues that are smaller, relative to the largest, are zero: double ones are known to the root of round-off."""
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalStates(ReadOnlyArrays, Tabular):
+    r"""Critical points of a momentum map.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> found = lp.tori.critical_search(leaf, n_starts=50)
+        >>> sorted(set(zip(found.rank.tolist(), found.type.tolist())))
+        [(1, 'elliptic')]
+
+    Attributes:
+        momentum: The momentum map.
+        leaf: The leaf.
+        states: Shape (point, N).
+        values: Values of the integrals, shape (point, n).
+        weights: $\lambda$, shape (point, n), for integrals divided by their units.
+        rank: Number of independent flows, shape (point,).
+        type: The type of each, such as "elliptic" or "elliptic, hyperbolic", shape (point,).
+    """
+
+    momentum: MomentumMap
+    leaf: Leaf
+    states: Array
+    values: Array
+    weights: Array
+    rank: NDArray[np.intp]
+    type: NDArray[np.str_]
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each point the integrals, rank, type and state."""
+        rows: dict[str, NDArray[Any]] = dict(zip(self.momentum.names, self.values.T, strict=True))
+        states = dict(zip(self.leaf.system.component_names, self.states.T, strict=True))
+        return rows | {"rank": self.rank, "type": self.type} | {n: v for n, v in states.items() if n not in rows}
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} critical points of ({', '.join(self.momentum.names)}) on {self.leaf!r}>"
+
+
+@explains_its_arguments
+def critical_states(
+    leaf: Leaf,
+    *,
+    momentum: MomentumMap | None = None,
+    n_starts: int = 400,
+    spread: float = 1.0,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+) -> CriticalStates:
+    r"""Critical points of the momentum map on a leaf, found from random states.
+
+    Each start that converges gives one.  Isolated ones, of rank 0, are met only by chance: they are equilibria, see
+    `lp.equilibria`.
+
+    Args:
+        leaf: The leaf.
+        momentum: The momentum map; by default that of the known integrals of the system.
+        n_starts: Number of starts.
+        spread: Standard deviation of the random states that are moved onto the leaf, in units of the leaf.
+
+    Raises:
+        ParameterError: the integrals are not as `momentum_map` wants them.
+        LeafError: the equations of the leaf are not known.
+        TimeLimitError: the time is over.
+    """
+    deadline = Deadline(as_time_limit(time_limit))
+    check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
+    momentum = momentum_of(leaf, momentum)
+    n = as_count(n_starts, "n_starts")
+    with deadline.running(), np.errstate(all="ignore"):
+        search = Critical.on(leaf, momentum)
+        x, weights = search.solved(*search.starts(n, spread, as_seed(seed)))
+        states = x * search.units
+        return CriticalStates(momentum, leaf, states, momentum(states), weights, *search.kinds(x))
+
+
+def momentum_of(leaf: Leaf, momentum: MomentumMap | None) -> MomentumMap:
+    """The momentum map of the system of a leaf.
+
+    Raises:
+        ParameterError: the one given is of another system.
+    """
+    if momentum is None:
+        return momentum_map(leaf.system)
+    check_kind(momentum, MomentumMap, "momentum", "what momentum_map returns", "call it first")
+    if momentum.system is not leaf.system and momentum.system != leaf.system:
+        raise ParameterError(
+            f"momentum: wanted that of the system of the leaf, {leaf.system.name!r}; got {momentum!r}. Make both of "
+            "one system."
+        )
+    return momentum
+
+
+@dataclass(frozen=True, eq=False)
+class Critical:
+    r"""The equations of critical points, in coordinates divided by units of the leaf.
+
+    Attributes:
+        momentum: The momentum map.
+        leaf: The leaf.
+        units: Units of the coordinates, shape (N,).
+        equations: Those of the leaf.
+        sizes: Typical lengths of the fields, shape (n,), by which they are divided.
+    """
+
+    momentum: MomentumMap
+    leaf: Leaf
+    units: Array
+    equations: Equations
+    sizes: Array
+
+    @classmethod
+    def on(cls, leaf: Leaf, momentum: MomentumMap) -> Critical:
+        """The equations on a leaf; lengths of the fields are those at 64 random states."""
+        equations, units = unit_equations(leaf)
+        draft = cls(momentum, leaf, units, equations, np.ones(len(momentum.names)))
+        lengths = linear.norm(draft.fields(draft.starts(64, 1.0, 0)[0]), axis=1)
+        return cls(momentum, leaf, units, equations, np.median(lengths, axis=0))
+
+    def fields(self, x: Array) -> Array:
+        """The fields in units, shape (m, N, n)."""
+        return self.momentum.fields(x * self.units) / self.units[:, None] / self.sizes
+
+    def slopes(self, x: Array) -> Array:
+        """Their derivatives, shape (..., N, N, n)."""
+        return self.momentum.derivatives(x * self.units) / self.sizes * (self.units / self.units[:, None])[..., None]
+
+    def starts(self, n: int, spread: float, seed: int) -> tuple[Array, Array]:
+        """Random states on the leaf and weights that make the fields as dependent as they can be."""
+        draw = stream(seed, Purpose.CRITICAL_POINTS)
+        N = len(self.units)
+        rough = spread * draw.standard_normal((n, N)) * self.units
+        x = on_leaf(self.leaf, rough) / self.units
+        x = x[np.isfinite(x).all(axis=1)]
+        return x, linear.svd(self.fields(x))[2][:, -1]
+
+    def residual(self, x: Array, weights: Array) -> Array:
+        """The equations, shape (m, N + equations + 1)."""
+        combined = linear.einsum("mik,mk->mi", self.fields(x), weights)
+        values, _ = self.equations.relative(x)
+        return np.concatenate([combined, values, ((weights**2).sum(1, keepdims=True) - 1) / 2], axis=1)
+
+    def jacobian(self, x: Array, weights: Array) -> Array:
+        """Their derivatives along (x, lambda), shape (m, equation, N + n)."""
+        across = linear.einsum("mijk,mk->mij", self.slopes(x), weights)
+        fields = self.fields(x)
+        _, rows = self.equations.relative(x)
+        m, k, n = len(x), rows.shape[1], weights.shape[1]
+        top = np.concatenate([across, fields], axis=2)
+        middle = np.concatenate([rows, np.zeros((m, k, n))], axis=2)
+        last = np.concatenate([np.zeros((m, 1, x.shape[1])), weights[:, None]], axis=2)
+        return np.concatenate([top, middle, last], axis=1)
+
+    def solved(self, x: Array, weights: Array, steps: int = _STEPS) -> tuple[Array, Array]:
+        """What Newton's method makes of guesses: those that converge."""
+        for _ in range(steps):
+            checkpoint("looking for critical points")
+            residual, matrix = self.residual(x, weights), self.jacobian(x, weights)
+            good = np.isfinite(residual).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
+            x, weights, residual, matrix = x[good], weights[good], residual[good], matrix[good]
+            if not len(x) or np.abs(residual).max() < _CONVERGED / 100:
+                break
+            step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=1e-9), residual)
+            length = linear.norm(step, axis=1, keepdims=True)
+            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))
+            x, weights = x + step[:, : x.shape[1]], weights + step[:, x.shape[1] :]
+            weights /= linear.norm(weights, axis=1, keepdims=True)
+        if not len(x):
+            return x, weights
+        converged = linear.norm(self.residual(x, weights), axis=1) < _CONVERGED
+        return x[converged], weights[converged]
+
+    def resting(self, x: Array) -> Array:
+        """States at which all flows rest, found from guesses, each once."""
+        for _ in range(_STEPS):
+            checkpoint("looking for equilibria of all flows")
+            fields = self.fields(x)
+            slopes = self.slopes(x)
+            values, rows = self.equations.relative(x)
+            residual = np.concatenate([*np.moveaxis(fields, 2, 0), values], axis=1)
+            matrix = np.concatenate([*np.moveaxis(slopes, 3, 0), rows], axis=1)
+            good = np.isfinite(residual).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
+            x, residual, matrix = x[good], residual[good], matrix[good]
+            if not len(x) or np.abs(residual).max() < _CONVERGED / 100:
+                break
+            step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=1e-9), residual)
+            length = linear.norm(step, axis=1, keepdims=True)
+            x = x + step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))
+        rests = np.abs(self.fields(x)).max(axis=(1, 2), initial=0.0) < _CONVERGED
+        found = list[Array]()
+        for one in x[rests & (np.abs(self.equations.relative(x)[0]).max(axis=1, initial=0.0) < _CONVERGED)]:
+            if all(linear.norm(one - other) > _DEPENDENT for other in found):
+                found.append(one)
+        return np.array(found).reshape(len(found), x.shape[1])
+
+    def kinds(self, x: Array) -> tuple[NDArray[np.intp], NDArray[np.str_]]:
+        """Ranks and types of critical points."""
+        ranks, types = np.zeros(len(x), dtype=np.intp), list[str]()
+        for k, one in enumerate(x):
+            fields = self.fields(one[None])[0]
+            sizes, null = linear.svd(fields)[1:]
+            ranks[k] = int((sizes > _DEPENDENT).sum())
+            corank = len(self.sizes) - int(ranks[k])
+            types.append(self._type(one, null[ranks[k] :], corank) if corank else "regular")
+        return ranks, np.array(types, dtype=np.str_)
+
+    def _type(self, x: Array, null: Array, corank: int) -> str:
+        # A combination that is generic: multiples of 1, sqrt(2), sqrt(3), ... have no relation
+        weights = linear.matmul(np.sqrt(np.arange(1.0, corank + 1)), null)
+        slope = linear.matmul(self.slopes(x), weights)
+        tangent = linear.qr(self.leaf.tangent_basis(x * self.units) / self.units[:, None]).Q
+        rates = linear.eigvals(linear.matmul(tangent.T, linear.matmul(slope, tangent)))
+        rates = rates[np.argsort(-np.abs(rates))][: 2 * corank]
+        largest = np.abs(rates).max()
+        if not (np.abs(rates) > _ZERO * largest).all() or largest == 0:
+            return "degenerate"
+        real, imaginary = np.abs(rates.real) > _ZERO * np.abs(rates), np.abs(rates.imag) > _ZERO * np.abs(rates)
+        counts = {
+            "elliptic": int((imaginary & ~real).sum()) // 2,
+            "hyperbolic": int((real & ~imaginary).sum()) // 2,
+            "focus-focus": int((real & imaginary).sum()) // 4,
+        }
+        return ", ".join(name for name, count in counts.items() for _ in range(count)) or "degenerate"

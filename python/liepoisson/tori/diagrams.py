@@ -1,0 +1,248 @@
+r"""The bifurcation diagram of an integrable system of two degrees of freedom on a leaf: its critical values, as curves.
+
+Critical states of rank 1 are orbits of the flows in one-parameter families.  They are found from random states
+(`liepoisson.tori.critical_search`) and followed: the derivatives of the equations for $(x, \lambda)$ have a null vector
+along the orbit and one across it, along the family, which is the direction of the next step.  States of rank 0 are
+equilibria of both flows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_seed, as_time_limit
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import Deadline, checkpoint
+from liepoisson.inputs.refusals import check_kind
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.portable import linear
+from liepoisson.tori.critical_search import Critical, momentum_of
+from liepoisson.tori.momentum_maps import MomentumMap
+
+_STEP, _LEAST = 0.05, 1e-4
+"""The longest and the shortest step along a family, in units of the leaf and of the weights."""
+_TURN = 0.98
+"""Cosine of the angle by which a family may turn in a step."""
+_MOST_POINTS = 4000
+_KNOWN = 0.02
+"""A start nearer than this to a curve of its type, relative to the figure, belongs to it."""
+_REST = 1e-3
+"""Fields of this length, relative to typical ones, are near to rank 0."""
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalFamily(ReadOnlyArrays):
+    """Critical values of one type along a curve.
+
+    Attributes:
+        type: "elliptic", "hyperbolic" or "degenerate".
+        values: Shape (point, 2).
+        states: A critical state for each, shape (point, N).
+    """
+
+    type: str
+    values: Array
+    states: Array
+
+    def __repr__(self) -> str:
+        return f"<{self.type} family of {len(self.values)} values>"
+
+
+@dataclass(frozen=True, eq=False)
+class Diagram(ReadOnlyArrays):
+    r"""Critical values of a momentum map with two integrals.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> found = lp.tori.diagram(leaf, energy_max=2)
+        >>> sorted({family.type for family in found.families}), sorted(found.rest_types)
+        (['elliptic'], ['elliptic, elliptic', 'focus-focus'])
+
+    Attributes:
+        momentum: The momentum map.
+        leaf: The leaf.
+        families: Curves of rank 1.
+        rest_states: States of rank 0, shape (point, N).
+        rest_values: Their values, shape (point, 2).
+        rest_types: Their types.
+        energy_max: The energy up to which families were followed.
+    """
+
+    momentum: MomentumMap
+    leaf: Leaf
+    families: tuple[CriticalFamily, ...]
+    rest_states: Array
+    rest_values: Array
+    rest_types: tuple[str, ...]
+    energy_max: float
+
+    def __repr__(self) -> str:
+        return (
+            f"<Diagram of ({', '.join(self.momentum.names)}) of {self.leaf.system.name!r}: {len(self.families)} "
+            f"families, {len(self.rest_states)} equilibria>"
+        )
+
+
+@explains_its_arguments
+def diagram(
+    leaf: Leaf,
+    *,
+    momentum: MomentumMap | None = None,
+    energy_max: float | None = None,
+    n_starts: int = 200,
+    spread: float = 1.5,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+) -> Diagram:
+    r"""The critical values of a system with two commuting integrals on a leaf.
+
+    A family that no start comes to is not in it.
+
+    Args:
+        leaf: A leaf of dimension 4.
+        momentum: The momentum map; by default that of the known integrals of the system.
+        energy_max: Families are followed up to this energy; by default the highest one of the random states.
+        n_starts: Number of starts.
+        spread: Standard deviation of the random states, in units of the leaf.
+
+    Raises:
+        ParameterError: there are not two integrals.
+        LeafError: the equations of the leaf are not known.
+        TimeLimitError: the time is over.
+    """
+    deadline = Deadline(as_time_limit(time_limit))
+    check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
+    momentum = momentum_of(leaf, momentum)
+    if len(momentum.names) != 2:
+        raise ParameterError(
+            f"leaf: wanted one of dimension 4, with two integrals; got {', '.join(momentum.names)}. Take "
+            "lagrange_diagram for the twisted Lagrange top, critical_states for others."
+        )
+    n = as_count(n_starts, "n_starts")
+    with deadline.running(), np.errstate(all="ignore"):
+        critical = Critical.on(leaf, momentum)
+        starts, weights = critical.starts(n, spread, as_seed(seed))
+        energies = momentum.integrals["H"](starts * critical.units)
+        top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
+        search = _Families(critical, top)
+        rest = critical.resting(starts)
+        families = search.families(*critical.solved(starts, weights))
+    states = rest * critical.units
+    return Diagram(
+        momentum,
+        leaf,
+        tuple(families),
+        states,
+        momentum(states),
+        tuple(map(str, critical.kinds(rest)[1])),
+        top,
+    )
+
+
+class _Families:
+    """Families of critical states up to an energy."""
+
+    def __init__(self, critical: Critical, energy_max: float) -> None:
+        self.critical = critical
+        self.energy_max = energy_max
+
+    def families(self, x: Array, weights: Array) -> list[CriticalFamily]:
+        """Followed from starts that are on none yet."""
+        critical = self.critical
+        values = critical.momentum(x * critical.units)
+        ranks, types = critical.kinds(x)
+        wanted = (ranks == 1) & (values[:, 0] <= self.energy_max)
+        x, weights, values, types = x[wanted], weights[wanted], values[wanted], types[wanted]
+        size = np.ptp(values, axis=0) if len(values) else np.ones(2)
+        size = np.where(size > 0, size, 1.0)
+        found, places = list[CriticalFamily](), dict[str, list[Array]]()
+        for k in range(len(x)):
+            known = places.get(str(types[k]), [])
+            if any(_distance(values[k] / size, curve / size) < _KNOWN for curve in known):
+                continue
+            points = self._both_ways(x[k], weights[k])
+            for family in self._by_type(points):
+                found.append(family)
+                places.setdefault(family.type, []).append(family.values)
+        return found
+
+    def _both_ways(self, x: Array, weights: Array) -> Array:
+        back, is_closed = self._followed(x, weights, -1)
+        if is_closed:
+            return back
+        return np.concatenate([back[:0:-1], self._followed(x, weights, 1)[0]])
+
+    def _followed(self, x: Array, weights: Array, sign: int) -> tuple[Array, bool]:
+        """States along a family to where it ends, and whether it closes."""
+        critical, n = self.critical, len(x)
+        here = np.concatenate([x, weights])
+        direction = self._direction(here, None)
+        if direction is None:
+            return x[None], False
+        direction, step = sign * direction, _STEP / 4
+        points, values = [here], [critical.momentum(x * critical.units)]
+        while len(points) < _MOST_POINTS and step > _LEAST:
+            checkpoint("following critical states")
+            guess = here + step * direction
+            y, v = critical.solved(guess[None, :n], guess[None, n:], 8)
+            there = np.concatenate([y[0], v[0]]) if len(y) else guess
+            ahead = self._direction(there, direction) if len(y) else None
+            if ahead is None or (ahead * direction).sum() < _TURN or linear.norm(there - guess) > step:
+                step /= 2
+                continue
+            points.append(there)
+            values.append(critical.momentum(there[:n] * critical.units))
+            # Beyond a state of rank 0 the orbits are the same, with the other phase
+            if values[-1][0] > self.energy_max or (self._orbit(here) * self._orbit(there)).sum() < 0:
+                break
+            last, first = values[-1] - values[-2], values[1] - values[0]
+            if len(points) > 8 and (last * first).sum() > 0 and linear.norm(values[-1] - values[0]) < linear.norm(last):
+                return np.array([*points, points[0]])[:, :n], True
+            here, direction, step = there, ahead, min(1.5 * step, _STEP)
+        return np.array(points)[:, :n], False
+
+    def _orbit(self, place: Array) -> Array:
+        """The flow along the critical orbit: that of the function whose weights are orthogonal to lambda."""
+        n = len(self.critical.units)
+        weights = np.array([-place[n + 1], place[n]])
+        return linear.matmul(self.critical.fields(place[None, :n])[0], weights)
+
+    def _direction(self, place: Array, like: Array | None) -> Array | None:
+        """The unit vector along the family, across the orbit; None near to rank 0 and where it is not unique."""
+        n = len(self.critical.units)
+        x, weights = place[None, :n], place[None, n:]
+        fields = self.critical.fields(x)[0]
+        if linear.norm(fields, axis=0).max() < _REST:
+            return None
+        sizes, vectors = linear.svd(self.critical.jacobian(x, weights)[0])[1:]
+        orbit = np.append(linear.svd(fields)[0][:, 0], np.zeros(len(place) - n))
+        null = vectors[(len(place) - 2) :]
+        if len(sizes) >= len(place) - 2 and sizes[len(place) - 3] < 1e-6 * sizes[0]:
+            return None
+        # Of the two null vectors the combination that is orthogonal to the orbit
+        shares = linear.matmul(null, orbit)
+        across = shares[1] * null[0] - shares[0] * null[1]
+        across = across / linear.norm(across)
+        return across if like is None or (across * like).sum() > 0 else -across
+
+    def _by_type(self, points: Array) -> list[CriticalFamily]:
+        critical = self.critical
+        _, types = critical.kinds(points)
+        states = points * critical.units
+        values = critical.momentum(states)
+        found, begin = list[CriticalFamily](), 0
+        for k in range(1, len(points) + 1):
+            if k == len(points) or types[k] != types[begin]:
+                stop = min(k + 1, len(points))  # both share the place where the type changes
+                if stop - begin > 1 and types[begin] not in {"degenerate", "regular"}:
+                    found.append(CriticalFamily(str(types[begin]), values[begin:stop], states[begin:stop]))
+                begin = k
+        return found
+
+
+def _distance(value: Array, curve: Array) -> float:
+    return float(linear.norm(curve - value, axis=1).min())

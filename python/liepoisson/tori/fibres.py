@@ -1,0 +1,155 @@
+r"""How many tori the fibre of a regular value has, by a count: random states of it that commuting flows join.
+
+Two states are on one torus if some $\Phi^t$ takes one to the other, which Newton's method finds from guesses t in a
+cell of the period lattice; that is a certainty to round-off.  States that are not joined are counted as of different
+tori.  A torus that holds the share p of the random states is missed by all m of them with probability $(1-p)^m$.
+
+The states are random ones of the leaf that Newton's method moves onto the fibre: their density on it is of no meaning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import OrbitError, ShapeError
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import Deadline
+from liepoisson.inputs.refusals import check_kind
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.portable import elementary
+from liepoisson.streams import Purpose, stream
+from liepoisson.tori.critical_search import momentum_of
+from liepoisson.tori.momentum_maps import MomentumMap, on_fibre
+from liepoisson.tori.period_lattices import Closures
+
+_ATTEMPTS = 8
+"""Batches of random states that are moved to the fibre before it is called empty."""
+_GUESSES = 3
+"""Guesses along each vector of the lattice; what they do not join is tried with twice as many."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fibre(ReadOnlyArrays):
+    r"""Random states of a fibre, by tori.
+
+    Attributes:
+        momentum: The momentum map.
+        value: Values of the integrals, shape (n,).
+        states: Shape (m, N).
+        torus: The number of the torus of each state, shape (m,).
+        n_tori: How many tori were found.
+        missed: The share of states that a torus may have and be missed with a probability of 5%.
+    """
+
+    momentum: MomentumMap
+    value: Array
+    states: Array
+    torus: NDArray[np.intp]
+    n_tori: int
+    missed: float
+
+    def __repr__(self) -> str:
+        return (
+            f"<Fibre of {self.momentum.system.name!r}: {self.n_tori} tori by {len(self.states)} states; one with less "
+            f"than {100 * self.missed:.2g}% of them may be missed>"
+        )
+
+
+@explains_its_arguments
+def fibre(
+    leaf: Leaf,
+    value: ArrayLike,
+    *,
+    momentum: MomentumMap | None = None,
+    n_states: int = 200,
+    spread: float = 1.0,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+) -> Fibre:
+    r"""The tori of a regular fibre, counted.
+
+    Example:
+        >>> well = lp.System(lp.canonical(names=["q"]), "p_q^2/2 - q^2/2 + q^4/4")
+        >>> leaf = lp.Leaf(well, {})
+        >>> [lp.tori.fibre(leaf, [energy]).n_tori for energy in (-0.2, 0.2)]
+        [2, 1]
+
+    Args:
+        leaf: The leaf.
+        value: Values of the integrals, in the order of the momentum map, shape (n,).
+        momentum: The momentum map; by default that of the known integrals of the system.
+        n_states: Random states of the fibre.
+        spread: Standard deviation of the random states that are moved to it, in units of the leaf.
+
+    Raises:
+        ShapeError: there are not as many values as integrals.
+        OrbitError: no state has these values, as far as was found; or the value is too near to a critical one.
+        TimeLimitError: the time is over.
+    """
+    deadline = Deadline(as_time_limit(time_limit))
+    check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
+    momentum = momentum_of(leaf, momentum)
+    wanted = np.array(value, dtype=np.float64)
+    if wanted.shape != (len(momentum.names),) or not np.isfinite(wanted).all():
+        raise ShapeError(
+            f"value: wanted finite values of {', '.join(momentum.names)}, shape ({len(momentum.names)},); got "
+            f"{wanted.tolist()}"
+        )
+    m = as_count(n_states, "n_states")
+    with deadline.running(), np.errstate(all="ignore"):
+        draw, units = stream(as_seed(seed), Purpose.FIBRES), leaf.in_units().units
+        states = _states(leaf, momentum, wanted, lambda: spread * draw.standard_normal((m, len(units))) * units, m)
+        torus = _tori(leaf, momentum, states, as_seed(seed))
+    missed = 1 - float(elementary.power(0.05, 1 / len(states)))
+    return Fibre(momentum, wanted, states, torus, int(torus.max()) + 1, missed)
+
+
+def _states(leaf: Leaf, momentum: MomentumMap, value: Array, draw: Callable[[], Array], m: int) -> Array:
+    """Random states of the fibre.
+
+    Raises:
+        OrbitError: none was found.
+    """
+    found = np.zeros((0, len(leaf.state)))
+    for _ in range(_ATTEMPTS):
+        some = on_fibre(momentum, leaf, draw(), value)
+        found = np.concatenate([found, some[np.isfinite(some).all(axis=1)]])[:m]
+        if len(found) == m:
+            return found
+    if len(found):
+        return found
+    raise OrbitError(
+        f"value: wanted one of the image; none of {_ATTEMPTS * m} random states was moved to {value.tolist()} of "
+        f"{', '.join(momentum.names)}. Take the values of a state, or another spread."
+    )
+
+
+def _tori(leaf: Leaf, momentum: MomentumMap, states: Array, seed: int) -> NDArray[Any]:
+    """The number of the torus of each state."""
+    units = leaf.in_units().units
+    torus = np.full(len(states), -1, dtype=np.intp)
+    number = 0
+    while (left := np.flatnonzero(torus < 0)).size:
+        first = left[0]
+        torus[first] = number
+        flows = Closures.at(momentum, states[first], units)
+        lattice = flows.lattice(seed)
+        for fineness in (_GUESSES, 2 * _GUESSES):
+            others = np.flatnonzero(torus < 0)
+            if not others.size:
+                break
+            shares = (np.array(list(product(range(fineness), repeat=len(lattice)))) + 0.5) / fineness
+            guesses = np.tile(shares @ lattice, (len(others), 1))
+            targets = np.repeat(states[others], len(shares), axis=0)
+            _, rows = flows.arriving(guesses, targets)
+            torus[others[np.unique(rows // len(shares))]] = number
+        number += 1
+    return torus

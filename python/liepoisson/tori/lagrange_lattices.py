@@ -1,0 +1,128 @@
+r"""Periods and actions of the twisted Lagrange top as integrals on its spectral curve $y^2 = R(\lambda)$.
+
+Where R > 0 on the real line its zeros are pairs $z_j, \bar z_j$ with $\operatorname{Im} z_j > 0$.  The integrals
+
+$$ \gamma_j = 2\int_{\bar z_j}^{z_j}\frac{(\lambda^2, \lambda, 1)}{iy}\,d\lambda, \qquad
+   J_j = \frac{1}{\pi i}\int_{\bar z_j}^{z_j}\frac{y}{\lambda^3}\,d\lambda, $$
+
+with $y = +\sqrt R$ on the real line, along the straight lines, which cross neither it twice nor one another, are a
+basis of the periods of the flows of $\ell_3$, h and p, and actions, $2\pi\,dJ_j = \gamma_j\cdot d(\ell_3, h, p)$.  In
+the order in which they cross the line $\gamma_1 - \gamma_2 + \gamma_3 = (2\pi, 0, 0)$, the circle of $\ell_3$.  With
+$\lambda = x + ib\sin\theta$ on the line of $z = x + ib$ the zeros at its ends cancel, and the integrand is periodic in
+$\theta$: the rule with equal weights converges exponentially, at a rate that falls where another zero is near to the
+line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.errors import OrbitError, ShapeError
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.portable import elementary, linear
+from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
+
+_FEWEST, _MOST = 2**5, 2**16
+"""Places on one line, doubled until the integrals stay the same to round-off."""
+_SAME = 1e-13
+
+
+@explains_its_arguments
+def lagrange_lattice(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
+    r"""The periods of the flows of H, l3 and P on the torus with given values, by quadrature on the spectral curve.
+
+    Example:
+        >>> top = lp.Top.twisted_lagrange()
+        >>> diagram = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 0.5, "C2": 0.2, "C3": 1}))
+        >>> periods = lp.tori.lagrange_lattice(diagram, [3, 0.5, 0.2])
+        >>> (periods[0] - periods[1] + periods[2]).round(12).tolist()  # the circle of l3
+        [0.0, 6.283185307180, 0.0]
+
+    Args:
+        diagram: What `lagrange_diagram` returned for the leaf.
+        values: Values of H, l3 and the third integral, shape (3,).
+
+    Returns:
+        A basis of the lattice as rows, shape (3, 3), see `PeriodLattice`.
+
+    Raises:
+        OrbitError: the values are not inside of the image, or so near to a critical value, or to one where two zeros of
+            R have the same real part, that the quadrature does not converge.
+    """
+    return _by_flows(diagram, values, _integrals(diagram, values, _period))
+
+
+@explains_its_arguments
+def lagrange_actions(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
+    r"""The actions $J_j$ that belong to the periods of `lagrange_lattice`, shape (3,), up to constants of the leaf.
+
+    Args:
+        diagram: What `lagrange_diagram` returned for the leaf.
+        values: Values of H, l3 and the third integral, shape (3,).
+
+    Raises:
+        OrbitError: as for `lagrange_lattice`; or a zero of R lies above or below $\lambda = 0$.
+    """
+    scaled = diagram.scaled
+    # The bracket of scaled fields is that of the top: J has the unit of l
+    return _integrals(diagram, values, _action)[:, 0] * scaled.unit
+
+
+def _period(x: Array, rest: Any, height: float) -> Any:
+    return 2 * np.pi * np.stack([x**2, x, np.ones_like(x)], -1) / rest[..., None]
+
+
+def _action(x: Any, rest: Any, height: float) -> Any:
+    square = height**2 + 0 * x.imag**2 - x.imag**2  # b^2 cos^2
+    return (square * rest / x**3)[..., None]
+
+
+def _integrals(diagram: LagrangeDiagram, values: ArrayLike, integrand: Callable[[Any, Any, float], Any]) -> Array:
+    given = np.asarray(values, dtype=np.float64)
+    if given.shape != (3,):
+        raise ShapeError(f"values: wanted H, l3 and the third integral, shape (3,); got shape {given.shape}")
+    if not diagram.depth(given) > 0:
+        raise OrbitError(
+            f"values: wanted some inside of the image; {given.tolist()} are not, R has a real zero. See "
+            "diagram.boundary(l3)."
+        )
+    zeros = np.asarray(linear.roots(diagram.sextic(given)), dtype=np.complex128)
+    upper = zeros[zeros.imag > 0]
+    upper = upper[np.argsort(upper.real, kind="stable")]
+    last: Array | None = None
+    n = _FEWEST
+    while n <= _MOST:
+        # the integrand is even about the ends of the line: its middle points see one period
+        angle = (np.arange(n) + 0.5) * (np.pi / n) - np.pi / 2
+        rows = list[Array]()
+        for j in range(3):
+            x = upper[j].real + 1j * upper[j].imag * elementary.sin(angle)
+            rest = np.ones(n, dtype=np.complex128)
+            for k in range(3):
+                if k != j:
+                    # off the real line its square is real only where it is positive: the root is continuous
+                    rest = rest * np.sqrt((x - upper[k].real) ** 2 + upper[k].imag ** 2)
+            rows.append(integrand(x, rest, float(upper[j].imag)).mean(axis=0).real)
+        found = np.array(rows)
+        if last is not None and np.abs(found - last).max() <= _SAME * np.abs(found).max():
+            return found
+        last, n = found, 2 * n
+    raise OrbitError(
+        f"values: the quadrature at {given.tolist()} does not converge: two zeros of R have nearly the same real "
+        "part, or the values are nearly critical. Change them a little."
+    )
+
+
+def _by_flows(diagram: LagrangeDiagram, values: ArrayLike, scaled_periods: Array) -> Array:
+    """From times of l3, h and p in units of the leaf to times of H, l3 and the third integral."""
+    scaled = diagram.scaled
+    unit, first, third = scaled.unit, float(scaled.first), float(scaled.third)
+    l3 = float(np.asarray(values, dtype=np.float64)[1])
+    spin, energy, last = (scaled_periods / np.array([1.0, unit, unit**2])).T
+    spin = spin - first * (1 / third - 1 / first) * l3 * energy
+    return np.stack([first * energy, spin, last * (first if scaled.charge else float(scaled.field))], -1)

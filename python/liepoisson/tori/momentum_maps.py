@@ -1,0 +1,259 @@
+r"""The momentum map of an integrable system: H and the integrals that commute with it, and their flows.
+
+On a leaf of dimension 2n let $F = (F_1, \dots, F_n)$ be independent integrals in involution.  Their flows commute, and
+
+$$ \Phi^t = \varphi^{t_1}_{F_1}\circ\dots\circ\varphi^{t_n}_{F_n} $$
+
+is the flow of $\sum_k t_kF_k$ over the time 1: an action of $\mathbb R^n$ on the fibres of F, of which the compact ones
+without critical points consist of tori [arnold1989].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.compile.field import Field
+from liepoisson.equilibrium.critical_points import HamiltonianFields
+from liepoisson.errors import ParameterError, UnsupportedFieldError
+from liepoisson.formula.scalars import TIME_LIMIT
+from liepoisson.inputs.arrays import Array
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import checkpoint, seconds_left
+from liepoisson.inputs.given import sequence
+from liepoisson.inputs.refusals import shown
+from liepoisson.leaf._checks import as_system
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf_in_units import equations_in_units
+from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach
+from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Taylor
+from liepoisson.portable import linear
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.model.system import System
+
+
+_MOST_STEPS = 4096
+"""Steps of the series along a flow: some 30 times those of the longest flows on tori; one that escapes takes more."""
+
+
+@dataclass(frozen=True)
+class CommutingFlows:
+    r"""The system of (x, t) with $\dot x = \sum_k t_k J\nabla F_k$, $\dot t = 0$.
+
+    Attributes:
+        system: The system of x.
+        functions: F.
+    """
+
+    system: System
+    functions: tuple[PhaseFunction, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the system of x."""
+        return self.system.name
+
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        """Those of x, and of t."""
+        return (*self.system.component_names, *(f"t_{k}" for k in range(len(self.functions))))
+
+    def field(self) -> Field:
+        """Quadratic if all flows are linear, else a tape."""
+        return self._field
+
+    @cached_property
+    def _field(self) -> Field:
+        from sympy import Add, Dummy, Integer
+
+        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+
+        times = [Dummy(f"t{k}", real=True) for k in range(len(self.functions))]
+        flows = [self.system.bracket.vector_field(f.expression) for f in self.functions]
+        rates = [Add(*(t * one for t, one in zip(times, rate, strict=True))) for rate in zip(*flows, strict=True)]
+        variables = [*self.system.variables, *times]
+        rates: list[Expr] = [*rates, *(Integer(0) for _ in times)]
+        try:
+            return quadratic_of_equations(variables, rates)
+        except UnsupportedFieldError:
+            return tape_of_equations(variables, rates)
+
+    def without_value(self, states: Array) -> dict[str, NDArray[np.bool_]]:
+        """Where invariants of the system of x are no real numbers, by name."""
+        return self.system.without_value(states[..., : len(self.system.component_names)])
+
+
+@dataclass(frozen=True, eq=False)
+class MomentumMap:
+    r"""H and integrals that commute with each other, as many as half the dimension of the leaves.
+
+    Example:
+        >>> top = lp.Top.twisted_lagrange()
+        >>> momentum = lp.tori.momentum_map(top)
+        >>> momentum
+        <Momentum map (H, l3, P) of 'twisted Lagrange top'>
+        >>> momentum([0, 0, 1, 0, 0, 1, 0, 0, 1]).tolist()
+        [2.0, 1.0, 2.0]
+
+    Attributes:
+        system: The system.
+        integrals: The functions by their names, H first.
+    """
+
+    system: System
+    integrals: Mapping[str, PhaseFunction]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the integrals."""
+        return tuple(self.integrals)
+
+    def __call__(self, states: ArrayLike) -> Array:
+        """Values of the integrals, shape (..., n), at states of shape (..., N)."""
+        return np.stack([f(states) for f in self.integrals.values()], axis=-1)
+
+    @cached_property
+    def _fields(self) -> HamiltonianFields:
+        return HamiltonianFields(self.system, tuple(self.integrals.values()))
+
+    def fields(self, states: ArrayLike) -> Array:
+        r"""The vector fields $J\nabla F_k$ as columns, shape (..., N, n)."""
+        return self._fields.fields(np.asarray(states, dtype=np.float64))
+
+    def derivatives(self, states: ArrayLike) -> Array:
+        """The derivatives of the fields, shape (..., N, N, n): that of component i along coordinate j of field k."""
+        return self._fields.derivatives(np.asarray(states, dtype=np.float64))
+
+    @cached_property
+    def _flows(self) -> tuple[CommutingFlows, Taylor]:
+        return CommutingFlows(self.system, tuple(self.integrals.values())), Taylor(max_steps=_MOST_STEPS)
+
+    def flow(self, states: ArrayLike, times: ArrayLike) -> Array:
+        r"""$\Phi^t(x)$, computed to round-off; NaN where a flow does not last so long.
+
+        Args:
+            states: States x, shape (N,) or (m, N).
+            times: The times t of the flows, shape (n,) or (m, n).
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
+        x, t = np.asarray(states, dtype=np.float64), np.asarray(times, dtype=np.float64)
+        m = np.broadcast_shapes(x.shape[:-1], t.shape[:-1])
+        rows = np.concatenate([np.broadcast_to(x, (*m, x.shape[-1])), np.broadcast_to(t, (*m, t.shape[-1]))], -1)
+        system, method = self._flows
+        flat = rows.reshape(-1, rows.shape[-1])
+        ends = np.full((len(flat), x.shape[-1]), np.nan)
+        moves = np.isfinite(flat).all(axis=1)
+        if moves.any():
+            checkpoint("following commuting flows")
+            orbit = integrate(
+                system,
+                flat[moves],
+                times=[0.0, 1.0],
+                method=method,
+                kernel="lanes",
+                time_limit=seconds_left(TIME_LIMIT),
+            )
+            checkpoint("following commuting flows")
+            ends[moves] = orbit.end_state[:, : x.shape[-1]]
+        return ends.reshape(*m, x.shape[-1])
+
+    def rank(self, states: ArrayLike, tol: float = 1e-9) -> NDArray[np.intp]:
+        """The number of flows that are independent at states, shape (...): below n at critical points.
+
+        Args:
+            states: States, shape (..., N).
+            tol: Singular values of the fields, of length 1 each, below this are zero.
+        """
+        fields = self.fields(states)
+        lengths = linear.norm(fields, axis=-2)
+        sizes = linear.svd(fields / np.where(lengths > 0, lengths, 1.0)[..., None, :], compute_uv=False)
+        return np.asarray((sizes > tol).sum(axis=-1))
+
+    def __repr__(self) -> str:
+        return f"<Momentum map ({', '.join(self.names)}) of {self.system.name!r}>"
+
+
+@explains_its_arguments
+def momentum_map(system: System, integrals: Sequence[str | Expr | PhaseFunction] | None = None) -> MomentumMap:
+    r"""H and integrals that commute, as many as half the dimension of the leaves, verified exactly.
+
+    Example:
+        >>> lp.tori.momentum_map(lp.catalog.system("spherical-pendulum"))
+        <Momentum map (H, L3) of 'spherical-pendulum'>
+
+    Args:
+        system: A system whose parameters are all numbers.
+        integrals: The other integrals than H, names or formulas; by default those of `system.invariants` that commute
+            and are independent.
+
+    Raises:
+        ParameterError: there are too few, one is not constant, two do not commute, or they are dependent everywhere.
+    """
+    from liepoisson.integrability.completeness import are_in_involution, commuting_integrals, fields_rank
+
+    system = as_system(system)
+    half = system.bracket.rank() // 2
+    functions = system.functions
+    if integrals is None:
+        known = {name: f for name, f in system.invariants.items() if name == "H" or not system.is_casimir(f)}
+        names = commuting_integrals(system, known, 2 * half)
+        if not names:
+            raise ParameterError(
+                f"integrals: wanted {half} that commute, H among them; of {shown(system)} are known "
+                f"{', '.join(known)}. Give the others, or look for them by lp.integrability.first_integrals."
+            )
+        return MomentumMap(system, {name: functions.of(known[name]) for name in names})
+    chosen = {"H": functions.energy}
+    for one in sequence(integrals, "integrals", "integrals", '["l3"]'):
+        function = functions.of(one)
+        chosen[one if isinstance(one, str) else str(function.expression)] = function
+    if len(chosen) != half:
+        raise ParameterError(
+            f"integrals: wanted {half - 1} beside H, as leaves have the dimension {2 * half}; got {len(chosen) - 1}"
+        )
+    expressions = [f.expression for f in chosen.values()]
+    for one, other in combinations(chosen, 2):
+        if not are_in_involution(system, [chosen[one].expression, chosen[other].expression]):
+            raise ParameterError(f"integrals: wanted functions that commute; {{{one}, {other}}} is not zero")
+    if (rank := fields_rank(system, expressions)) < half:
+        raise ParameterError(
+            f"integrals: wanted {half} that are independent; of {', '.join(chosen)} only {rank} are, the Casimirs apart"
+        )
+    return MomentumMap(system, chosen)
+
+
+def on_fibre(momentum: MomentumMap, leaf: Leaf, states: Array, value: Array) -> Array:
+    """States of a leaf with one value of the integrals, near given ones, shape (m, N); NaN where none was found."""
+    units, equations = leaf.in_units().units, leaf.equations
+    for function, one in zip(momentum.integrals.values(), value, strict=True):
+        equations = equations.with_function(function, float(one))
+    return _near(equations_in_units(equations, units, leaf.system.bracket), units, states)
+
+
+def on_leaf(leaf: Leaf, states: Array) -> Array:
+    """States of a leaf near given ones, shape (m, N); NaN where none was found."""
+    return _near(*unit_equations(leaf), states)
+
+
+def unit_equations(leaf: Leaf) -> tuple[Equations, Array]:
+    """The equations of a leaf in coordinates divided by units, and the units, shape (N,)."""
+    units = leaf.in_units().units
+    return equations_in_units(leaf.equations, units, leaf.system.bracket), units
+
+
+def _near(equations: Equations, units: Array, states: Array) -> Array:
+    found, residual = approach(equations, states / units)
+    return np.where((residual <= CONVERGED)[:, None], found * units, np.nan)

@@ -1,0 +1,307 @@
+r"""The period lattice of a torus: the times after which the commuting flows come back, and the frequencies.
+
+On a compact fibre without critical points the action $\Phi^t$ of $\mathbb R^n$ has an isotropy group that is a lattice
+$\Lambda$, the same on the whole torus: $\Phi^T(x) = x$.  With a basis of $\Lambda$ as rows of a matrix P the flow of
+$\sum_kc_kF_k$ has the angular frequencies $\omega = 2\pi\,c\,P^{-1}$, those of H the first row of $2\pi P^{-1}$.
+
+Closing flows are found by Newton's method: the derivative of $\Phi^t(x)$ along $t_k$ is the field $X_{F_k}$ there.
+It starts from random t, of lengths that double until n independent periods are found and their lattice is the same
+twice.  That it is not a part of a finer one is seen by trying the points of (1/p) times it for the primes p up to 7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import OrbitError, ShapeError
+from liepoisson.formula.scalars import TIME_LIMIT, as_seed, as_time_limit
+from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import Deadline
+from liepoisson.leaf.leaf import Leaf
+from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.portable import linear
+from liepoisson.streams import Purpose, stream
+from liepoisson.tori.momentum_maps import MomentumMap, momentum_map
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.model.system import System
+
+_GUESSES = 64
+"""Guesses of one length, for each integral."""
+_LENGTHS = (4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
+"""How far the flows go at most from the state, in units of the leaf, one length after the other."""
+_STEPS, _LONGEST = 14, 0.5
+"""Steps of Newton's method, and the longest one, in units of the leaf: beyond it the fields have turned."""
+_CLOSES = 1e-10
+"""The distance, in units of the leaf, to which Newton's method must come for a period."""
+_PRIMES = (2, 3, 5, 7)
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodLattice(ReadOnlyArrays):
+    r"""The periods of the commuting flows on a torus.
+
+    Example:
+        >>> top = lp.Top.twisted_lagrange()
+        >>> torus = lp.tori.period_lattice(top, [0.3, 0.1, 1.2, 0.5, 0.2, 0.4, 0.1, 0.3, 0.9])
+        >>> torus.integrals, torus.periods.shape, bool(torus.residual < 1e-12)
+        (('H', 'l3', 'P'), (3, 3), True)
+
+    Attributes:
+        momentum: The momentum map.
+        state: A state on the torus, shape (N,).
+        periods: A basis of the lattice as rows, times of the flows of the integrals, shape (n, n).
+        residual: The largest distance from the state after a period of the basis, in units of the leaf.
+    """
+
+    momentum: MomentumMap
+    state: Array
+    periods: Array
+    residual: float
+
+    @property
+    def integrals(self) -> tuple[str, ...]:
+        """The names of the integrals, in the order of the times."""
+        return self.momentum.names
+
+    @property
+    def values(self) -> Array:
+        """The values of the integrals, shape (n,)."""
+        return self.momentum(self.state)
+
+    @property
+    def frequencies(self) -> Array:
+        r"""The angular frequencies of the motion, $2\pi$ times the first row of the inverse of `periods`, shape (n,).
+
+        Another basis gives other ones, integer combinations of these.
+        """
+        return 2 * np.pi * linear.inv(self.periods)[0]
+
+    def __repr__(self) -> str:
+        rates = ", ".join(f"{rate:.6g}" for rate in self.frequencies)
+        return f"<Lattice of {len(self.periods)} periods of {self.momentum.system.name!r}: frequencies {rates}>"
+
+
+@explains_its_arguments
+def period_lattice(
+    system: System | MomentumMap,
+    state: ArrayLike,
+    *,
+    integrals: Sequence[str | Expr | PhaseFunction] | None = None,
+    seed: int = 0,
+    time_limit: float = TIME_LIMIT,
+) -> PeriodLattice:
+    r"""The periods of the commuting flows of an integrable system on the torus through a state, by closing flows.
+
+    The basis is reduced: no sum of two of its vectors is shorter, in units of the leaf.
+
+    Example:
+        >>> pendulum = lp.System(lp.canonical(names=["q"]), "p_q^2/2 + q^2/2 + q^4/4")
+        >>> torus = lp.tori.period_lattice(pendulum, [1, 0])
+        >>> torus.periods.round(9).tolist(), torus.frequencies.round(6).tolist()
+        ([[4.768022012]], [1.317776])
+
+    Args:
+        system: A system whose parameters are all numbers, or its momentum map.
+        state: A state, shape (N,).
+        integrals: The other integrals than H, see `momentum_map`.
+
+    Raises:
+        ParameterError: the integrals are none, do not commute, or are not as many as wanted.
+        OrbitError: they are dependent at the state, or too few flows close: the fibre is not compact, or the state is
+            near to a critical one.
+        TimeLimitError: the time is over.
+    """
+    deadline = Deadline(as_time_limit(time_limit))
+    momentum = system if isinstance(system, MomentumMap) else momentum_map(system, integrals)
+    bracket = momentum.system.bracket
+    x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
+    if x.ndim != 1:
+        raise ShapeError(f"state: wanted one state, shape ({x.shape[-1]},); got shape {x.shape}")
+    torus = Closures.at(momentum, x, Leaf.through(momentum.system, x).in_units().units)
+    with deadline.running(), np.errstate(all="ignore"):
+        periods = torus.lattice(as_seed(seed))
+        return PeriodLattice(momentum, x, periods, float(torus.distances(periods).max()))
+
+
+@dataclass(frozen=True, eq=False)
+class Closures:
+    """The flows through one state, with times measured by how far they go from it, in units of the leaf.
+
+    Attributes:
+        momentum: The momentum map.
+        state: Shape (N,).
+        units: Units of the coordinates, shape (N,).
+        scaling: Takes lengths to times, shape (n, n).
+    """
+
+    momentum: MomentumMap
+    state: Array
+    units: Array
+    scaling: Array
+
+    @classmethod
+    def at(cls, momentum: MomentumMap, state: Array, units: Array) -> Closures:
+        """The flows through a state, with units of the leaf.
+
+        Raises:
+            OrbitError: they are dependent there.
+        """
+        fields = momentum.fields(state) / units[:, None]
+        if momentum.rank(state) < len(momentum.names):
+            raise OrbitError(
+                f"state: wanted one where the flows of {', '.join(momentum.names)} are independent; they are not at "
+                f"{state.tolist()}. Take a state that is not critical."
+            )
+        return cls(momentum, state, units, linear.inv(linear.qr(fields).R))
+
+    def distances(self, times: Array) -> Array:
+        """How far the flows are from closing, shape (m,), for times of shape (m, n)."""
+        ends = self.momentum.flow(self.state, times)
+        return linear.norm((ends - self.state) / self.units, axis=-1)
+
+    def closed(self, times: Array) -> Array:
+        """What Newton's method makes of times of shape (m, n): those that close, the time 0 among them."""
+        t, _ = self.arriving(times, np.broadcast_to(self.state, (len(times), len(self.state))))
+        # Steps along the orbit carry its errors along: once more from the state itself
+        for _ in range(2):
+            if len(t):
+                t = t + self._step(self.momentum.flow(self.state, t), self.state)
+                t = t[np.isfinite(t).all(axis=1)]
+        return t[self.distances(t) < _CLOSES] if len(t) else t
+
+    def arriving(self, times: Array, targets: Array) -> tuple[Array, NDArray[np.intp]]:
+        """Times after which the flows come from the state to targets, and whose, of guesses of shape (m, n)."""
+        t, rows = times.copy(), np.arange(len(times))
+        x = self.momentum.flow(self.state, t)
+        arrived, whose = [np.zeros((0, times.shape[1]))], [np.zeros(0, dtype=np.intp)]
+        for _ in range(_STEPS):
+            step = self._step(x, targets[rows])
+            there = linear.norm((targets[rows] - x) / self.units, axis=1) < _CLOSES / 100
+            arrived.append(t[there])
+            whose.append(rows[there])
+            good = np.isfinite(step).all(axis=1) & ~there
+            t, x, step, rows = t[good], x[good], step[good], rows[good]
+            if not len(t):
+                break
+            length = linear.norm(linear.matmul(step, linear.inv(self.scaling).T), axis=1)
+            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))[:, None]
+            t, x = t + step, self.momentum.flow(x, step)
+        there = linear.norm((targets[rows] - x) / self.units, axis=1) < _CLOSES
+        return np.concatenate([*arrived, t[there]]), np.concatenate([*whose, rows[there]])
+
+    def _step(self, x: Array, target: Array) -> Array:
+        fields = self.momentum.fields(x) / self.units[:, None]
+        gap = (target - x) / self.units
+        transposed = np.swapaxes(fields, -1, -2)
+        square = linear.matmul(transposed, fields)
+        right = linear.matmul(transposed, gap[..., None])
+        sizes = np.abs(linear.det(square))
+        regular = np.isfinite(sizes) & (sizes > 0)
+        found = np.full((len(x), fields.shape[-1]), np.nan)
+        found[regular] = linear.solve(square[regular], right[regular])[..., 0]
+        return found
+
+    def lattice(self, seed: int) -> Array:
+        """A reduced basis, as rows.
+
+        Raises:
+            OrbitError: too few flows close.
+        """
+        n = len(self.momentum.names)
+        draw = stream(seed, Purpose.PERIOD_LATTICE)
+        to_length = linear.inv(self.scaling).T
+        known, last = np.zeros((0, n)), None
+        for length in _LENGTHS:
+            m = _GUESSES * n
+            directions = draw.standard_normal((m, n))
+            directions /= linear.norm(directions, axis=1, keepdims=True)
+            sizes = length * draw.uniform(size=(m, 1)) ** (1 / n)
+            found = linear.matmul(self.closed(linear.matmul(directions * sizes, self.scaling.T)), to_length)
+            known = generated(np.concatenate([known, found]))
+            if len(known) == n:
+                if last is not None and abs(abs(linear.det(known)) - last) < 1e-6 * last:
+                    known = self._finest(known)
+                    return linear.matmul(known, self.scaling.T)
+                last = float(abs(linear.det(known)))
+        raise OrbitError(
+            f"state: wanted one on a torus of dimension {n}; of the flows of {', '.join(self.momentum.names)} only "
+            f"{len(known)} independent combinations close within {_LENGTHS[-1]:g} units of the leaf. The fibre is not "
+            "compact, or the state is near to a critical one."
+        )
+
+    def _finest(self, basis: Array) -> Array:
+        """The lattice itself, if the one found is a part of it of small index."""
+        n = len(basis)
+        for p in _PRIMES:
+            while True:
+                shares = np.array([s for s in product(range(p), repeat=n) if _first(s) == 1]) / p
+                tried = linear.matmul(shares, basis)
+                closes = self.distances(linear.matmul(tried, self.scaling.T)) < _CLOSES
+                if not closes.any():
+                    break
+                basis = generated(np.concatenate([basis, tried[closes]]))
+        return basis
+
+
+def _first(shares: Sequence[int]) -> int:
+    return next((s for s in shares if s), 0)
+
+
+def generated(vectors: Array) -> Array:
+    """A reduced basis of the lattice that vectors generate, as rows; differences below 1e-7 are errors."""
+    rows = list[Array]()
+    pending = sorted(vectors, key=lambda v: float((v * v).sum()))
+    while pending:
+        v = _remainder(pending.pop(0), rows)
+        if linear.norm(v) < 1e-7:
+            continue
+        rank = _rank([*rows, v])
+        if rank > len(rows):
+            rows.append(v)
+        else:
+            # A shorter vector inside of the span: what it replaces is looked at again
+            pending = [*rows, *pending]
+            rows = [v]
+        rows = _reduced(rows)
+    return np.array(rows).reshape(len(rows), vectors.shape[1])
+
+
+def _rank(rows: list[Array]) -> int:
+    """The rank of vectors none of which is short; dependent ones are so to 1e-7."""
+    sizes = linear.svd(np.array(rows) / linear.norm(np.array(rows), axis=1, keepdims=True), compute_uv=False)
+    return int((sizes > 1e-7).sum())
+
+
+def _remainder(v: Array, rows: list[Array]) -> Array:
+    """A vector less the multiples of the basis that are nearest to it."""
+    if not rows:
+        return v
+    basis = np.array(rows)
+    shares = linear.lstsq(basis.T, v)[0]
+    return v - linear.matmul(np.round(shares), basis)
+
+
+def _reduced(rows: list[Array]) -> list[Array]:
+    """No sum or difference of two vectors is shorter than the longer one."""
+    rows = list(rows)
+    changed = True
+    while changed:
+        changed = False
+        rows.sort(key=lambda v: float((v * v).sum()))
+        for i in range(len(rows)):
+            for j in range(i):
+                share = np.round((rows[i] * rows[j]).sum() / (rows[j] ** 2).sum())
+                shorter = rows[i] - share * rows[j]
+                if (shorter**2).sum() < (1 - 1e-12) * (rows[i] ** 2).sum():
+                    rows[i], changed = shorter, True
+    return rows
