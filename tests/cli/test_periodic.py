@@ -19,6 +19,8 @@ def test_an_orbit_near_a_start(command, tmp_path):
     assert out.splitlines()[0] == repr(orbit)
     assert f"period   {orbit.period!r}" in out
     assert path.read_text() == orbit.to_csv(tmp_path / "expected.csv").read_text()
+    command("periodic", *STRAIGHT, "--out", tmp_path / "orbit.nc")
+    assert lp.load(tmp_path / "orbit.nc").start.tolist() == orbit.start.tolist()
 
 
 def test_an_orbit_is_moved_to_a_level_and_turns(command):
@@ -40,11 +42,14 @@ def test_momenta_have_values_where_orbits_are_searched(command):
     assert {one["momenta"]["l3"] for one in json.loads(out)["orbits"]} <= {0.5}
 
 
-def test_orbits_of_a_level(command):
-    code, out, _ = command("periodic", "henon-heiles", "--energy", "1/12", "--starts", 40)
+def test_orbits_of_a_level(command, tmp_path):
+    code, out, _ = command(
+        "periodic", "henon-heiles", "--energy", "1/12", "--starts", 40, "--out", tmp_path / "found.nc"
+    )
     found = lp.orbits.periodic_orbits(HENON, {}, "1/12", n_starts=40)
     assert code == 0
     assert out.startswith(repr(found))
+    assert repr(lp.load(tmp_path / "found.nc")) == repr(found)
     assert "starts (x, y, p_x, p_y)\n  0  " in out
     code, out, _ = command("periodic", "henon-heiles", "--energy", "1/12", "--starts", 40, "--format", "json")
     assert [one["period"] for one in json.loads(out)["orbits"]] == [one.period for one in found]
@@ -96,6 +101,8 @@ def test_melnikov(command, tmp_path):
     assert (code, err) == (0, "")
     assert float(out.split()[2]) == pytest.approx(-8, rel=1e-11)
     assert np.genfromtxt(path, delimiter=",", names=True)["M_l3"] == pytest.approx(-8, rel=1e-11)
+    command("melnikov", "heavy-top", "(l1^2 - l2^2)/2", *given, *settings, "--out", tmp_path / "m.nc")
+    assert lp.load(tmp_path / "m.nc").perturbation == "l1^2/2 - l2^2/2"
     _, out, _ = command("melnikov", "heavy-top", "(l1^2 - l2^2)/2", *given, *settings, "--format", "json")
     assert json.loads(out)["integrals"][0]["integral"] == "l3"
 

@@ -24,6 +24,7 @@ VERSION = re.escape(lp.__version__)
 
 WRITTEN = {
     "result": dataset.FORMAT,
+    "orbits": dataset.FORMAT,
     "sweep": str(store._FORMAT),
     "integrability-certificate": certificates.FORMAT,
     "integrability-report": report.FORMAT,
@@ -64,6 +65,12 @@ def test_a_result_is_read_with_its_numbers_and_repeated():
         warnings.simplefilter("ignore", UserWarning)
         again = lp.rerun(growth)
     np.testing.assert_allclose(again.exponent, growth.exponent, rtol=1e-10)
+
+
+def test_orbits_are_read_and_go_on():
+    found = lp.load(SAVED / "orbits-2.nc")
+    assert [round(one.period, 8) for one in found] == [6.79438483, 6.11049968, 7.10595715, 42.21783987]
+    assert lp.orbits.periodic_orbit(found.system, found[0]).period == pytest.approx(found[0].period, rel=1e-12)
 
 
 def test_a_sweep_is_read_with_its_numbers():

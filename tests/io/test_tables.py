@@ -9,7 +9,6 @@ from test_dataset import STATES, TOP, runs_of_all_kinds
 import liepoisson as lp
 from liepoisson.errors import OutputError
 from liepoisson.io.result import Result
-from liepoisson.orbits.saved_families import SavedFamily
 
 HENON = lp.catalog.system("henon-heiles")
 
@@ -29,8 +28,8 @@ def lists_of_all_kinds():
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
         "connecting orbits": lambda: lp.orbits.connecting_orbits(lp.phase_space.equilibrium(duffing, [0, 0])),
-        "a family of orbits": lambda: SavedFamily.of(
-            lp.orbits.orbit_family(duffing, lp.phase_space.equilibrium(duffing, [1, 0]), max_orbits=4)
+        "a family of orbits": lambda: lp.orbits.orbit_family(
+            duffing, lp.phase_space.equilibrium(duffing, [1, 0]), max_orbits=4
         ),
         "homoclinic orbits": lambda: lp.orbits.symmetric_homoclinic_orbits(
             lp.phase_space.equilibrium(duffing, [0, 0]), n_starts=20
@@ -43,9 +42,9 @@ ALL = {**runs_of_all_kinds(), **lists_of_all_kinds()}
 
 def rows_of(result):
     """How many rows a table has, from what the result says of itself."""
-    kind = getattr(result, "kind", "")
-    if not kind:
+    if not isinstance(result, Result):
         return len(result)
+    kind = result.kind
     times = {"orbit": "time", "attitude": "time", "rod": "arclength"}
     if kind in times:
         orbits = len(result.outcome) if kind == "orbit" else len(STATES)
@@ -54,8 +53,6 @@ def rows_of(result):
         return len(result.time)
     if kind == "sweep":
         return len(result.points)
-    if kind == "orbit family":
-        return len(result.value)
     return result.outcome.size
 
 

@@ -65,6 +65,101 @@ def test_areas_are_kept(back, coordinates):
         np.testing.assert_allclose(density, 1, rtol=1e-14)
 
 
+EQUAL_STEPS = {
+    "midpoint": (P, lambda h: lp.methods.Gauss(step=h, order=2), 2),
+    "gauss": (P, lambda h: lp.methods.Gauss(step=h, order=4), 4),
+    "runge-kutta": (P, lambda h: lp.methods.RungeKutta(step=3 * h), 8),
+    "splitting": (Q, lambda h: lp.Splitting(step=h, order=4), 4),
+    "gauss of a top": (Q, lambda h: lp.methods.Gauss(step=h, order=4), 4),
+}
+"""A map, a method of equal steps, and its order."""
+
+
+def of_equal_steps(name, step):
+    back, method, _ = EQUAL_STEPS[name]
+    surface = "x" if back is P else lp.sections.good_surface(TOP)
+    return lp.sections.return_map(back.system, surface, t_end=back.t_end, method=method(step))
+
+
+def states_of(back):
+    if back.system is HENON:
+        return np.array([lifted(0.03 * k, 0.05 - 0.02 * k, 0.1) for k in range(-5, 6)]), ["y", "p_x"]
+    surface = lp.sections.good_surface(TOP)
+    states = lp.sections.section_starts(lp.Leaf(TOP, LEVEL), surface, energy=0.5, n_starts=12, seed=3, direction=1)
+    return states, ["l1", "l3", "alpha1", "alpha2"]
+
+
+@pytest.mark.parametrize("name", EQUAL_STEPS)
+def test_the_derivative_is_that_of_the_map_that_a_method_computes(name):
+    """As differences of the same map say, which is 1e-3 and more from that of the flow."""
+    back, h = of_equal_steps(name, 0.2), 1e-5
+    for x in states_of(back)[0][:2]:
+        slope = back.surface.gradient(x)
+        along = np.eye(len(x)) - np.outer(slope, slope) / (slope @ slope)  # along the section
+        wanted = np.array([(back(x + h * e).state - back(x - h * e).state) / (2 * h) for e in along]).T
+        np.testing.assert_allclose(back.derivative(x) @ along, wanted, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", EQUAL_STEPS)
+def test_images_and_areas_are_those_of_the_flow_to_the_order_of_the_method(name):
+    """The last step has any length up to the others, and its own error: of many states one is near the largest."""
+    exact, _, order = EQUAL_STEPS[name]
+    states, coordinates = states_of(exact)
+    errors = []
+    for step in (0.2, 0.1):
+        back = of_equal_steps(name, step)
+        once = back(states)
+        assert np.abs(back.surface(once.state)).max() < 1e-14
+        area = np.abs(np.linalg.det(back.derivative(states, coordinates)))
+        ratio = back.density(states, coordinates) / back.density(once.state, coordinates)
+        errors.append([np.abs(once.state - exact(states).state).max(), np.abs(area / ratio - 1).max()])
+    rates = np.log2(np.array(errors[0]) / errors[1])
+    assert (np.array(errors[0]) < 0.2).all(), errors
+    assert ((rates > order - 0.7) | (np.array(errors[1]) < 1e-10)).all(), (rates, errors)
+
+
+@pytest.mark.parametrize("name", EQUAL_STEPS)
+def test_the_map_of_a_method_is_an_orbit_and_has_an_inverse_and_exponents(name):
+    back = of_equal_steps(name, 0.05)
+    states = states_of(back)[0][:2]
+    once, run = back(states), back.orbit(states, 3)
+    np.testing.assert_allclose(run.state[run.time < np.repeat(once.time, 3) + 1e-9], once.state, atol=1e-12)
+    inverse = lp.sections.return_map(
+        back.system, back.surface.expression, t_end=-back.t_end, direction=-1, method=back.method
+    )
+    np.testing.assert_allclose(inverse(once.state).state, states, atol=1e-3)
+    found, exact = back.exponents(states, 4), EQUAL_STEPS[name][0].exponents(states, 4)
+    np.testing.assert_allclose(found.exponent, exact.exponent, atol=0.01)
+    np.testing.assert_array_equal(lp.rerun(once.dataset).state, once.state)
+
+
+@pytest.mark.parametrize(("name", "n_points"), [("midpoint", 1), ("gauss", 1), ("gauss", 5), ("runge-kutta", 1)])
+def test_cycles_of_a_method_are_those_of_the_flow_to_its_order(name, n_points):
+    order = EQUAL_STEPS[name][2]
+    energy, errors = 1 / 12 if n_points == 1 else 1 / 8, []
+    exact = P.cycles({}, energy, n_points=n_points, n_starts=30)
+    for step in (0.1, 0.05):
+        back = of_equal_steps(name, step)
+        found = back.cycles({}, energy, n_points=n_points, n_starts=30)
+        assert len(found) == len(exact) > 0
+        assert found.method == back.method
+        errors.append(max(abs(a.period - b.period) for a, b in zip(found, exact, strict=True)))
+        for one, points in zip(found, found.points, strict=True):
+            assert len(points) == n_points
+            np.testing.assert_allclose(back(points).state, np.roll(points, -1, axis=0), atol=10 * one.residual + 1e-12)
+            np.testing.assert_allclose(HENON.functions.energy(points[0]), energy, rtol=1e-11)
+    assert np.log2(errors[0] / errors[1]) > order - 0.5 or errors[1] < 1e-11, errors
+
+
+def test_cycles_of_a_splitting():
+    exact = Q.cycles(LEVEL, "1/2", n_starts=20)
+    found = of_equal_steps("splitting", 0.02).cycles(LEVEL, "1/2", n_starts=20)
+    assert len(found) == len(exact) > 0
+    for one, other in zip(found, exact, strict=True):
+        assert one.period == pytest.approx(other.period, rel=1e-5)
+        np.testing.assert_allclose(abs(one.multipliers[0]), abs(other.multipliers[0]), rtol=1e-3)
+
+
 def test_the_inverse_map():
     start = lifted(0.1, 0.05, 0.1)
     inverse = lp.sections.return_map(HENON, "x", t_end=-100, direction=-1)
@@ -128,7 +223,11 @@ def test_what_does_not_return_has_no_derivative():
         (lambda: P.derivative(lifted(0, 0, 0.1), {"y", "p_y"}), "coordinates"),
         (lambda: P.density(lifted(0, 0, 0.1), "y"), "coordinates"),
         (lambda: P.cycles({}, 0.1, n_points=0), "n_points"),
-        (lambda: lp.sections.return_map(HENON, "x", t_end=9, method=lp.methods.Gauss(step=0.1)), "wanted Taylor"),
+        (lambda: lp.sections.return_map(HENON, "x", t_end=9, method=lp.methods.RungeKutta()), "or a method of equal"),
+        (
+            lambda: lp.sections.return_map(TOP, "l1", t_end=9, method=lp.Splitting(step=0.1, precision="single")),
+            "in double precision",
+        ),
         (lambda: P.cycles({}, -1), "energ"),
     ],
 )

@@ -13,11 +13,10 @@ from liepoisson.cli.options import (
     FormatOption,
     SeedOption,
     SystemArgument,
-    TableOption,
     Where,
     show,
 )
-from liepoisson.cli.output import TABLE_ENDINGS, data_file, figure_stem, name_of_files, write_figure, write_result
+from liepoisson.cli.output import data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
 from liepoisson.cli.starts import assignments, find_start, read_numeric_system, state_of
 from liepoisson.errors import ParameterError
@@ -44,12 +43,13 @@ ALONG_HELP = 'What varies: "energy" or the name of a Casimir; the others are hel
 UNTIL_HELP = "The value at which the family ends, as in --until 1/6."
 DOWN_HELP = "Begin towards smaller values, where --until does not say the direction."
 BRANCH_HELP = "Print the family that leaves at this branch or double period instead: 1 is the first one of the list."
-FAMILY_OUT_HELP = "Also write the family to this file: .nc, which `liepoisson.load` reads, or .csv, its table."
+OUT_HELP = "Also write what is found to this file: .nc, which `liepoisson.load` reads, or .csv, its table."
 STEP_HELP = "The longest step between starts of orbits, in units of the level.  [default: 0.2]"
 MIDDLE_HELP = "The middle of a homoclinic orbit, written as in `orbit`."
 ORIGIN_HELP = "The equilibrium from which it comes and to which it goes, written as --start."
 INTEGRAL_HELP = "An integral whose values part on the two manifolds: --integral l3.  Repeat it for more."
 MomentaOption = Annotated[list[str] | None, typer.Option("--momentum", metavar="FORMULA", help=MOMENTUM_HELP)]
+FoundOption = Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)]
 PeriodOption = Annotated[float | None, typer.Option(help=PERIOD_HELP)]
 
 
@@ -62,7 +62,7 @@ def periodic(
     starts: Annotated[int | None, typer.Option(help="Random states of the level for a search.  [default: 200]")] = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = TIME_LIMIT,
-    out: TableOption = None,
+    out: FoundOption = None,
     format_: FormatOption = Format.TEXT,
     common: Common,
 ) -> None:
@@ -77,7 +77,7 @@ def periodic(
 
     check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, common.values)
-    data = data_file(out, f"{name_of_files(chosen, common.values)}-periodic.csv", endings=TABLE_ENDINGS)
+    data = data_file(out, f"{name_of_files(chosen, common.values)}-periodic.nc")
     if period is not None:
         if starts is not None:
             raise ParameterError("--starts and --period exclude each other: with --period there is one orbit.")
@@ -117,7 +117,7 @@ def continue_(
     momentum: MomentaOption = None,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = TIME_LIMIT,
-    out: Annotated[str | None, typer.Option(metavar="FILE", help=FAMILY_OUT_HELP)] = None,
+    out: FoundOption = None,
     plot: Annotated[bool, typer.Option("--plot", help="Draw a figure, a .png file in the working folder.")] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help="Draw the figure into this file.")] = None,
     format_: FormatOption = Format.TEXT,
@@ -173,7 +173,7 @@ def melnikov(
     origin: Annotated[list[str], typer.Option(metavar="STATE", help=ORIGIN_HELP)],
     integral: Annotated[list[str], typer.Option(metavar="FORMULA", help=INTEGRAL_HELP)],
     time_limit: TimeLimitOption = TIME_LIMIT,
-    out: TableOption = None,
+    out: FoundOption = None,
     format_: FormatOption = Format.TEXT,
     common: Common,
 ) -> None:
@@ -186,7 +186,7 @@ def melnikov(
 
     check_limits(time_limit=time_limit)
     chosen = read_numeric_system(system, common.values)
-    data = data_file(out, f"{name_of_files(chosen, common.values)}-melnikov.csv", endings=TABLE_ENDINGS)
+    data = data_file(out, f"{name_of_files(chosen, common.values)}-melnikov.nc")
     rest = _at_rest(chosen, origin, "--origin")
     middle = find_start(chosen, Where(start=start)).state
     with running("Melnikov's integrals", 1.0, quiet=common.quiet) as listen:

@@ -22,7 +22,7 @@ from liepoisson.inputs.arrays import read_only
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import another_format, write_atomically
 from liepoisson.io.netcdf import netcdf, read_netcdf
-from liepoisson.io.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
+from liepoisson.io.result import KEY, ArrayLabel, Kept, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result, Saved
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -33,16 +33,19 @@ _LONGEST_ATTRIBUTE = 32_000
 """Characters: HDF5 keeps attributes of up to 64 kB."""
 
 
-def dataset_of(result: Result) -> Dataset:
+def dataset_of(result: Saved) -> Dataset:
     """The dataset of a result."""
     import xarray as xr
 
     writer = _Writer()
-    values = writer.values_of(result)
+    if isinstance(result, Kept):
+        writer.whole(result)
+    else:
+        writer.records["run"] = writer.values_of(result)
     system = result.system
     # json writes a float with the digits that give the same float back
-    texts = {name: json.dumps(value) for name, value in {**writer.records, "run": values}.items()}
-    attributes = {"format": FORMAT, "kind": result.kind, "system": str(system.name), "version": _core.__version__}
+    texts = {name: json.dumps(value) for name, value in writer.records.items()}
+    attributes = {"format": FORMAT, "kind": type(result).kind, "system": str(system.name), "version": _core.__version__}
     attributes |= texts
     text = getattr(system, "text", None)
     if text is not None:
@@ -51,7 +54,7 @@ def dataset_of(result: Result) -> Dataset:
         if len(attributes.get(name, "")) > _LONGEST_ATTRIBUTE:
             data = np.frombuffer(attributes.pop(name).encode(), dtype=np.uint8)
             writer.variables[name] = (f"{name}_byte", data, {"long_name": f"{name}, as text in UTF-8"})
-    first = getattr(result, "first", None)
+    first = None if isinstance(result, Kept) else getattr(result, "first", None)
     if first is not None:  # trajectories have numbers, from which what is drawn for them follows
         writer.coordinates["trajectory"] = np.arange(first, first + len(writer.variables["outcome"][1]))
     dataset = xr.Dataset(writer.variables, writer.coordinates, attributes)
@@ -174,6 +177,20 @@ class _Writer:
                 values[item.name] = _plain(value, name)
         return values
 
+    def whole(self, result: Kept) -> None:
+        """The columns of its table, those of a state as one array, and the result itself as plain data."""
+        self.records |= result.records()
+        row, components = result.row, list(result.system.component_names)
+        self.coordinates["component"] = components
+        columns = result.columns()
+        for name in [one.removesuffix(f"_{components[0]}") for one in columns]:
+            parts = [f"{name}_{component}" for component in components]
+            if {*parts} <= {*columns}:
+                vector = np.stack([columns.pop(part) for part in parts], axis=1)
+                self.array(name, vector, ArrayLabel((row, "component"), {"long_name": f"{name}, a state"}))
+        for name, column in columns.items():
+            self.array(name, column, ArrayLabel((row,), {"long_name": name.replace("_", " ")}))
+
     def array(self, name: str, value: Any, label: ArrayLabel) -> None:
         dims = _written_dims(label.dims, value.ndim)
         into = self.coordinates if label.is_coordinate else self.variables
@@ -229,6 +246,8 @@ def result_of(kind: type[Any], dataset: Dataset, system: Any) -> Any:
     Raises:
         Exception: of many kinds, if something is missing or altered.
     """
+    if issubclass(kind, Kept):
+        return kind.of_record(json.loads(text_of(dataset, "record")), system)
     values = json.loads(text_of(dataset, "run"))
     return _read(kind, dataset, values, PartLabel(lambda: kind), system)
 

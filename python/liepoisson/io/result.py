@@ -22,6 +22,7 @@ from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from liepoisson.errors import OutputError
 from liepoisson.inputs.arrays import ReadOnlyArrays
 from liepoisson.inputs.shared_words import ATTRIBUTES, completed
 from liepoisson.io.display import as_line
@@ -120,7 +121,39 @@ def pieces(dim: str, names: tuple[str, str], dims: tuple[str, ...]) -> Any:
     return field(default=(), metadata={KEY: PiecesLabel(dim, names, dims)})
 
 
-class Result(ReadOnlyArrays, Tabular):
+class Saved(ReadOnlyArrays, Tabular):
+    """What has a labelled dataset and a file from which it is read again: the result of a run, or what is kept."""
+
+    kind: ClassVar[str]
+    """What files call it."""
+    system: Any
+    """The system, exactly as it was given."""
+
+    @property
+    def dataset(self) -> Dataset:
+        """The same as a labelled xarray Dataset, whose attributes suffice to make it again."""
+        from liepoisson.io.dataset import dataset_of
+
+        return dataset_of(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Writes a NetCDF file, from which `liepoisson.load` gives the same object.
+
+        `liepoisson.rerun` repeats a run.
+
+        Raises:
+            OutputError: The name does not end in .nc, or the file cannot be written.
+        """
+        from liepoisson.io.dataset import save
+
+        return save(self.dataset, path)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the line of the result, and its dataset."""
+        return as_line(repr(self)) + self.dataset._repr_html_()  # pyright: ignore[reportPrivateUsage]  # IPython's protocol
+
+
+class Result(Saved):
     """A result: arrays that cannot be changed, with a dataset, a file, a picture, and the run that made it.
 
     Example:
@@ -129,14 +162,10 @@ class Result(ReadOnlyArrays, Tabular):
         ({'trajectory': 1, 'time': 1001, 'component': 4}, ['x', 'y', 'p_x', 'p_y'])
     """
 
-    kind: ClassVar[str]
-    """What files call it."""
     rows: ClassVar[tuple[Any, ...]] = ("trajectory",)
     """The dimensions whose places are the rows of its table; `...` stands for those of the starts of a map."""
     along: ClassVar[Mapping[str, Sequence[str]]] = {}
     """Names of the places of dimensions without a label, for columns of the table."""
-    system: Any
-    """The system, exactly as it was given."""
 
     def __init_subclass__(cls) -> None:
         """Describes the attributes that its docstring leaves out as others are."""
@@ -164,23 +193,30 @@ class Result(ReadOnlyArrays, Tabular):
 
         return columns_of(self)
 
-    @property
-    def dataset(self) -> Dataset:
-        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
-        from liepoisson.io.dataset import dataset_of
 
-        return dataset_of(self)
+class Kept(Saved):
+    """A result that is written whole, as plain data beside its table; it is read again, and not repeated."""
+
+    row: ClassVar[str] = "orbit"
+    """What a row of its table is about."""
+
+    @abstractmethod
+    def records(self) -> dict[str, Any]:
+        """Plain data that JSON can write, by name: as "record" all of it, and what readers of the file may look for."""
+
+    @classmethod
+    @abstractmethod
+    def of_record(cls, record: Any, system: Any) -> Self:
+        """The result whose "record" was written, of the system of its file."""
 
     def save(self, path: str | Path) -> Path:
-        """Writes a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run.
+        """Writes a NetCDF file, from which `liepoisson.load` gives the same object.
 
         Raises:
-            OutputError: The name does not end in .nc, or the file cannot be written.
+            OutputError: The name does not end in .nc, or the file cannot be written; or the system has no text.
         """
-        from liepoisson.io.dataset import save
-
-        return save(self.dataset, path)
-
-    def _repr_html_(self) -> str:
-        """What a notebook shows: the line of the result, and its dataset."""
-        return as_line(repr(self)) + self.dataset._repr_html_()  # pyright: ignore[reportPrivateUsage]  # IPython's protocol
+        if self.system.text is None:
+            raise OutputError(
+                f"{self.system.name!r} has no text that it could be read from again; keep the table, to_csv(path)"
+            )
+        return super().save(path)

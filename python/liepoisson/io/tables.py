@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +51,15 @@ class Tabular(ABC):
                 left as it was.
         """
         return write_csv(path, self.columns())
+
+
+def vector_columns(
+    name: str, vectors: Sequence[Any] | NDArray[Any], names: Sequence[str] | None = None
+) -> dict[str, NDArray[Any]]:
+    """A column for each component of vectors that are the rows, by the names of the components or numbers from 1."""
+    rows = np.array(vectors, dtype=np.float64).reshape(len(vectors), -1 if len(vectors) else len(names or ()))
+    labels = range(1, rows.shape[1] + 1) if names is None else names
+    return {f"{name}_{label}": column for label, column in zip(labels, rows.T, strict=True)}
 
 
 def write_csv(path: str | Path, columns: Mapping[str, NDArray[Any]]) -> Path:

@@ -113,6 +113,21 @@ class Leaf:
         leaf._set(system, place, values, x)
         return leaf
 
+    def with_values(self, casimirs: Mapping[str, float]) -> Leaf:
+        """The same leaf with values of the Casimirs as they were given, which its state has but for round-off.
+
+        Args:
+            casimirs: The values under the names of `casimirs`.
+
+        Raises:
+            ParameterError: a name is missing or unknown.
+        """
+        if casimirs.keys() != self.place.casimirs.keys():
+            raise ParameterError(f"casimirs: wanted {', '.join(self.place.casimirs)}; got {', '.join(casimirs)}")
+        leaf = type(self).__new__(type(self))
+        leaf._set(self.system, self.place, np.array([casimirs[name] for name in self.place.casimirs]), self.state)
+        return leaf
+
     def _set(self, system: System, place: Place, values: Array, state: Array) -> None:
         self.system: System = system
         self.place: Place = place

@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_count, as_number
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.formula.scalars import as_number
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named, sequence
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
@@ -32,7 +31,7 @@ from liepoisson.model.free_parameter import FreeParameter, StateAndParameter
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import ComplexArray, growth_rate, kind_of, loop_spectrum
+from liepoisson.orbits.multipliers import ClosedOrbit, ComplexArray, loop_spectrum
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
@@ -58,7 +57,7 @@ Momenta: TypeAlias = "Sequence[str | PhaseFunction] | Mapping[str, float]"
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class PeriodicOrbit(ReadOnlyArrays, Tabular):
+class PeriodicOrbit(ClosedOrbit):
     r"""A periodic orbit of a level, perhaps relative: $\varphi_T(x) = P\,e^{\sum_k\theta_k G_k}x$.
 
     Example:
@@ -83,6 +82,8 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
         trivial_defect: Another: how far the flow, H, the Casimirs and the momenta are from the multiplier 1; round-off.
     """
 
+    kind = "periodic orbit"
+
     level: Level
     start: Array
     time: float
@@ -97,19 +98,14 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
     trivial_defect: float
 
     @property
-    def system(self) -> System:
-        """The system."""
-        return self.level.system
-
-    @property
-    def energy(self) -> float:
-        """The value of H."""
-        return float(self.system.functions.energy(self.start))
-
-    @property
     def is_relative(self) -> bool:
         """Whether it closes up to rotations only."""
         return bool(self.angles.size and np.abs(self.angles).max() > SAME)
+
+    @property
+    def return_time(self) -> float:
+        """T: after this time the orbit is at the image of its start under P and the rotations."""
+        return self.time
 
     @property
     def period(self) -> float:
@@ -120,28 +116,6 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
         while np.abs((x - self.start) / self.level.units).max() > SAME:
             x, n = self.symmetry(x), n + 1
         return n * self.time
-
-    @property
-    def rate(self) -> float:
-        r"""$\ln\max|\mu|/T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
-        return growth_rate(self.multipliers, self.time)
-
-    @property
-    def stability(self) -> str:
-        """The multipliers are off the unit circle ("hyperbolic"), on it ("elliptic"), or both ("mixed").
-
-        "neutral" where there are no multipliers but the trivial ones.
-        """
-        return kind_of(self.multipliers)
-
-    @property
-    def multiplier_words(self) -> str:
-        """The multipliers as tables show them: one of each reciprocal pair, with five digits."""
-        return ", ".join(f"{m:.5g}" for m in self.multipliers[: len(self.multipliers) // 2])
-
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the table, which has one row: level, period, stability, start and multipliers."""
-        return orbit_columns((self,), self.system)
 
     def polished(self, *, digits: int = 30) -> PreciseOrbit:
         """The same orbit to so many digits, of polynomial equations without rotations.
@@ -154,13 +128,6 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
 
         return polished_orbit(self, digits)
 
-    def states(self, n_times: int = 201) -> Array:
-        """States at evenly spaced times over one period, shape (n_times, N)."""
-        from liepoisson.numeric.integrate import integrate
-
-        n_times = as_count(n_times, "n_times", least=2)
-        return integrate(self.system, self.start, times=np.linspace(0.0, self.period, n_times)).state[0].copy()
-
     def __repr__(self) -> str:
         big = f", |mu| = {abs(self.multipliers[0]):.6g}" if self.multipliers.size else ""
         turned = f", turned by {', '.join(f'{a:.6g}' for a in self.angles)}" if self.is_relative else ""
@@ -169,21 +136,6 @@ class PeriodicOrbit(ReadOnlyArrays, Tabular):
             f"<PeriodicOrbit of {self.system.name!r} on {self.level.text}: period {self.period:.8g}{turned}, "
             f"{self.stability}{big}{alone}>"
         )
-
-
-def orbit_columns(orbits: Sequence[PeriodicOrbit], system: System) -> dict[str, NDArray[Any]]:
-    """The columns of a table of orbits: energy, Casimirs, period, stability, start and multipliers of each."""
-    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect")
-    names, functions = system.component_names, system.functions
-    starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
-    multipliers = np.array([one.multipliers for one in orbits]).reshape(len(orbits), -1 if orbits else 0)
-    return {
-        **{name: f(starts) for name, f in {"energy": functions.energy, **functions.casimirs}.items()},
-        **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
-        **{f"start_{name}": column for name, column in zip(names, starts.T, strict=True)},
-        **{f"multiplier_real_{k}": column for k, column in enumerate(multipliers.real.T, start=1)},
-        **{f"multiplier_imaginary_{k}": column for k, column in enumerate(multipliers.imag.T, start=1)},
-    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ References: [beyn1990]; [champneys1998].
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -25,15 +25,15 @@ from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods, shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, blocks, checkpoint, has_passed
-from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
+from liepoisson.inputs.deadline import blocks, checkpoint, has_passed
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import are_equal
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.invariant_manifolds import InvariantManifold, manifold_of
+from liepoisson.orbits.saved_orbits import SavedOrbits, SearchedOrbits
 from liepoisson.orbits.shooting import Flow
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT
 from liepoisson.orbits.unstable_spaces import (
@@ -65,7 +65,7 @@ _ROWS = 256
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class ConnectingOrbit(ReadOnlyArrays):
+class ConnectingOrbit(SavedOrbits):
     r"""An orbit that comes from the source for $t \to -\infty$ and goes to the target for $t \to \infty$.
 
     Example:
@@ -87,6 +87,8 @@ class ConnectingOrbit(ReadOnlyArrays):
             rad, increasing.  The manifolds are transversal if none is 0 and their dimensions suffice.
     """
 
+    kind = "connecting orbit"
+
     unstable: InvariantManifold
     stable: InvariantManifold
     start: Array
@@ -97,9 +99,13 @@ class ConnectingOrbit(ReadOnlyArrays):
     angles: Array
 
     @property
-    def system(self) -> System:
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The system."""
         return self.unstable.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: flight, middle and angles in rad."""
+        return _columns((self,), self.system)
 
     @property
     def time(self) -> float:
@@ -120,13 +126,25 @@ class ConnectingOrbit(ReadOnlyArrays):
         return np.concatenate([first, last[-2::-1]]), states
 
     def __repr__(self) -> str:
-        what = "homoclinic" if self.unstable.base is self.stable.base else "heteroclinic"
+        what = _kind_of(self.unstable, self.stable)
         angles = f", angles {', '.join(f'{angle:.5g}' for angle in self.angles)} rad" if self.angles.size else ""
         return f"<ConnectingOrbit of {self.system.name!r}: {what}, flight {self.time:.6g}{angles}>"
 
 
+def _kind_of(unstable: InvariantManifold, stable: InvariantManifold) -> str:
+    return "homoclinic" if unstable.base is stable.base else "heteroclinic"
+
+
+def _columns(orbits: Sequence[ConnectingOrbit], system: System) -> dict[str, NDArray[Any]]:
+    return {
+        **{name: np.array([getattr(one, name) for one in orbits]) for name in ("time", "residual")},
+        **vector_columns("middle", [one.middle for one in orbits], system.component_names),
+        **vector_columns("angle", [one.angles for one in orbits]),
+    }
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class ConnectingOrbits(Found[ConnectingOrbit], Tabular):
+class ConnectingOrbits(SearchedOrbits[ConnectingOrbit]):
     """Orbits from one equilibrium or periodic orbit to another or itself, those with the shortest flight first.
 
     Example:
@@ -146,6 +164,7 @@ class ConnectingOrbits(Found[ConnectingOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    kind = "connecting orbits"
     titles = ("flight", "angles (rad)", "residual")
 
     unstable: InvariantManifold
@@ -156,27 +175,19 @@ class ConnectingOrbits(Found[ConnectingOrbit], Tabular):
     n_families: int
     is_cut_short: bool = False
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.unstable.system
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its flight, middle and angles in rad."""
-        names = self.unstable.system.component_names
-        states = np.array([one.middle for one in self.found], dtype=float).reshape(len(self.found), len(names))
-        angles = np.array([one.angles for one in self.found], dtype=float)
-        angles = angles.reshape(len(self.found), -1 if self.found else 0)
-        return {
-            **{name: np.array([getattr(one, name) for one in self.found]) for name in ("time", "residual")},
-            **{f"middle_{name}": column for name, column in zip(names, states.T, strict=True)},
-            **{f"angle_{k}": column for k, column in enumerate(angles.T, start=1)},
-        }
+        return _columns(self.found, self.system)
 
     def _head(self) -> str:
-        n = len(self.found)
-        what = "homoclinic" if self.unstable.base is self.stable.base else "heteroclinic"
-        families = f"; {self.n_families} along which the manifolds do not cross are left out" * bool(self.n_families)
-        return (
-            f"{n or 'No'} {what} orbit{'' if n == 1 else 's'} of {self.unstable.system.name!r}, with flights up to "
-            f"{self.t_end:.6g} on either side, found from {'up to ' * self.is_cut_short}{self.n_starts} "
-            f"starts{families}{CUT_SHORT * self.is_cut_short}; that there are no others is not proved."
-        )
+        noun = f"{_kind_of(self.unstable, self.stable)} orbit"
+        where = f"of {self.system.name!r}, with flights up to {self.t_end:.6g} on either side"
+        return self._sentence(noun, where, "{} starts", "along which the manifolds do not cross")
 
     def _row(self, one: ConnectingOrbit, /) -> tuple[str, ...]:
         return f"{one.time:.6f}", ", ".join(f"{angle:.5f}" for angle in one.angles), f"{one.residual:.0e}"

@@ -15,19 +15,18 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitEr
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import CUT_SHORT, blocks, checkpoint, has_passed, seconds_left
+from liepoisson.inputs.deadline import blocks, checkpoint, has_passed, seconds_left
 from liepoisson.inputs.refusals import shown
-from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_system
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import CLOSES, SAME, Momenta, PeriodicOrbit, Problem, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, SAME, Momenta, PeriodicOrbit, Problem, problem_at
 from liepoisson.orbits.closing import Loops
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import SymmetricOrbit
+from liepoisson.orbits.multipliers import SymmetricOrbit, orbit_columns
+from liepoisson.orbits.saved_orbits import SearchedOrbits
 from liepoisson.orbits.shooting import Flow, n_times_of
 from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time, searched
 from liepoisson.portable import linear
@@ -265,7 +264,7 @@ def _most_parts(problem: Problem, loops: Loops) -> int:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
+class PeriodicOrbits(SearchedOrbits[PeriodicOrbit]):
     """Periodic orbits of a level, those with the largest growth rate first.
 
     Example:
@@ -283,6 +282,7 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    kind = "periodic orbits"
     titles = ("period", "rate", "stability", "multipliers", "residual", "pairs")
 
     level: Level
@@ -292,19 +292,19 @@ class PeriodicOrbits(Found[PeriodicOrbit], Tabular):
     n_families: int
     is_cut_short: bool = False
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.level.system
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its period, stability, start and multipliers."""
-        return orbit_columns(self.found, self.level.system)
+        return orbit_columns(self.found, self.system)
 
     def _head(self) -> str:
-        n = len(self.found)
-        families = f"; {self.n_families} that belong to families are left out" if self.n_families else ""
-        return (
-            f"{n or 'No'} periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on {self.level.text}, "
-            f"found from the returns of {'up to ' * self.is_cut_short}{self.n_starts} orbits up to t = {self.t_end:g}"
-            f"{families}"
-            f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
-        )
+        starts = f"the returns of {{}} orbits up to t = {self.t_end:g}"
+        where = f"of {self.system.name!r} on {self.level.text}"
+        return self._sentence("periodic orbit", where, starts, "that belong to families")
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
         return (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,12 +11,11 @@ from numpy.typing import NDArray
 
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.formula.scalars import as_count
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.deadline import CUT_SHORT
-from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
+from liepoisson.io.tables import vector_columns
 from liepoisson.orbits.multipliers import SymmetricOrbit
+from liepoisson.orbits.saved_orbits import SavedOrbits, SearchedOrbits
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class HomoclinicOrbit(ReadOnlyArrays):
+class HomoclinicOrbit(SavedOrbits):
     r"""An orbit that tends to a periodic orbit or an equilibrium for $t \to \pm\infty$ and is its own mirror image.
 
     Example:
@@ -52,6 +52,8 @@ class HomoclinicOrbit(ReadOnlyArrays):
         distance: The distance of the midpoint from the orbit or equilibrium.
     """
 
+    kind = "homoclinic orbit"
+
     origin: SymmetricOrbit | Equilibrium
     space: UnstableSpace
     reverser: DiscreteSymmetry
@@ -64,9 +66,13 @@ class HomoclinicOrbit(ReadOnlyArrays):
     distance: float
 
     @property
-    def system(self) -> System:
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The system."""
         return self.space.level.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: half flight, midpoint and angles in rad."""
+        return _columns((self,), self.system)
 
     def time_from(self, amplitude: float) -> float:
         """About the time from an amplitude to the midpoint, at the slowest unstable rate."""
@@ -104,8 +110,17 @@ class HomoclinicOrbit(ReadOnlyArrays):
         )
 
 
+def _columns(orbits: Sequence[HomoclinicOrbit], system: System) -> dict[str, NDArray[Any]]:
+    return {
+        **{name: np.array([getattr(one, name) for one in orbits]) for name in ("time", "residual", "distance")},
+        "reverser": np.array([one.reverser.text for one in orbits]),
+        **vector_columns("midpoint", [one.midpoint for one in orbits], system.component_names),
+        **vector_columns("angle", [one.angles for one in orbits]),
+    }
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class HomoclinicOrbits(Found[HomoclinicOrbit], Tabular):
+class HomoclinicOrbits(SearchedOrbits[HomoclinicOrbit]):
     """Symmetric homoclinic orbits to one periodic orbit or equilibrium, those with the shortest flight first.
 
     Example:
@@ -124,6 +139,7 @@ class HomoclinicOrbits(Found[HomoclinicOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    kind = "homoclinic orbits"
     titles = ("half flight", "angles (rad)", "distance", "residual")
 
     origin: SymmetricOrbit | Equilibrium
@@ -133,29 +149,19 @@ class HomoclinicOrbits(Found[HomoclinicOrbit], Tabular):
     n_starts: int
     is_cut_short: bool = False
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.origin.system
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each orbit its half flight, midpoint and angles in rad."""
-        names = self.origin.system.component_names
-        states = np.array([one.midpoint for one in self.found], dtype=float).reshape(len(self.found), len(names))
-        angles = np.array([one.angles for one in self.found], dtype=float).reshape(
-            len(self.found), -1 if self.found else 0
-        )
-        return {
-            **{name: np.array([getattr(one, name) for one in self.found]) for name in ("time", "residual", "distance")},
-            "reverser": np.array([one.reverser.text for one in self.found]),
-            **{f"midpoint_{name}": column for name, column in zip(names, states.T, strict=True)},
-            **{f"angle_{k}": column for k, column in enumerate(angles.T, start=1)},
-        }
+        return _columns(self.found, self.system)
 
     def _head(self) -> str:
-        n = len(self.found)
-        what = "an equilibrium" if not hasattr(self.origin, "period") else "a periodic orbit"
-        return (
-            f"{n or 'No'} symmetric homoclinic orbit{'' if n == 1 else 's'} to {what} of "
-            f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from "
-            f"{'up to ' if self.is_cut_short else ''}{self.n_starts} "
-            f"starts{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
-        )
+        what = "an equilibrium" if isinstance(self.origin, Equilibrium) else "a periodic orbit"
+        where = f"of {self.system.name!r}, with half flights up to {self.t_end:.6g}"
+        return self._sentence("symmetric homoclinic orbit", f"to {what} {where}", "{} starts")
 
     def _row(self, one: HomoclinicOrbit, /) -> tuple[str, ...]:
         angles = ", ".join(f"{angle:.5f}" for angle in one.angles)

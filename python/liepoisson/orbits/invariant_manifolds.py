@@ -16,19 +16,21 @@ References: [krauskopf2005].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_count, as_positive, as_seed, as_time
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.refusals import check_choice
+from liepoisson.io.tables import vector_columns
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.run_options import RunOptions
+from liepoisson.orbits.saved_orbits import SavedOrbits
 from liepoisson.orbits.shooting import Flow
 from liepoisson.orbits.unstable_spaces import UnstableSpace, unstable_space
 from liepoisson.poincare.section import Section, section
@@ -48,9 +50,13 @@ _ROUND_OFF = 8 * np.finfo(float).eps
 _GOLDEN = (np.sqrt(5.0) - 1) / 2
 
 
+class _Saved(SavedOrbits):
+    kind = "invariant manifold"  # of the file; a manifold has its own
+
+
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class InvariantManifold(ReadOnlyArrays):
+class InvariantManifold(_Saved):
     r"""The unstable or stable manifold of an equilibrium or a periodic orbit, by orbits from its linear one.
 
     Example:
@@ -68,16 +74,24 @@ class InvariantManifold(ReadOnlyArrays):
         error: The largest measured distance of a start from the manifold, in units of the level.
     """
 
+    row = "manifold"
+
     base: Base
-    kind: str
+    kind: str = field()  # pyright: ignore[reportIncompatibleVariableOverride]
     space: UnstableSpace
     amplitude: float
     error: float
 
     @property
-    def system(self) -> System:
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The system."""
         return self.space.level.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: which manifold it is, of what, and the error of its starts."""
+        listed = ("kind", "dimension", "amplitude", "error")
+        values = {name: np.array([getattr(self, name)]) for name in listed} | {"rate": np.array([self.space.rate])}
+        return values | vector_columns("base", [self.space.state], self.system.component_names)
 
     @property
     def n_directions(self) -> int:

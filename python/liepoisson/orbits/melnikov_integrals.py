@@ -27,18 +27,20 @@ from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.equilibrium.stability import Equilibrium
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays, check_memory
+from liepoisson.inputs.arrays import Array, check_memory
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
-from liepoisson.io.tables import Tabular
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import are_equal, as_system
+from liepoisson.model.system_text import formula_text
 from liepoisson.numeric.methods import Taylor
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_states, given_starts
 from liepoisson.numeric.systems import HasField, component_names
 from liepoisson.orbits.closing import exponential
+from liepoisson.orbits.saved_orbits import SavedOrbits
 from liepoisson.orbits.stable_manifolds import NEAR, UNDER_WAY, AsymptoticOrbits, StableManifold
 from liepoisson.orbits.variations import Variations, Work, common_variation
 from liepoisson.portable import linear
@@ -56,7 +58,7 @@ _BYTES = 2**26
 
 
 @dataclass(frozen=True, eq=False)
-class Melnikov(ReadOnlyArrays, Tabular):
+class Melnikov(SavedOrbits):
     r"""Melnikov's integrals of some homoclinic orbits.
 
     Example:
@@ -68,6 +70,8 @@ class Melnikov(ReadOnlyArrays, Tabular):
         (('l3',), 8.0, True)
 
     Attributes:
+        origin: The equilibrium.
+        perturbation: $H_1$, as a formula.
         integrals: The names of K; "adjoint" where none was given.
         start: The middles of the orbits, shape (orbit, component).
         value: $M_K$, shape (orbit, integral).
@@ -76,17 +80,26 @@ class Melnikov(ReadOnlyArrays, Tabular):
             the manifolds; shape (orbit, integral).
     """
 
+    kind = "melnikov integrals"
+
+    origin: Equilibrium
+    perturbation: str
     integrals: tuple[str, ...]
     start: Array
     value: Array
     error: Array
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system with H."""
+        return self.origin.system
+
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the table: of each orbit its number, the values and their errors."""
+        """The columns of the table: of each orbit its number, the values, their errors, and its start."""
         rows = {"orbit": np.arange(len(self.value))}
         for k, name in enumerate(self.integrals):
             rows |= {f"M_{name}": self.value[:, k], f"error_{name}": self.error[:, k]}
-        return rows
+        return rows | vector_columns("start", self.start, self.system.component_names)
 
     def __repr__(self) -> str:
         largest = ", ".join(
@@ -175,7 +188,7 @@ def melnikov(
                 begin = np.concatenate([begin, common_variation(system, manifolds, begin, first, run)], axis=1)
             value[some], error[some] = _sums(halves, begin, first, run)
             run.tell(min(first + together, len(states)) / len(states))
-    return Melnikov(names, states, value, error)
+    return Melnikov(origin, formula_text(change.expression), names, states, value, error)
 
 
 def _sums(halves: Sequence[_Half], states: Array, first: int, run: RunOptions) -> tuple[Array, Array]:

@@ -13,20 +13,21 @@ accurate alike, and the two values of w are a check.
 
 from __future__ import annotations
 
+from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.formula.scalars import as_count
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.deadline import CUT_SHORT
-from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
+from liepoisson.inputs.refusals import counted
+from liepoisson.io.tables import vector_columns
 from liepoisson.orbits.level import Level
+from liepoisson.orbits.saved_orbits import SavedOrbits, SearchedOrbits
 from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
@@ -128,9 +129,88 @@ def growth_rate(values: ComplexArray, time: float) -> float:
 _CLOSED = 1e-9
 
 
+class ClosedOrbit(SavedOrbits):
+    """A periodic orbit, however it was found: what its start, its times and its multipliers say."""
+
+    level: Level
+    start: Array
+    multipliers: ComplexArray
+    residual: float
+    pair_defect: float
+    trivial_defect: float
+
+    @property
+    @abstractmethod
+    def return_time(self) -> float:
+        """The time of the loop that has the multipliers: it closes up to a symmetry, or to rotations."""
+
+    @property
+    @abstractmethod
+    def period(self) -> float:
+        """The time after which it closes without the symmetry."""
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.level.system
+
+    @property
+    def energy(self) -> float:
+        """The value of H."""
+        return float(self.system.functions.energy(self.start))
+
+    @property
+    def rate(self) -> float:
+        r"""$\ln\max|\mu|$ over `return_time`, the growth rate of neighbours, in inverse time.
+
+        0 if all multipliers are on the unit circle.
+        """
+        return growth_rate(self.multipliers, self.return_time)
+
+    @property
+    def stability(self) -> str:
+        """The multipliers are off the unit circle ("hyperbolic"), on it ("elliptic"), or both ("mixed").
+
+        "neutral" where there are no multipliers but the trivial ones, as on a leaf of dimension 2.
+        """
+        return kind_of(self.multipliers)
+
+    @property
+    def multiplier_words(self) -> str:
+        """The multipliers as tables show them: one of each reciprocal pair, with five digits."""
+        half = self.multipliers[: len(self.multipliers) // 2].tolist()
+        return ", ".join(f"{m if m.imag else m.real:.5g}" for m in half)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: level, period, stability, start and multipliers."""
+        return orbit_columns((self,), self.system)
+
+    def states(self, n_times: int = 201) -> Array:
+        """States at evenly spaced times over one period, from the start to the start, shape (n_times, N)."""
+        from liepoisson.numeric.integrate import integrate
+
+        n_times = as_count(n_times, "n_times", least=2)
+        return integrate(self.system, self.start, times=np.linspace(0.0, self.period, n_times)).state[0].copy()
+
+
+def orbit_columns(orbits: Sequence[ClosedOrbit], system: System) -> dict[str, NDArray[Any]]:
+    """The columns of a table of orbits: energy, Casimirs, times, stability, start and multipliers of each."""
+    listed = ("period", "rate", "stability", "residual", "pair_defect", "trivial_defect", "return_time")
+    names, functions = system.component_names, system.functions
+    starts = np.array([one.start for one in orbits], dtype=float).reshape(len(orbits), len(names))
+    multipliers = np.array([one.multipliers for one in orbits], dtype=np.complex128)
+    return {
+        **{name: f(starts) for name, f in {"energy": functions.energy, **functions.casimirs}.items()},
+        **{name: np.array([getattr(one, name) for one in orbits]) for name in listed},
+        **vector_columns("start", starts, names),
+        **vector_columns("multiplier_real", multipliers.real),
+        **vector_columns("multiplier_imaginary", multipliers.imag),
+    }
+
+
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class SymmetricOrbit(ReadOnlyArrays):
+class SymmetricOrbit(ClosedOrbit):
     r"""A periodic orbit that meets the fixed sets of two reversers $\rho_0$ and $\rho_1$, perhaps one and the same.
 
     It is made of one segment, from `start` to `end`, and its mirror images: with $P = \rho_1\rho_0$,
@@ -159,6 +239,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         trivial_defect: Another: how far the flow, H and the Casimirs are from the multiplier 1; round-off.
     """
 
+    kind = "symmetric orbit"
+
     level: Level
     first: DiscreteSymmetry
     last: DiscreteSymmetry
@@ -171,16 +253,11 @@ class SymmetricOrbit(ReadOnlyArrays):
     trivial_defect: float
 
     @property
-    def system(self) -> System:
-        """The system."""
-        return self.level.system
-
-    @property
     def return_time(self) -> float:
         """2T: after this time the orbit is at the image of its start under P."""
         return 2 * self.time
 
-    @cached_property
+    @property
     def period(self) -> float:
         """The time after which it closes: 2T times the number of images of the start under P."""
         closing = linear.matmul(self.last.matrix, self.first.matrix)
@@ -190,30 +267,10 @@ class SymmetricOrbit(ReadOnlyArrays):
         return n * self.return_time
 
     @property
-    def rate(self) -> float:
-        r"""$\ln\max|\mu| / 2T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
-        return growth_rate(self.multipliers, self.return_time)
-
-    @property
     def slowest(self) -> float:
         """The smallest modulus of the unstable multipliers, 1 if some multiplier is on the unit circle."""
         half = len(self.multipliers) // 2
         return float(np.abs(self.multipliers[:half]).min()) if self.stability == "hyperbolic" else 1.0
-
-    @property
-    def stability(self) -> str:
-        """The multipliers are off the unit circle ("hyperbolic"), on it ("elliptic"), or both ("mixed").
-
-        "neutral" on a leaf of dimension 2, where there are no multipliers but the trivial ones.
-        """
-        return kind_of(self.multipliers)
-
-    def states(self, n_times: int = 201) -> Array:
-        """States at evenly spaced times over one period, from the start to the start, shape (n_times, N)."""
-        from liepoisson.numeric.integrate import integrate
-
-        n_times = as_count(n_times, "n_times", least=2)
-        return integrate(self.system, self.start, times=np.linspace(0.0, self.period, n_times)).state[0].copy()
 
     def polished(self, *, digits: int = 30) -> PreciseSegment:
         """The segment to any number of digits, by Newton's method in the arithmetic of Arb.
@@ -233,7 +290,7 @@ class SymmetricOrbit(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
+class SymmetricOrbits(SearchedOrbits[SymmetricOrbit]):
     """Symmetric periodic orbits of a level, those with the largest growth rate first.
 
     Example:
@@ -253,6 +310,7 @@ class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    kind = "symmetric orbits"
     titles = ("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")
 
     level: Level
@@ -263,38 +321,20 @@ class SymmetricOrbits(Found[SymmetricOrbit], Tabular):
     n_families: int
     is_cut_short: bool = False
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.level.system
+
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the table: of each orbit its start, period, stability and the size of its multipliers."""
-        names = self.level.system.component_names
-        states = np.array([one.start for one in self.found], dtype=float).reshape(len(self.found), len(names))
-        listed = ("period", "return_time", "rate", "stability", "residual", "pair_defect", "trivial_defect")
-        sizes = np.array([np.abs(one.multipliers) for one in self.found]).reshape(
-            len(self.found), -1 if self.found else 0
-        )
-        return {
-            **{name: np.array([getattr(one, name) for one in self.found]) for name in listed},
-            **{f"start_{name}": column for name, column in zip(names, states.T, strict=True)},
-            **{f"multiplier_size_{k}": column for k, column in enumerate(sizes.T, start=1)},
-        }
+        """The columns of the table: of each orbit its period, stability, start and multipliers."""
+        return orbit_columns(self.found, self.system)
 
     def _head(self) -> str:
-        n = len(self.found)
-        families = f"; {self.n_families} segments that belong to families are left out" if self.n_families else ""
-        return (
-            f"{n or 'No'} symmetric periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on "
-            f"{self.level.text}, with segments up to {self.t_end:g}, found from "
-            f"{'up to ' if self.is_cut_short else ''}{self.n_starts} starts for each pair of "
-            f"{len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}"
-            f"{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
-        )
+        where = f"of {self.system.name!r} on {self.level.text}, with segments up to {self.t_end:g}"
+        starts = f"{{}} starts for each pair of {counted(len(self.reversers), 'reverser')}"
+        return self._sentence("symmetric periodic orbit", where, starts, "segments that belong to families")
 
     def _row(self, one: SymmetricOrbit, /) -> tuple[str, ...]:
-        values = ", ".join(_number(m) for m in one.multipliers[: len(one.multipliers) // 2])
         times = f"{one.period:.8f}", f"{one.return_time:.8f}", f"{one.rate:.4f}"
-        return *times, one.stability, values, f"{one.residual:.0e}", f"{one.pair_defect:.0e}"
-
-
-def _number(m: complex) -> str:
-    if abs(m.imag) <= 1e-9 * abs(m):
-        return f"{m.real:.5g}"
-    return f"{m.real:.5g}{'+' if m.imag > 0 else '-'}{abs(m.imag):.5g}i"
+        return *times, one.stability, one.multiplier_words, f"{one.residual:.0e}", f"{one.pair_defect:.0e}"

@@ -24,25 +24,20 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.free_parameter import FreeParameter
 from liepoisson.numeric.curves import FIRST, LONGEST, TRIALS, Follower
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, SAME, Momenta, PeriodicOrbit, orbit_columns
+from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, SAME, Momenta, PeriodicOrbit
 from liepoisson.orbits.family_loops import FamilyLoop, LoopCurve
 from liepoisson.orbits.level import level_of
-from liepoisson.orbits.multipliers import SymmetricOrbit
+from liepoisson.orbits.multipliers import SymmetricOrbit, orbit_columns
+from liepoisson.orbits.saved_orbits import SavedOrbits
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from xarray import Dataset
-
     from liepoisson.model.system import System
-    from liepoisson.orbits.saved_families import SavedFamily
 
 _NEAR = 0.1
 """How near the period of a small orbit must be to that of the linear equations."""
@@ -79,7 +74,7 @@ class FamilyPoint(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OrbitFamily(Found[PeriodicOrbit], Tabular):
+class OrbitFamily(Found[PeriodicOrbit], SavedOrbits):
     """Periodic orbits of a family, in their order along it.
 
     Example:
@@ -95,6 +90,7 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         end: Why it ends.
     """
 
+    kind = "orbit family"
     titles = ("along", "period", "stability", "multipliers", "residual")
 
     along: str
@@ -103,8 +99,8 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
     end: str
 
     @property
-    def system(self) -> System:
-        """The system."""
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system, that of the first orbit where a parameter varies."""
         return self.found[0].system
 
     @property
@@ -131,26 +127,9 @@ class OrbitFamily(Found[PeriodicOrbit], Tabular):
         for one in self.points:
             words = f"{one.kind} at {value_of(one.orbit, self.along):.9g}"
             points[one.after] = ", ".join(filter(None, [points[one.after], words]))
-        return orbit_columns(self.found, self.system) | {"next_point": np.array(points)}
-
-    @property
-    def dataset(self) -> Dataset:
-        """The family as a labelled xarray Dataset."""
-        return self._saved.dataset
-
-    def save(self, path: str | Path) -> Path:
-        """Writes a NetCDF file; `liepoisson.load` reads it as the same family, from whose last orbit another may go on.
-
-        Raises:
-            OutputError: The name does not end in .nc, or the file cannot be written.
-        """
-        return self._saved.save(path)
-
-    @property
-    def _saved(self) -> SavedFamily:
-        from liepoisson.orbits.saved_families import SavedFamily
-
-        return SavedFamily.of(self)
+        columns = orbit_columns(self.found, self.system)
+        value = {} if self.along in columns else {self.along: self.value}
+        return value | columns | {"next_point": np.array(points)}
 
     def _head(self) -> str:
         points = ", ".join(f"{one.kind} at {value_of(one.orbit, self.along):.9g}" for one in self.points)

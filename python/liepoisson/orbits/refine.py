@@ -8,11 +8,12 @@ time puts its end into the fixed set.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from math import ceil, log
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.formula.scalars import as_count
@@ -27,12 +28,14 @@ from liepoisson.orbits.precise_flow import (
     midpoints,
     solved,
 )
+from liepoisson.orbits.saved_orbits import SavedOrbits
 from liepoisson.orbits.shooting import fixed_basis, mirror_basis
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.model.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.model.system import System
     from liepoisson.orbits.closed_orbits import PeriodicOrbit
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.level import Level
@@ -42,8 +45,31 @@ MOST_DIGITS = 1000
 _MOST_STEPS = 12
 
 
+class Precise(SavedOrbits):
+    """Decimal texts of an orbit, which liepoisson reads as exact numbers."""
+
+    orbit: Any
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.orbit.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table, which has one row: states by component, time, digits and residual."""
+        columns: dict[str, NDArray[Any]] = {}
+        for one in fields(self):  # pyright: ignore[reportArgumentType]  # dataclasses
+            value = getattr(self, one.name)
+            if isinstance(value, tuple):
+                names = self.system.component_names
+                columns |= {f"{one.name}_{name}": np.array([x]) for name, x in zip(names, value, strict=True)}
+            elif one.name != "orbit":
+                columns[one.name] = np.array([value])
+        return columns
+
+
 @dataclass(frozen=True)
-class PreciseSegment:
+class PreciseSegment(Precise):
     """A segment of a symmetric orbit, as decimal texts, which liepoisson reads as exact numbers.
 
     Example:
@@ -54,6 +80,7 @@ class PreciseSegment:
         (30, True)
 
     Attributes:
+        orbit: The orbit in doubles.
         start: The components of the state in the fixed set of the first reverser.
         end: Those of the state in the fixed set of the last.
         time: The time between them.
@@ -61,6 +88,9 @@ class PreciseSegment:
         residual: How far the last step of Newton's method moved, relative to the state.
     """
 
+    kind = "precise segment"
+
+    orbit: SymmetricOrbit = field(repr=False)
     start: tuple[str, ...]
     end: tuple[str, ...]
     time: str
@@ -69,7 +99,7 @@ class PreciseSegment:
 
 
 @dataclass(frozen=True)
-class PreciseOrbit:
+class PreciseOrbit(Precise):
     """A periodic orbit as decimal texts, which liepoisson reads as exact numbers.
 
     Example:
@@ -79,12 +109,16 @@ class PreciseOrbit:
         (30, '0', 6.395230041)
 
     Attributes:
+        orbit: The orbit in doubles.
         start: The components of a state of it.
         time: The time after which it closes, up to the symmetry of the orbit.
         digits: How many digits of them are right, on the level with the exact values of `orbit.level`.
         residual: How far the last step of Newton's method moved, relative to the state.
     """
 
+    kind = "precise orbit"
+
+    orbit: PeriodicOrbit = field(repr=False)
     start: tuple[str, ...]
     time: str
     digits: int
@@ -127,7 +161,7 @@ def polished_orbit(orbit: PeriodicOrbit, digits: int) -> PreciseOrbit:
             moved = max(float(abs(value)) for value in step)
             if moved * moved * growth < 10.0 ** -(digits + 2):
                 start = tuple(text_of(value, digits) for value in x)
-                return PreciseOrbit(start, text_of(time, digits), digits, moved)
+                return PreciseOrbit(orbit, start, text_of(time, digits), digits, moved)
     raise OrbitError(
         f"an orbit must close; Newton's method in {digits} digits still moves by {moved:.1e} after {_MOST_STEPS} steps"
     )
@@ -151,6 +185,7 @@ def refined_segment(orbit: SymmetricOrbit, digits: int) -> PreciseSegment:
     with ctx.workprec(bits(digits)):
         x, end, T, moved = solved_segment(orbit, digits)
         return PreciseSegment(
+            orbit,
             tuple(text_of(value, digits) for value in x),
             tuple(text_of(value, digits) for value in end),
             text_of(T, digits),
@@ -239,7 +274,7 @@ _TO_LEVEL = 12
 
 
 @dataclass(frozen=True)
-class PreciseMidpoint:
+class PreciseMidpoint(Precise):
     """The midpoint of a homoclinic orbit as decimal texts, which liepoisson reads as exact numbers.
 
     Example:
@@ -251,6 +286,7 @@ class PreciseMidpoint:
         (16, True)
 
     Attributes:
+        orbit: The orbit in doubles.
         midpoint: The components of the state in the fixed set of the reverser.
         digits: How many digits of them are right.
         amplitude: The amplitude at which the orbit began.
@@ -258,6 +294,9 @@ class PreciseMidpoint:
         residual: How far the last step of Newton's method moved, relative to amplitude and time.
     """
 
+    kind = "precise midpoint"
+
+    orbit: HomoclinicOrbit = field(repr=False)
     midpoint: tuple[str, ...]
     digits: int
     amplitude: float
@@ -292,6 +331,7 @@ def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
         for _ in range(n_loops):  # an odd number of loops leads to the image
             middle = (exact_columns(closing.T) * column(middle)).entries()
         return PreciseMidpoint(
+            orbit,
             tuple(text_of(value, digits) for value in middle),
             digits,
             float(sum((float(v) ** 2 for v in a), 0.0) ** 0.5),

@@ -17,7 +17,7 @@ References: [dirac1950].
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,18 +28,20 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time
 from liepoisson.indicators.mean_error import mean_error
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
-from liepoisson.inputs.deadline import CUT_SHORT, Deadline, checkpoint, has_passed
+from liepoisson.inputs.deadline import Deadline, checkpoint, has_passed
 from liepoisson.inputs.given import sequence
-from liepoisson.io.display import Found
-from liepoisson.io.tables import Tabular
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.starts import StartsLike, given_starts
-from liepoisson.orbits.closed_orbits import PeriodicOrbit, orbit_columns, problem_at
+from liepoisson.orbits.closed_orbits import CLOSES, PeriodicOrbit, problem_at
 from liepoisson.orbits.guesses import shortest
 from liepoisson.orbits.level import level_of
+from liepoisson.orbits.multipliers import loop_spectrum, orbit_columns
+from liepoisson.orbits.saved_orbits import SearchedOrbits
 from liepoisson.orbits.shooting import Flow
+from liepoisson.poincare.equal_steps import check_method, takes_equal_steps, tangents_in_equal_steps
 from liepoisson.poincare.first_return import FirstReturn, first_return
 from liepoisson.poincare.section import Section, section
 from liepoisson.poincare.section_arguments import as_direction, as_end, as_formula, check_that_it_varies
@@ -56,6 +58,8 @@ _INDEPENDENT = 1e-7
 """Smallest singular value of gradients on the section, relative to the largest, of what are coordinates there: with
 less than that the derivative has no more than half of its digits."""
 _TOGETHER = 32
+_MOST_STEPS = 20
+"""Of Newton's method: from a cycle of the flow it needs as many as the error of the method has digits."""
 
 
 @explains_its_methods
@@ -78,7 +82,7 @@ class ReturnMap:
         surface: The function $s$ that is zero on the section.
         direction: +1 where it increases in the order of travel, -1 where it decreases.
         t_end: The longest time that is waited for a return; negative for the inverse map.
-        method: `Taylor()`, perhaps with another tolerance.
+        method: `Taylor()`, perhaps with another tolerance, or a method of equal steps.
         threads: On how many threads; None for all.
     """
 
@@ -215,7 +219,8 @@ class ReturnMap:
             leaf: A regular leaf, or the values of the Casimirs by name.
             energy: The value of the Hamiltonian.
             n_points: n, the number of points.
-            n_starts: How many random states of the section are followed.
+            n_starts: How many random states of the section are followed, with `Taylor()`; cycles of another method are
+                those near what is found so, by Newton's method in the derivative of its own map.
             seed: Draws them.
 
         Returns:
@@ -225,6 +230,13 @@ class ReturnMap:
             LeafError: the leaf is not regular, or no orbit of this energy crosses the surface.
         """
         n, count = as_count(n_points, "n_points", least=1), as_count(n_starts, "n_starts", least=1)
+        if takes_equal_steps(self.method):
+            limit = Deadline(as_time_limit(time_limit))
+            exact = replace(self, method=Taylor()).cycles(
+                leaf, energy, n_points=n, n_starts=count, seed=seed, time_limit=time_limit
+            )
+            with limit.running():
+                return self._own(exact)
         level, found = level_of(self.system, leaf, energy), list[PeriodicOrbit]()
         states: list[Array] = []
         with Deadline(as_time_limit(time_limit)).running():
@@ -249,7 +261,7 @@ class ReturnMap:
                 pass
             cut = has_passed()
         order = sorted(range(len(found)), key=lambda k: (-round(found[k].rate * found[k].period, 9), found[k].period))
-        return Cycles(tuple(found[k] for k in order), tuple(states[k] for k in order), n, count, level.text, cut)
+        return Cycles(self, tuple(found[k] for k in order), tuple(states[k] for k in order), n, count, level.text, cut)
 
     @property
     def _dimension(self) -> int:
@@ -276,15 +288,100 @@ class ReturnMap:
         """The derivatives of P at states by the whole state, shape (n, N, N)."""
         n, N = x.shape
         matrix, known = np.full((n, N, N), np.nan), once.outcome == "returned"
-        if not known.any():
-            return matrix
-        flow = Flow(self.system, self.threads, self.method)
-        _, moved = flow.ends(x[known], once.time[known], np.eye(N))
-        image = once.state[known]
-        rate, slope = self.system.vector_field(image), self.surface.gradient(image)
-        along = linear.einsum("ni,nij->nj", slope, moved) / linear.einsum("ni,ni->n", slope, rate)[:, None]
-        matrix[known] = moved - rate[:, :, None] * along[:, None, :]
+        if known.any():
+            image = once.state[known]
+            matrix[known] = self._on_surface(image, *self._flow_derivative(x[known], once.time[known], image))
         return matrix
+
+    def _on_surface(self, image: Array, moved: Array, rate: Array) -> Array:
+        """The derivatives of P from those of the flow by the state and by the time."""
+        slope = self.surface.gradient(image)
+        along = linear.einsum("ni,nij->nj", slope, moved) / linear.einsum("ni,ni->n", slope, rate)[:, None]
+        return moved - rate[:, :, None] * along[:, None, :]
+
+    def _flow_derivative(self, x: Array, times: Array, image: Array) -> tuple[Array, Array]:
+        """The derivatives of the flow by the state, shape (n, N, N), and by the time, shape (n, N), at each time."""
+        if takes_equal_steps(self.method):
+            each = [
+                tangents_in_equal_steps(self.system, y, float(T), self.method) for y, T in zip(x, times, strict=True)
+            ]
+            return np.stack([one[0] for one in each]), np.stack([one[1] for one in each])
+        _, moved = Flow(self.system, self.threads, self.method).ends(x, times, np.eye(x.shape[1]))
+        return moved, self.system.vector_field(image)
+
+    def _own(self, exact: Cycles) -> Cycles:
+        """The cycles of this map near those of the flow, by Newton's method in its own derivative.
+
+        The map of a method that does not keep H has a cycle on a level but for what leads off the level: of
+        $P^n(x) - x$ the part along the section of the level is zero, and `residual` has the rest.
+        """
+        found = list[tuple[PeriodicOrbit, Array]]()
+        for one in exact.found:
+            try:
+                own = self._own_cycle(one, exact.n_points)
+            except TimeLimitError:
+                return self._listed(found, exact, is_cut_short=True)
+            if own is not None and not any(_share(own[1], points, one.level.units) for _, points in found):
+                found.append(own)
+        return self._listed(found, exact, is_cut_short=exact.is_cut_short)
+
+    def _listed(self, found: Sequence[tuple[PeriodicOrbit, Array]], exact: Cycles, *, is_cut_short: bool) -> Cycles:
+        orbits, points = tuple(one for one, _ in found), tuple(points for _, points in found)
+        return replace(exact, back=self, found=orbits, points=points, is_cut_short=is_cut_short)
+
+    def _own_cycle(self, exact: PeriodicOrbit, n: int) -> tuple[PeriodicOrbit, Array] | None:
+        """The cycle near an orbit of the flow, with its points; None where Newton's method does not converge."""
+        level, x = exact.level, self._on_section(exact.start)
+        if x is None:
+            return None
+        for _ in range(_MOST_STEPS):
+            checkpoint("cycles of a map")
+            points, times, matrix, _ = self._around(x, n)
+            if not np.isfinite(points).all():
+                return None
+            tangents = self._tangents(x[None], self._dimension)[0]
+            gap, off = points[-1] - x, np.append(level.deviations(x), self.surface(x))
+            along = linear.matmul(tangents.T, gap)
+            rows = np.vstack([level.gradients(x), self.surface.gradient(x)])
+            is_on_it = level.distance(x) <= CLOSES  # and on the surface, which the same step leads to
+            if is_on_it and np.abs(linear.matmul(tangents, along) / level.units).max() <= CLOSES:
+                return self._described(exact, x, points, times), points[:-1].copy()
+            slopes = np.vstack([linear.matmul(tangents.T, matrix - np.eye(len(x))), rows])
+            x = x - linear.matmul(linear.pinv(slopes), np.concatenate([along, off]))
+        return None
+
+    def _on_section(self, start: Array) -> Array | None:
+        """The first point of an orbit on the section."""
+        once = self(start)
+        return once.state if once.outcome == "returned" else None
+
+    def _around(self, x: Array, n: int) -> tuple[Array, Array, Array, Array]:
+        """The next n returns with the state itself, (n + 1, N), their times, and the derivatives of map and flow."""
+        points, times = [x], list[float]()
+        matrix = flow = np.eye(len(x))
+        for _ in range(n):
+            once = self(points[-1][None])
+            if once.outcome[0] != "returned":
+                points.append(once.state[0])
+                break
+            moved, rate = self._flow_derivative(points[-1][None], once.time, once.state)
+            flow = linear.matmul(moved[0], flow)
+            matrix = linear.matmul(self._on_surface(once.state, moved, rate)[0], matrix)
+            points.append(once.state[0])
+            times.append(float(once.time[0]))
+        return np.array(points), np.array(times), matrix, flow
+
+    def _described(self, exact: PeriodicOrbit, x: Array, points: Array, times: Array) -> PeriodicOrbit:
+        """The orbit of a cycle, with its multipliers."""
+        level, units = exact.level, exact.level.units
+        inverse = replace(self, t_end=-self.t_end, direction=-self.direction)
+        forth, back = (one._around(x, len(times))[3] * units / units[:, None] for one in (self, inverse))
+        spectrum = loop_spectrum(forth, back, level.gradients(x) * units, self.system.vector_field(x) / units)
+        residual = float(np.abs((points[-1] - x) / units).max())
+        return replace(
+            exact, start=x, time=float(times.sum()), n_segments=1, residual=residual, multipliers=spectrum.values,
+            pair_defect=spectrum.pair_defect, trivial_defect=spectrum.trivial_defect,
+        )  # fmt: skip
 
     def _nearest(self, starts: Array, n: int, units: Array) -> tuple[Array, Array]:
         """Starts in the order in which they come nearest to themselves after n returns, and the times of these."""
@@ -331,7 +428,7 @@ class MapExponents(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Cycles(Found[PeriodicOrbit], Tabular):
+class Cycles(SearchedOrbits[PeriodicOrbit]):
     """Cycles of a map of first return, as periodic orbits.
 
     Example:
@@ -341,6 +438,7 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         (7, (1, 4))
 
     Attributes:
+        back: The map.
         found: The orbits, the largest multiplier first.
         points: Of each the points on the section, in the order of travel, shape (n_points, component).
         n_points: How many.
@@ -349,8 +447,10 @@ class Cycles(Found[PeriodicOrbit], Tabular):
         is_cut_short: Whether the time limit ended the search.
     """
 
+    kind = "cycles"
     titles = ("period", "stability", "multipliers", "residual")
 
+    back: ReturnMap
     found: tuple[PeriodicOrbit, ...]
     points: tuple[Array, ...]
     n_points: int
@@ -358,22 +458,24 @@ class Cycles(Found[PeriodicOrbit], Tabular):
     level: str
     is_cut_short: bool = False
 
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.back.system
+
+    @property
+    def method(self) -> Method:
+        """How the map follows orbits."""
+        return self.back.method
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each cycle its period, stability, first point and multipliers."""
-        if not self.found:
-            return {"period": np.zeros(0)}
-        system = self.found[0].system
-        first = np.array([points[0] for points in self.points]).T
-        places = {f"point_{name}": column for name, column in zip(system.component_names, first, strict=True)}
-        return places | orbit_columns(self.found, system)
+        first = [points[0] for points in self.points]
+        return vector_columns("point", first, self.system.component_names) | orbit_columns(self.found, self.system)
 
     def _head(self) -> str:
-        plural = "" if len(self.found) == 1 else "s"
-        what = f"fixed point{plural}" if self.n_points == 1 else f"cycle{plural} of {self.n_points} points"
-        return (
-            f"{len(self.found) or 'No'} {what} on {self.level}, found from {self.n_starts} states of the "
-            f"section{CUT_SHORT if self.is_cut_short else ''}; that there are no others is not proved."
-        )
+        noun, where = ("fixed point", "") if self.n_points == 1 else ("cycle", f"of {self.n_points} points ")
+        return self._sentence(noun, f"{where}on {self.level}", "{} states of the section")
 
     def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
         return f"{one.period:.8f}", one.stability, one.multiplier_words, f"{one.residual:.0e}"
@@ -405,11 +507,12 @@ def return_map(
         surface: The function $s$, as for `lp.section`.
         t_end: The longest time that is waited for a return.
         direction: +1 where $s$ increases in the order of travel, -1 where it decreases.
-        method: `Taylor()`, as for `lp.section`.
+        method: `Taylor()`; or a method of equal steps, as for `lp.section`: then the map is made of whole steps and a
+            shorter one that ends on the surface, and the derivative is that of this map.
 
     Raises:
-        ParameterError: the surface is constant along every orbit, the direction is none of these, or the method is
-            another.
+        ParameterError: the surface is constant along every orbit, the direction is none of these, or the method has
+            neither power series nor equal steps.
     """
     system = as_system(system)
     formula = as_formula(surface, "surface")
@@ -417,6 +520,5 @@ def return_map(
     if as_direction(direction) == 0:
         raise ParameterError("direction: wanted +1 or -1, one side of the surface; got 0")
     count, chosen = None if threads is None else as_threads(threads), as_method(method, Taylor())
-    if not isinstance(chosen, Taylor):
-        raise ParameterError(f"method: wanted Taylor(), whose series sections are made from; got {chosen}")
+    check_method(chosen)
     return ReturnMap(system, system.functions.of(formula), int(direction), as_end(t_end), chosen, count)

@@ -69,9 +69,6 @@ def diagram(
     from liepoisson.tori.diagrams import Diagram
     from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
 
-    given: object = found
-    if not isinstance(given, Diagram | LagrangeDiagram):
-        raise not_a("what lp.tori.diagram or lagrange_diagram returns", given, "found", "call it first")
     with house_style():
         if isinstance(found, Diagram):
             if l3 is not None:

@@ -121,7 +121,7 @@ def first_return(
         surface: The function $s$, as for `section`.
         t_end: Longest time that is waited; negative: backwards.
         direction: +1, -1 or 0, as for `section`.
-        method: `Taylor()`, as for `section`.
+        method: `Taylor()`, or a method of equal steps, as for `section`.
 
     Returns:
         `state`, `time` and `outcome`, which says why the first two are NaN where they are.

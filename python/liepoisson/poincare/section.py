@@ -23,6 +23,7 @@ from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, component_names, core_field
+from liepoisson.poincare.equal_steps import check_method, crossings_in_equal_steps, takes_equal_steps
 from liepoisson.poincare.section_arguments import (
     Function,
     as_direction,
@@ -388,7 +389,9 @@ def section(
             one that starts elsewhere it says nothing.
         keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
             `TapeFunction`, the names of its further outputs.
-        method: `Taylor()`, in double precision, by default to round-off.
+        method: `Taylor()`, in double precision, by default to round-off; or one of equal steps, `Gauss(step=...)`,
+            `Splitting(step=...)`, `RungeKutta(step=...)`: crossings are then changes of the sign of $s$ from one step
+            to the next, met by a shorter step, and nothing of what is said above is certain.
 
     Returns:
         Section; without any crossing if the orbits meet none.
@@ -404,11 +407,7 @@ def section(
     """
     options = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
     method = options.method
-    if not isinstance(method, Taylor) or method.precision != "double":
-        raise ParameterError(
-            f"method: wanted Taylor() in double precision, whose series sections are made from; got {method}; leave "
-            "it out"
-        )
+    check_method(method)
     field = options.field(system)
     n = field.n_components
     states = as_starts(system, starts, n)
@@ -419,19 +418,25 @@ def section(
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
     end, sense = as_end(t_end), as_direction(direction)
     sides = as_sides(start_side, len(states))
-    raw = _core.sections(
-        core_field(field),
-        method.core(),
-        (tape.n_components, list(tape.instructions), list(tape.outputs)),
-        states.ravel(),
-        np.array([0.0, end]),
-        sense,
-        wanted,
-        sides.tolist() if sides.any() else [],
-        options.threads,
-        options.time_limit,
-        progress,
-    )
+    raw: Any
+    if takes_equal_steps(method):
+        raw = crossings_in_equal_steps(
+            system, states, tape, options, t_end=end, direction=sense, n_crossings=wanted, sides=sides
+        )
+    else:
+        raw = _core.sections(
+            core_field(field),
+            method.core(),
+            (tape.n_components, list(tape.instructions), list(tape.outputs)),
+            states.ravel(),
+            np.array([0.0, end]),
+            sense,
+            wanted,
+            sides.tolist() if sides.any() else [],
+            options.threads,
+            options.time_limit,
+            progress,
+        )
     width, members = len(coordinates), np.arange(len(states))
     label = "s" if isinstance(surface, TapeFunction) else str(as_formula(surface, "surface"))
     _warn_of_orbits_in_the_surface(label, raw["in_surface"])

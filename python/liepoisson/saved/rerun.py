@@ -20,7 +20,7 @@ from liepoisson.formula.scalars import as_time_limit
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.dataset import check_format, read_dataset, result_of, stored, text_of
-from liepoisson.io.result import Result
+from liepoisson.io.result import Kept, Saved
 from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
 from liepoisson.numeric.systems import as_field
@@ -48,8 +48,24 @@ RUNS = {
 }
 """By kind: the module, the class of the result, and the function that makes it."""
 
-KEPT = {"orbit family": ("liepoisson.orbits.saved_families", "SavedFamily", "")}
-"""What is loaded and not repeated; its `family()` is what was saved."""
+KEPT = {
+    "periodic orbit": ("PeriodicOrbit", "lp.orbits.periodic_orbit"),
+    "periodic orbits": ("PeriodicOrbits", "lp.orbits.periodic_orbits"),
+    "symmetric orbit": ("SymmetricOrbit", "lp.orbits.symmetric_periodic_orbits"),
+    "symmetric orbits": ("SymmetricOrbits", "lp.orbits.symmetric_periodic_orbits"),
+    "orbit family": ("OrbitFamily", "lp.orbits.orbit_family"),
+    "homoclinic orbit": ("HomoclinicOrbit", "lp.orbits.symmetric_homoclinic_orbits"),
+    "homoclinic orbits": ("HomoclinicOrbits", "lp.orbits.symmetric_homoclinic_orbits"),
+    "invariant manifold": ("InvariantManifold", "lp.orbits.invariant_manifold"),
+    "connecting orbit": ("ConnectingOrbit", "lp.orbits.connecting_orbits"),
+    "connecting orbits": ("ConnectingOrbits", "lp.orbits.connecting_orbits"),
+    "melnikov integrals": ("Melnikov", "lp.orbits.melnikov"),
+    "precise orbit": ("PreciseOrbit", "orbit.polished"),
+    "precise segment": ("PreciseSegment", "orbit.polished"),
+    "precise midpoint": ("PreciseMidpoint", "orbit.polished"),
+    "cycles": ("Cycles", "lp.sections.return_map"),
+}
+"""The class of what is loaded and not repeated, since no file says where it was looked for, and what looks again."""
 
 
 @explains_its_arguments
@@ -82,15 +98,14 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
         return read_sweep(path)
     dataset = read_dataset(path, verify=verify)
     try:
-        found = _result(dataset)
-        return found.family() if found.kind in KEPT else found
+        return _result(dataset)
     except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
         raise DamagedFileError(f"{path}: {error!r:.200} is missing or altered; make it again") from error
 
 
 @explains_its_arguments
 def rerun(
-    source: str | Path | Dataset | Result,
+    source: str | Path | Dataset | Saved,
     *,
     threads: int | None = None,
     time_limit: float = math.inf,
@@ -137,7 +152,7 @@ def rerun(
     """
     given: Any = source
     spec = _spec_of_table(source)
-    if spec is None and not isinstance(source, Result):
+    if spec is None and not isinstance(source, Saved):
         given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
     if spec is not None or given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
@@ -148,10 +163,11 @@ def rerun(
                 "lp.sweep(spec, store=...) keeps what is computed and goes on from there."
             )
         return sweep(spec or given.spec, threads=threads, progress=progress, allow_code=allow_code)
-    if given.kind in KEPT:
+    if isinstance(given, Kept):
+        kind = type(given).kind
         raise ParameterError(
-            f"source: wanted a run; got a saved {given.kind}, which is not repeated. lp.load reads it; "
-            "lp.orbits.orbit_family goes on from one of its orbits."
+            f"source: wanted a run; got {kind}, whose search is not recorded and cannot be repeated. lp.load reads the "
+            f"file; {KEPT[kind][1]} looks again, or goes on from what was found."
         )
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]
@@ -232,11 +248,10 @@ def _recorded(source: str | Path | Dataset) -> Any:
 def _result(dataset: Dataset) -> Any:
     """The result that a dataset holds; errors are of many kinds."""
     kind = dataset.attrs["kind"]
-    if not isinstance(kind, str) or kind not in RUNS | KEPT:
-        raise ValueError(f"kind: wanted {' or '.join(RUNS | KEPT)}; got {shown(kind)}")
-    module, name, _ = (RUNS | KEPT)[kind]
+    if not isinstance(kind, str) or kind not in {**RUNS, **KEPT}:
+        raise ValueError(f"kind: wanted {' or '.join((*RUNS, *KEPT))}; got {shown(kind)}")
     system = None if kind == "sweep" else _system(dataset)
-    found = result_of(getattr(import_module(module), name), dataset, system)
+    found = result_of(_class(kind), dataset, system)
     if kind == "sweep":
         _check_sweep(found)
     if isinstance(found, Run) and len(found.components) != found.field.n_components:
@@ -244,6 +259,16 @@ def _result(dataset: Dataset) -> Any:
     if isinstance(found, Run) and dataset.attrs["version"] == _core.__version__:
         _check_system(found)
     return found
+
+
+def _class(kind: str) -> Any:
+    """The class of a result of this kind."""
+    if kind in KEPT:
+        from liepoisson.orbits.saved_orbits import class_of
+
+        return class_of(KEPT[kind][0])
+    module, name, _ = RUNS[kind]
+    return getattr(import_module(module), name)
 
 
 def _check_system(found: Run) -> None:

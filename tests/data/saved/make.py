@@ -44,6 +44,8 @@ def main() -> None:
     top = lp.Top.twisted_kovalevskaya()
     growth = lp.finite_time_exponents(top, lp.sample_states(top, 2, seed=1), times=[1, 2, 5], seed=3)
     growth.save(free("result-2.nc"))
+    henon = lp.catalog.system("henon-heiles")
+    lp.orbits.symmetric_periodic_orbits(henon, {}, energy="1/10", n_starts=3).save(free("orbits-2.nc"))
     axes = {"energy": [0.0, 1.0]}
     store = free("sweep-2")
     lp.sweep(system="twisted-kovalevskaya", axes=axes, n_starts=2, t_end=5.0, seed=2, store=store, threads=1)
