@@ -412,11 +412,12 @@ class System:
             ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
-        import numpy as np
+        from liepoisson.compile.symbols import evaluated
 
         if self.polynomial_rates is not None:
             return values_of(self.polynomial_rates, self._states(states))
-        return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)
+        points = self._states(states)
+        return evaluated(self.variables, self._rates, points)
 
     def right_hand_side(self, time: float, state: ArrayLike) -> NDArray[np.float64]:
         """The vector field in the convention of SciPy, for `scipy.integrate.solve_ivp` and tools like it.
@@ -654,14 +655,27 @@ class System:
         from liepoisson.compile.symbols import evaluated
 
         states = self._states(x)
+        self._check_numbers(expressions)
+        values = evaluated(self.variables, expressions, states)
+        return [values[..., k].copy() for k in range(len(expressions))]
+
+    @cached_property
+    def _rates(self) -> tuple[Expr, ...]:
+        """The rates, without symbolic parameters."""
+        from liepoisson.compile.symbols import first_of_equal
+
+        rates = tuple(self.equations.values())
+        self._check_numbers(rates)
+        return first_of_equal(rates)
+
+    def _check_numbers(self, expressions: Sequence[Expr]) -> None:
+        """Refuse symbolic parameters."""
         free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
         if free:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(
                 f"{self.name} must have numbers for all parameters; got none for {names}. Give values."
             )
-        values = evaluated(self.variables, expressions, states)
-        return [values[..., k].copy() for k in range(len(expressions))]
 
     def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""
