@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
@@ -48,6 +48,12 @@ if TYPE_CHECKING:
     from liepoisson.structure.casimir_part import CasimirPart
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+@lru_cache(maxsize=1024)
+def _symbols_in(expressions: tuple[Expr, ...]) -> frozenset[Symbol]:
+    """The symbols of expressions, which are looked through once."""
+    return frozenset().union(*(expression.free_symbols for expression in expressions))
 
 
 def _check_source(source: object) -> str:
@@ -412,12 +418,11 @@ class System:
             ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
-        from liepoisson.compile.symbols import evaluated
+        import numpy as np
 
         if self.polynomial_rates is not None:
             return values_of(self.polynomial_rates, self._states(states))
-        points = self._states(states)
-        return evaluated(self.variables, self._rates, points)
+        return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)
 
     def right_hand_side(self, time: float, state: ArrayLike) -> NDArray[np.float64]:
         """The vector field in the convention of SciPy, for `scipy.integrate.solve_ivp` and tools like it.
@@ -655,27 +660,14 @@ class System:
         from liepoisson.compile.symbols import evaluated
 
         states = self._states(x)
-        self._check_numbers(expressions)
-        values = evaluated(self.variables, expressions, states)
-        return [values[..., k].copy() for k in range(len(expressions))]
-
-    @cached_property
-    def _rates(self) -> tuple[Expr, ...]:
-        """The rates, without symbolic parameters."""
-        from liepoisson.compile.symbols import first_of_equal
-
-        rates = tuple(self.equations.values())
-        self._check_numbers(rates)
-        return first_of_equal(rates)
-
-    def _check_numbers(self, expressions: Sequence[Expr]) -> None:
-        """Refuse symbolic parameters."""
-        free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
+        free = _symbols_in(tuple(expressions)) - set(self.variables)
         if free:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(
                 f"{self.name} must have numbers for all parameters; got none for {names}. Give values."
             )
+        values = evaluated(self.variables, expressions, states)
+        return [values[..., k].copy() for k in range(len(expressions))]
 
     def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""

@@ -376,7 +376,7 @@ def periodic_orbits(
                 )
             meets = True
             try:
-                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run, found):
+                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run, found=found):
                     if not one.is_isolated:
                         n_families += 1
                     elif not any(_is_same(one, other) for other in found):
@@ -400,6 +400,7 @@ def _orbits_from(
     times: tuple[float, float],
     n_wanted: int,
     run: RunOptions,
+    *,
     found: Sequence[PeriodicOrbit],
 ) -> Iterator[PeriodicOrbit]:
     """The orbits that the nearest returns of starts lead to, without loops of one that was found.
@@ -432,7 +433,7 @@ def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
 
 
 def _repeats(period: float, total: complex, other: PeriodicOrbit, most: int | None = None) -> bool:
-    """Whether a period, and the sum of the multipliers, are those of an orbit that is run through once or more times."""
+    """Whether a period and the sum of the multipliers are those of an orbit, run through once or more times."""
     n = max(1, round(period / other.period))
     near = (most is None or n <= most) and abs(period - n * other.period) <= SAME * period
     return near and bool(abs(total - np.sum(other.multipliers**n)) <= 1e3 * SAME * (abs(total) + 1))

@@ -138,13 +138,15 @@ class Flow:
         """States and tangent vectors as `integrate` has them, which is asked where one does not come to the end."""
         n, k, N = vectors.shape
         seconds = seconds_left(TIME_LIMIT)
-        if are_finite(starts).all() and np.isfinite(times).all() and not without_value(self.system, starts):
+        if are_finite(starts).all() and np.isfinite(times).all() and not self._lose(starts):
             raw = _core.orbits(
                 *self._data, starts.ravel(), vectors.ravel(), k, times, 1, seconds, False, False, None
             )  # fmt: skip
-            if not raw["outcome"].any() and np.isfinite(raw["final_state"]).all():
-                shape = (n, len(times))
-                return raw["state"].reshape(*shape, N), raw["tangent"].reshape(*shape, k, N)
+            states, moved = (
+                raw[name].reshape(n, len(times), *rest) for name, rest in (("state", (N,)), ("tangent", (k, N)))
+            )
+            if not (raw["outcome"].any() or self._lose(states)) and np.isfinite(raw["final_state"]).all():
+                return states, moved
         orbit = integrate(
             self.system,
             starts,
@@ -156,6 +158,10 @@ class Flow:
             time_limit=seconds,
         )
         return orbit.state, orbit.tangent
+
+    def _lose(self, states: Array) -> bool:
+        """Whether an invariant is no real number at one of them."""
+        return any(lost.any() for lost in without_value(self.system, states).values())
 
     @cached_property
     def _data(self) -> tuple[_core.Field, _core.Method]:
