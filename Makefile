@@ -60,6 +60,7 @@ bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (
 	$(BIN)/python benchmarks/general.py
 	$(BIN)/python benchmarks/commands.py
 	$(BIN)/python benchmarks/spectra.py
+	$(BIN)/python benchmarks/periodic.py
 
 # As the editable install builds it, so that what is compiled serves both.
 wheel: | $(VENV)/.build ## build the wheel into dist/

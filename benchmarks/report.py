@@ -19,6 +19,7 @@ import commands
 import dispatch
 import kernels
 import measure
+import periodic
 import processors
 import spectra
 from comparison import (
@@ -153,6 +154,7 @@ def render(data: Record) -> str:
         "dispatch": dispatch.lines,
         "commands": commands.lines,
         "spectra": spectra.lines,
+        "periodic": periodic.lines,
     }[data["kind"]](data)
     tail = notes(data) if data["kind"] == "row" else f"Runs of each: {data['rounds']}."
     return f"### {data['title']}\n\n{markdown(lines)}\n{tail}\n"

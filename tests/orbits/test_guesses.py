@@ -9,6 +9,7 @@ from scipy.special import ellipk
 from sympy import Rational
 
 import liepoisson as lp
+from liepoisson.orbits.closed_orbits import Problem
 
 SADDLE = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2 + q2*sin(q1)/10", name="saddle")
 PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
@@ -292,6 +293,20 @@ def test_orbits_of_a_level_are_found_and_are_those_of_another_integrator():
     table = found.to_dataframe()
     assert list(table.columns[:5]) == ["energy", "C1", "C2", "C3", "period"]
     np.testing.assert_allclose(table[["energy", "C1", "C2", "C3"]], [[0.5, 1, 0.5, 1]] * len(found), rtol=1e-13)
+
+
+def test_loops_of_an_orbit_that_is_known_are_not_described_again(monkeypatch):
+    """Most guesses of a level lead to a few orbits, or run through them several times."""
+    described, own = [], Problem.described
+
+    def counted(self, loops, row=0):
+        described.append(loops.time[row])
+        return own(self, loops, row)
+
+    monkeypatch.setattr(Problem, "described", counted)
+    found = lp.orbits.periodic_orbits(HENON, {}, energy="1/8", n_starts=50)
+    assert len(found) == 4
+    assert len(described) == len(found)
 
 
 REFUSED = (

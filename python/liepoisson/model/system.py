@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
@@ -48,6 +48,12 @@ if TYPE_CHECKING:
     from liepoisson.structure.casimir_part import CasimirPart
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+@lru_cache(maxsize=1024)
+def _symbols_in(expressions: tuple[Expr, ...]) -> frozenset[Symbol]:
+    """The symbols of expressions, which are looked through once."""
+    return frozenset().union(*(expression.free_symbols for expression in expressions))
 
 
 def _check_source(source: object) -> str:
@@ -654,7 +660,7 @@ class System:
         from liepoisson.compile.symbols import evaluated
 
         states = self._states(x)
-        free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
+        free = _symbols_in(tuple(expressions)) - set(self.variables)
         if free:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(

@@ -172,8 +172,8 @@ class Problem:
         angles = self._turned(states, flow.ends(states, times)[0]) if angles is None else angles
         if n_segments is None:
             units = self.closing.level.units
-            _, tangents = flow.ends(states, times, np.diag(units))
-            growth = np.abs(tangents / units[:, None]).sum(axis=2).max(initial=1.0)
+            _, tangents = flow.ends(states, times, np.eye(states.shape[1]))
+            growth = np.abs(tangents * (units / units[:, None])).sum(axis=2).max(initial=1.0)
             if not np.isfinite(growth):  # an orbit that does not reach the time has no states between
                 return self._chained(states, times, angles, 1)
             wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH))

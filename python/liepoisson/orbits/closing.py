@@ -38,6 +38,8 @@ _LAST_DIGITS = 2 * float(np.finfo(float).eps)
 GROWTH = 100.0
 """A segment is so short that neighbours grow by no more than about this along it: a hundredth of a double's digits."""
 MOST_SEGMENTS = 256
+_LAST_STEP = float(np.sqrt(np.finfo(float).eps / GROWTH))
+"""A step of Newton's method that is shorter is the last one: what it leaves is its square, times the growth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,11 +101,9 @@ class Closing:
 
     def turn(self, angle: Array) -> Array:
         r"""$P\,e^{\sum\theta_k G_k}$, shape (n, N, N)."""
-        n = len(self.symmetry)
-        generator = (
-            linear.einsum("nk,kij->nij", angle, self.rotations) if angle.shape[1] else np.zeros((len(angle), n, n))
-        )
-        return linear.matmul(self.symmetry, exponential(generator))
+        if not angle.shape[1]:
+            return np.broadcast_to(self.symmetry, (len(angle), *self.symmetry.shape))
+        return linear.matmul(self.symmetry, exponential(linear.einsum("nk,kij->nij", angle, self.rotations)))
 
     def solved(self, guesses: Loops, *, extra: Array | None = None) -> Loops:
         """What Newton's method makes of guesses; the residual says how well each closes.
@@ -119,20 +119,21 @@ class Closing:
         x, T, angle = guesses.state.copy(), guesses.time.copy(), guesses.angle.copy()
         best = guessed(x.copy(), T.copy(), angle.copy())
         anchors = x[:, 0].copy(), T.copy(), angle.copy()
-        active = np.arange(len(T))
+        active, arrived = np.arange(len(T)), np.zeros(len(T), dtype=bool)
         for k in range(_MOST_STEPS):
             checkpoint("Newton's method for closed orbits")
             here = x[active], T[active], angle[active]
             found = self.linearised(*here)
             rows, values = self._equations(found, here, tuple(a[active] for a in anchors), extra)
-            size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), np.abs(found.deviations).max(axis=1, initial=0.0))
+            off = np.abs(values[:, x.shape[2] : x.shape[2] + len(self.held)])  # deviations of the held functions
+            size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), off.max(axis=1, initial=0.0))
             size[~np.isfinite(size)] = np.inf
             better = size < best.residual[active]
             chosen = active[better]
             best.state[chosen], best.time[chosen], best.angle[chosen] = x[chosen], T[chosen], angle[chosen]
             best.residual[chosen] = size[better]
             stalled = ~better & (best.residual[active] < _MEETS)
-            go = np.isfinite(size) & ~stalled & ((k < _TRIALS) | (size < _MEETS)) & (size > 1e-17)
+            go = np.isfinite(size) & ~stalled & ~arrived[active] & ((k < _TRIALS) | (size < _MEETS)) & (size > 1e-17)
             matrix = np.where(go[:, None, None], rows, 0.0)
             sizes = linear.svd(np.where(np.isfinite(size)[:, None, None], rows, 0.0), compute_uv=False)
             with np.errstate(all="ignore"):
@@ -147,39 +148,34 @@ class Closing:
             x[active] += factor[:, None, None] * moves * self.level.units
             T[active] *= 1.0 + factor * delay
             angle[active] += factor[:, None] * turned
+            arrived[active] = np.maximum(long * _LONGEST_STEP, linear.norm(turned, axis=1)) < _LAST_STEP
             active = active[go & np.isfinite(long) & (T[active] > 0)]
             if not active.size:
                 break
         return best
 
     def linearised(self, x: Array, T: Array, angle: Array) -> Linearised:
-        """The equations at some loops, and their derivatives by all states, times and angles."""
+        """The gaps between the segments of some loops, and their derivatives by all states, times and angles."""
         n, m, N = x.shape
-        units, level = self.level.units, self.level
+        units = self.level.units
         with np.errstate(all="ignore"):
-            ends, tangents = self.flow.ends(x.reshape(-1, N), np.repeat(T / m, m), np.diag(units))
+            ends, tangents = self.flow.ends(x.reshape(-1, N), np.repeat(T / m, m), np.eye(N))
             rates = self.flow.system.vector_field(np.where(np.isfinite(ends), ends, 0.0)).reshape(n, m, N) / units
-        ends, tangents = ends.reshape(n, m, N), tangents.reshape(n, m, N, N) / units[:, None]
-        turn = self.turn(angle)
-        last = linear.einsum("nij,nj->ni", turn, x[:, 0])
-        gaps = (ends - np.concatenate([x[:, 1:], last[:, None]], axis=1)) / units
-        along = linear.einsum("kij,nj->nik", self.rotations, last) / units[:, None]
-        deviations, slopes = np.zeros((n, len(self.held))), np.zeros((n, len(self.held), N))
-        for j, (function, value) in enumerate(self.held.values()):
-            gradient = function.gradient(x[:, 0]) * units
-            scale = np.maximum(np.abs(gradient).sum(axis=1), np.finfo(float).tiny)
-            off = function(x[:, 0]) - value
-            off = np.where(np.abs(off) <= _LAST_DIGITS * abs(value), 0.0, off)
-            deviations[:, j], slopes[:, j] = off / scale, gradient / scale[:, None]
-        closing = turn * units / units[:, None]
-        directions = [level.system.vector_field(x[:, 0]), *linear.einsum("kij,nj->kni", self.rotations, x[:, 0])]
-        late = rates * (T / m)[:, None, None]
-        return Linearised(gaps, deviations, slopes, tangents, late, closing, along, np.array(directions) / units)
+        tangents = tangents.reshape(n, m, N, N) * (units / units[:, None])
+        last = linear.matmul(self.turn(angle), x[:, 0, :, None])[..., 0]
+        gaps = (ends.reshape(n, m, N) - np.concatenate([x[:, 1:], last[:, None]], axis=1)) / units
+        return Linearised(gaps, tangents, rates * (T / m)[:, None, None])
 
     def growth(self, loops: Loops) -> Array:
         """By how much neighbours grow in one of the segments, at most, in units of the level, shape (n,)."""
         found = self.linearised(loops.state, loops.time, loops.angle).segments
         return np.abs(found).sum(axis=3).max(axis=(1, 2))
+
+    def sums(self, loops: Loops) -> Array:
+        """The sums of the multipliers of loops, without the trivial ones, shape (n,)."""
+        matrix, _, _ = self.linearised(loops.state, loops.time, loops.angle).condensed()
+        turn = self.turn(loops.angle) * (self.level.units[:, None] / self.level.units)
+        return linear.einsum("nij,nij->n", turn, matrix) - len(self.held) - 1 - len(self.rotations)
 
     def extent(self, loops: Loops) -> Array:
         """About how far loops move in their time, across the rotations and in units of the level, shape (n,)."""
@@ -193,18 +189,34 @@ class Closing:
     def _equations(
         self, found: Linearised, here: tuple[Array, Array, Array], anchors: tuple[Array, ...], extra: Array | None
     ) -> tuple[Array, Array]:
-        """All equations for (first state, relative time, angles), shape (n, equation, unknown), and their values."""
-        x, time, angle = here
-        n, N, k = x.shape[0], x.shape[2], angle.shape[1]
+        """All equations for (first state, relative time, angles), shape (n, equation, unknown), and their values.
+
+        The first N close the loop; those of the held functions follow.
+        """
+        start, time, angle = here[0][:, 0], here[1], here[2]
+        (n, N), k, units = start.shape, angle.shape[1], self.level.units
         matrix, late, rest = found.condensed()
         late = np.zeros_like(late) if self.holds_period else late
-        rows = [np.concatenate([matrix - found.closing, late[..., None], -found.along], axis=2)]
-        rows.append(np.concatenate([found.slopes, np.zeros((n, found.slopes.shape[1], 1 + k))], axis=2))
-        values = [rest, found.deviations]
-        off = (x[:, 0] - anchors[0]) / self.level.units
-        for direction in found.directions:  # held across the flow and the rotations
-            rows.append(np.concatenate([_unit(direction), np.zeros((n, 1 + k))], axis=1)[:, None])
-            values.append(linear.einsum("ni,ni->n", _unit(direction), off)[:, None])
+        turn, directions = self.turn(angle), [self.level.system.vector_field(start)]
+        along = np.zeros((n, N, 0))
+        if k:
+            turned = linear.matmul(turn, start[..., None])[..., 0]
+            along = linear.einsum("kij,nj->nik", self.rotations, turned) / units[:, None]
+            directions += [*linear.einsum("kij,nj->kni", self.rotations, start)]
+        rows = [np.concatenate([matrix - turn * (units / units[:, None]), late[..., None], -along], axis=2)]
+        values, none = [rest], np.zeros((n, 1 + k))
+        for function, value in self.held.values():
+            gradient = function.gradient(start) * units
+            scale = np.maximum(np.abs(gradient).sum(axis=1), np.finfo(float).tiny)
+            off = function(start) - value
+            off = np.where(np.abs(off) <= _LAST_DIGITS * abs(value), 0.0, off)
+            rows.append(np.concatenate([gradient / scale[:, None], none], axis=1)[:, None])
+            values.append((off / scale)[:, None])
+        off = (start - anchors[0]) / units
+        for direction in directions:  # held across the flow and the rotations
+            across = _unit(direction / units)
+            rows.append(np.concatenate([across, none], axis=1)[:, None])
+            values.append(linear.einsum("ni,ni->n", across, off)[:, None])
         if extra is not None:
             rows.append(np.broadcast_to(extra, (n, 1, N + 1 + k)))
             moved = np.concatenate([off, time[:, None] / anchors[1][:, None] - 1.0, angle - anchors[2]], axis=1)
@@ -226,27 +238,17 @@ class Closing:
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """The equations of loops in units of the level, and their derivatives.
+    """The gaps of loops in units of the level, and their derivatives.
 
     Attributes:
         gaps: Ends of segments less the states that they should be, shape (n, segment, N).
-        deviations: Of the held functions from their values, relative, shape (n, function).
-        slopes: Their derivatives, shape (n, function, N).
         segments: The derivatives of segments, shape (n, segment, N, N).
         late: Those of ends by the relative time, shape (n, segment, N).
-        closing: The matrix of the closing symmetry, shape (n, N, N).
-        along: How the image of the first state moves with the angles, shape (n, N, k).
-        directions: The vector field and the rotations at the first state, shape (1 + k, n, N).
     """
 
     gaps: Array
-    deviations: Array
-    slopes: Array
     segments: Array
     late: Array
-    closing: Array
-    along: Array
-    directions: Array
 
     def condensed(self) -> tuple[Array, Array, Array]:
         """The derivatives of the last end by the first state and the relative time, and the gap, all others closed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -379,7 +379,7 @@ def periodic_orbits(
                 )
             meets = True
             try:
-                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run):
+                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run, found=found):
                     if not one.is_isolated:
                         n_families += 1
                     elif not any(_is_same(one, other) for other in found):
@@ -398,9 +398,15 @@ def periodic_orbits(
 
 
 def _orbits_from(
-    problem: Problem, starts: Array, times: tuple[float, float], n_wanted: int, run: RunOptions
+    problem: Problem,
+    starts: Array,
+    times: tuple[float, float],
+    n_wanted: int,
+    run: RunOptions,
+    *,
+    found: Sequence[PeriodicOrbit],
 ) -> Iterator[PeriodicOrbit]:
-    """The orbits that the nearest returns of starts lead to.
+    """The orbits that the nearest returns of starts lead to, without loops of one that was found.
 
     Raises:
         TimeLimitError: the deadline of the call has passed.
@@ -417,12 +423,20 @@ def _orbits_from(
     for k in range(0, len(rows), _TOGETHER):
         some = slice(k, k + _TOGETHER)
         loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
+        sums = problem.closing.sums(loops)
         for j in np.nonzero(problem.closed(loops) & (loops.time <= 1.2 * longest))[0]:
+            if any(_repeats(float(loops.time[j]), float(sums[j]), other) for other in found):
+                continue
             yield problem.described(problem.in_short_segments(shortest(problem, loops.of(np.array([j])))))
 
 
 def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
     """Whether the periods and multipliers are the same."""
-    near = abs(one.period - other.period) <= SAME * one.period
-    sums = [np.sum(orbit.multipliers) for orbit in (one, other)]
-    return near and bool(abs(sums[0] - sums[1]) <= 1e3 * SAME * (abs(sums[0]) + 1))
+    return _repeats(one.period, complex(np.sum(one.multipliers)), other, most=1)
+
+
+def _repeats(period: float, total: complex, other: PeriodicOrbit, most: int | None = None) -> bool:
+    """Whether a period and the sum of the multipliers are those of an orbit, run through once or more times."""
+    n = max(1, round(period / other.period))
+    near = (most is None or n <= most) and abs(period - n * other.period) <= SAME * period
+    return near and bool(abs(total - np.sum(other.multipliers**n)) <= 1e3 * SAME * (abs(total) + 1))

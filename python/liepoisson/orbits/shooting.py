@@ -14,17 +14,20 @@ References: [devogelaere1958]; [lamb1998].
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson import _core
 from liepoisson.errors import TimeLimitError
 from liepoisson.formula.scalars import MOST, TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_memory
 from liepoisson.inputs.deadline import checkpoint, seconds_left
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import Method, Taylor, field_for
+from liepoisson.numeric.systems import as_field, core_field, without_value
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -37,6 +40,9 @@ TOGETHER = 16
 
 _ARRAYS_OF_STATES = 3
 """Arrays of all states that a survey makes: the states, those in units of the level, and their derivatives."""
+
+_MOST_KNOWN = 4096
+"""Ends that are kept: those of Newton's steps of some loops together."""
 
 _UNDER_WAY = "following orbits"
 _MOST_STEPS = 20
@@ -77,6 +83,7 @@ class Flow:
     """Ends of trajectories that have each a time of its own.
 
     They are integrated in groups, each by one thread: starting threads for so little work costs more than it gives.
+    The last ones are kept: a loop is linearised where it is found, and again where it is followed and described.
 
     Attributes:
         system: The system.
@@ -87,6 +94,7 @@ class Flow:
     system: System
     threads: int | None = None
     method: Method = field(default_factory=Taylor)
+    _known: dict[bytes, tuple[Array, Array]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def ends(self, starts: Array, times: Array, tangents: Array | None = None) -> tuple[Array, Array]:
         """States and tangent vectors of each trajectory at its own time; NaN where it did not reach it.
@@ -104,30 +112,61 @@ class Flow:
         """
         n, N = starts.shape
         vectors = np.zeros((n, N, 0)) if tangents is None else np.broadcast_to(tangents, (n, N, tangents.shape[-1]))
-        states, moved = np.full((n, N), np.nan), np.full(vectors.shape, np.nan)
+        keys = [a.tobytes() + t.tobytes() + v.tobytes() for a, t, v in zip(starts, times, vectors, strict=True)]
+        new = np.array([k for k, key in enumerate(keys) if key not in self._known], dtype=int)
+        if len(self._known) + len(new) > max(_MOST_KNOWN, n):
+            self._known.clear()
+            new = np.arange(n)
         backwards = bool(n) and times[0] < 0
-        order = np.argsort(np.abs(times), kind="stable")
-        for first in range(0, n, TOGETHER):
+        order = new[np.argsort(np.abs(times[new]), kind="stable")]
+        for first in range(0, len(order), TOGETHER):
             checkpoint(_UNDER_WAY)
             some = order[first : first + TOGETHER]
             grid = np.unique(np.append(0.0, np.abs(times[some])))
-            orbit = integrate(
-                self.system,
-                starts[some],
-                times=-grid if backwards else grid,
-                tangents=np.swapaxes(vectors[some], 1, 2) if vectors.shape[2] else None,
-                method=self.method,
-                kernel="lanes",  # one trajectory alone is then the same as among others
-                threads=1,
-                time_limit=seconds_left(TIME_LIMIT),
+            states, moved = self._followed(
+                starts[some], -grid if backwards else grid, np.ascontiguousarray(np.swapaxes(vectors[some], 1, 2))
             )
             checkpoint(_UNDER_WAY)
-            places = np.searchsorted(grid, np.abs(times[some]))
-            rows = np.arange(len(some))
-            states[some] = orbit.state[rows, places]
-            if vectors.shape[2]:
-                moved[some] = np.swapaxes(orbit.tangent[rows, places], 1, 2)
-        return states, moved
+            places = np.searchsorted(grid, np.abs(times[some])).tolist()
+            for row, (k, place) in enumerate(zip(some.tolist(), places, strict=True)):
+                self._known[keys[k]] = states[row, place], moved[row, place].T
+        found = [self._known[key] for key in keys]
+        ends, slopes = [end for end, _ in found], [slope for _, slope in found]
+        return np.array(ends).reshape(starts.shape), np.array(slopes).reshape(vectors.shape)
+
+    def _followed(self, starts: Array, times: Array, vectors: Array) -> tuple[Array, Array]:
+        """States and tangent vectors as `integrate` has them, which is asked where one does not come to the end."""
+        n, k, N = vectors.shape
+        seconds = seconds_left(TIME_LIMIT)
+        if are_finite(starts).all() and np.isfinite(times).all() and not self._lose(starts):
+            raw = _core.orbits(
+                *self._data, starts.ravel(), vectors.ravel(), k, times, 1, seconds, False, False, None
+            )  # fmt: skip
+            states, moved = (
+                raw[name].reshape(n, len(times), *rest) for name, rest in (("state", (N,)), ("tangent", (k, N)))
+            )
+            if not (raw["outcome"].any() or self._lose(states)) and np.isfinite(raw["final_state"]).all():
+                return states, moved
+        orbit = integrate(
+            self.system,
+            starts,
+            times=times,
+            tangents=vectors if k else None,
+            method=self.method,
+            kernel="lanes",  # one trajectory alone is then the same as among others
+            threads=1,
+            time_limit=seconds,
+        )
+        return orbit.state, orbit.tangent
+
+    def _lose(self, states: Array) -> bool:
+        """Whether an invariant is no real number at one of them."""
+        return any(lost.any() for lost in without_value(self.system, states).values())
+
+    @cached_property
+    def _data(self) -> tuple[_core.Field, _core.Method]:
+        """The field and the method as the core takes them."""
+        return core_field(field_for(self.system, as_field(self.system), self.method)), self.method.core()
 
     def survey(self, starts: Array, t_end: float, n_times: int, time_limit: float) -> tuple[Array, Array]:
         """Evenly spaced times up to one, and the states of all trajectories there.

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -82,8 +83,8 @@ class QR(NamedTuple):
 
 def matmul(a: Any, b: Any) -> Any:
     r"""Products $\sum_k a_{ik} b_{kj}$ of stacks of matrices, or vectors, as `a @ b` has them."""
-    a, b = _arrays(a, b)
-    if np.iscomplexobj(a) or np.iscomplexobj(b):
+    a, b = np.asarray(a), np.asarray(b)
+    if a.dtype.kind == "c" or b.dtype.kind == "c":
         real = np.asarray(matmul(a.real, b.real)) - matmul(a.imag, b.imag)
         return of_parts(real, np.asarray(matmul(a.real, b.imag)) + matmul(a.imag, b.real))
     row, column = a.ndim == 1, b.ndim == 1
@@ -93,7 +94,7 @@ def matmul(a: Any, b: Any) -> Any:
         b = b[:, None]
     if a.ndim < 2 or b.ndim < 2 or a.shape[-1] != b.shape[-2]:
         raise ValueError(f"shapes {a.shape} and {b.shape} have no product")
-    stack = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    stack = a.shape[:-2] if a.shape[:-2] == b.shape[:-2] else np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
     count = math.prod(stack)
     n, m, p = *a.shape[-2:], b.shape[-1]
     if b.ndim == 2 and a.ndim > 2:  # one matrix from the right is the same for all rows
@@ -120,6 +121,8 @@ def tensordot(a: Any, b: Any, axes: int = 1) -> Any:
 
 def einsum(subscripts: str, *operands: Any) -> Any:
     """Sums of products by Einstein's convention, as NumPy has it; the result's indices are given after the arrow."""
+    if len(operands) == 2 and (order := _order_of_product(subscripts)) is not None:
+        return order.product(*map(np.asarray, operands))
     inputs, output = subscripts.replace(" ", "").split("->")
     many = any(term.count(letter) > 2 for term in inputs.split(",") for letter in term if letter != ".")
     if many or output.rfind("...") > 0:
@@ -132,6 +135,52 @@ def einsum(subscripts: str, *operands: Any) -> Any:
         term, value = _pair(term, value, other, array, wanted)
     term, value = _diagonals(term, value)
     return _arranged(term, value, output)
+
+
+class _Order(NamedTuple):
+    """How the axes of two factors are put so that a product of stacks of matrices is their sum of products."""
+
+    first: tuple[int, ...]
+    second: tuple[int, ...]
+    result: tuple[int, ...]
+    n_kept: int
+    n_summed: int
+
+    def product(self, a: NDArray[Any], b: NDArray[Any]) -> Any:
+        a, b = a.transpose(self.first), b.transpose(self.second)
+        split = a.ndim - self.n_summed
+        heads, rows, inner = a.shape[: self.n_kept], a.shape[self.n_kept : split], a.shape[split:]
+        columns = b.shape[self.n_kept + self.n_summed :]
+        found = matmul(
+            a.reshape(*heads, math.prod(rows), math.prod(inner)),
+            b.reshape(*b.shape[: self.n_kept], math.prod(inner), math.prod(columns)),
+        )
+        return found.reshape(*found.shape[:-2], *rows, *columns).transpose(self.result)
+
+
+@lru_cache(maxsize=256)
+def _order_of_product(subscripts: str) -> _Order | None:
+    """The order of two factors whose letters each are wanted or in both, without an ellipsis; None of others."""
+    inputs, output = subscripts.replace(" ", "").split("->")
+    one, other = inputs.split(",")
+    letters = one + other
+    if (
+        "." in letters
+        or not output
+        or any(term.count(letter) > 1 for term in (one, other, output) for letter in term)
+        or any(letter not in output for letter in letters if letters.count(letter) == 1)
+    ):
+        return None
+    kept, summed = [x for x in one if x in other and x in output], [x for x in one if x in other and x not in output]
+    mine, yours = [x for x in one if x not in other], [x for x in other if x not in one]
+    here = [*kept, *mine, *yours]
+    return _Order(
+        tuple(one.index(x) for x in [*kept, *mine, *summed]),
+        tuple(other.index(x) for x in [*kept, *summed, *yours]),
+        tuple(here.index(x) for x in output),
+        len(kept),
+        len(summed),
+    )
 
 
 def _ellipsis_first(term: str, value: NDArray[Any]) -> tuple[str, NDArray[Any]]:
@@ -483,4 +532,4 @@ def _flat(a: NDArray[Any]) -> Array:
 
 def _stacked(a: NDArray[Any], stack: tuple[int, ...]) -> Array:
     """All matrices of a stack, or one for all."""
-    return _flat(a) if a.ndim == 2 else _flat(np.broadcast_to(a, (*stack, *a.shape[-2:])))
+    return _flat(a) if a.ndim == 2 or a.shape[:-2] == stack else _flat(np.broadcast_to(a, (*stack, *a.shape[-2:])))
