@@ -38,6 +38,12 @@ _REST = 1e-3
 class CriticalFamily(ReadOnlyArrays):
     """Critical values of one type along a curve.
 
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> family = lp.tori.diagram(leaf, energy_max=2).families[0]
+        >>> family.type, family.states.shape == (len(family.values), 6)
+        ('elliptic', True)
+
     Attributes:
         type: "elliptic", "hyperbolic" or "degenerate".
         values: Shape (point, 2).
@@ -102,12 +108,20 @@ def diagram(
 
     A family that no start comes to is not in it.
 
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> found = lp.tori.diagram(leaf, energy_max=2)
+        >>> found.rest_values.round(9).tolist()  # hanging and upright
+        [[-1.0, 0.0], [1.0, 0.0]]
+
     Args:
         leaf: A leaf of dimension 4.
         momentum: The momentum map; by default that of the known integrals of the system.
         energy_max: Families are followed up to this energy; by default the highest one of the random states.
         n_starts: Number of starts.
         spread: Standard deviation of the random states, in units of the leaf.
+        seed: Draws the random states.
+        time_limit: Seconds that the call may take.
 
     Raises:
         ParameterError: there are not two integrals.
