@@ -18,7 +18,7 @@ def circle(center, radius, n, turned=0.0):
 
 @pytest.mark.parametrize(("radius", "n", "turned"), [(0.5, 24, 0.0), (0.5, 7, 0.3), (0.3, 12, 2.0)])
 def test_the_spherical_pendulum_turns_one_period_into_the_sum_of_two(radius, n, turned):
-    """[[1, 1], [0, 1]] up to a change of basis, whatever the loop: M - 1 is primitive, of rank 1, and fixes l3's circle."""
+    """[[1, 1], [0, 1]] up to a change of basis, whatever the loop: M - 1 is primitive, and M fixes l3's circle."""
     found = lp.tori.monodromy(PENDULUM, START, circle((1, 0), radius, n, turned))
     assert round(np.linalg.det(found.matrix)) == 1
     rest = found.matrix - UNIT

@@ -11,7 +11,8 @@ from liepoisson.tori.lagrange_leaves import class_of
 
 TOP = lp.Top.twisted_lagrange()
 SAMPLES = {
-    "AA": (-5, 0), "AU": (0, 2), "UU-": (0, "1/5"), "UU+": (8, 1), "BU": ("17.518906228330376", "3.316771360997471"), "AB": (35, 5),
+    "AA": (-5, 0), "AU": (0, 2), "UU-": (0, "1/5"), "UU+": (8, 1), "BU": ("17.518906228330376", "3.316771360997471"),
+    "AB": (35, 5),
 }  # fmt: skip
 HOPF = {"AA": 0, "AU": 1, "UU-": 2, "UU+": 2, "BU": 3, "AB": 2}
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
@@ -125,9 +125,10 @@ def critical_states(
     check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
     momentum = momentum_of(leaf, momentum)
     n = as_count(n_starts, "n_starts")
+    width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         search = Critical.on(leaf, momentum)
-        x, weights = search.solved(*search.starts(n, spread, as_seed(seed)))
+        x, weights = search.solved(*search.starts(n, width, as_seed(seed)))
         states = x * search.units
         return CriticalStates(momentum, leaf, states, momentum(states), weights, *search.kinds(x))
 

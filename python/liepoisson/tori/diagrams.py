@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
@@ -137,9 +137,10 @@ def diagram(
             "lagrange_diagram for the twisted Lagrange top, critical_states for others."
         )
     n = as_count(n_starts, "n_starts")
+    width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         critical = Critical.on(leaf, momentum)
-        starts, weights = critical.starts(n, spread, as_seed(seed))
+        starts, weights = critical.starts(n, width, as_seed(seed))
         energies = momentum.integrals["H"](starts * critical.units)
         top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
         search = _Families(critical, top)

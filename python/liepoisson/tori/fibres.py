@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ShapeError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
@@ -111,10 +111,11 @@ def fibre(
             f"value: wanted finite values of {', '.join(momentum.names)}, shape ({len(momentum.names)},); got "
             f"{wanted.tolist()}"
         )
-    m = as_count(n_states, "n_states")
+    m = as_count(n_states, "n_states", least=1)
+    width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         draw, units = stream(as_seed(seed), Purpose.FIBRES), leaf.in_units().units
-        states = _states(leaf, momentum, wanted, lambda: spread * draw.standard_normal((m, len(units))) * units, m)
+        states = _states(leaf, momentum, wanted, lambda: width * draw.standard_normal((m, len(units))) * units, m)
         torus = _tori(leaf, momentum, states, as_seed(seed))
     missed = 1 - float(elementary.power(0.05, 1 / len(states)))
     return Fibre(momentum, wanted, states, torus, int(torus.max()) + 1, missed)

@@ -23,7 +23,7 @@ from liepoisson.compile.field import Field
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT
+from liepoisson.formula.scalars import TIME_LIMIT, as_positive
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint, seconds_left
@@ -183,10 +183,11 @@ class MomentumMap:
             states: States, shape (..., N).
             tol: Singular values of the fields, of length 1 each, below this are zero.
         """
+        least = as_positive(tol, "tol", "a positive number", example=1e-9)
         fields = self.fields(states)
         lengths = linear.norm(fields, axis=-2)
         sizes = linear.svd(fields / np.where(lengths > 0, lengths, 1.0)[..., None, :], compute_uv=False)
-        return np.asarray((sizes > tol).sum(axis=-1))
+        return np.asarray((sizes > least).sum(axis=-1))
 
     def __repr__(self) -> str:
         return f"<Momentum map ({', '.join(self.names)}) of {self.system.name!r}>"

@@ -172,7 +172,7 @@ class Closures:
         return linear.norm((ends - self.state) / self.units, axis=-1)
 
     def closed(self, times: Array) -> Array:
-        """What Newton's method makes of times of shape (m, n): those that close, in their order, the time 0 among them."""
+        """What Newton's method makes of times of shape (m, n): those that close, in order, the time 0 among them."""
         t, rows = self.arriving(times, np.broadcast_to(self.state, (len(times), len(self.state))))
         t = t[np.argsort(rows)]
         # Steps along the orbit carry its errors along: once more from the state itself
