@@ -135,6 +135,7 @@ def rows():
     _of_orbits_and_sections(add)
     _of_leaves_and_charts(add)
     _of_integrals(add)
+    _of_tori(add)
     _of_results(add)
     return found
 
@@ -426,6 +427,32 @@ def _of_results(add):
     add("results.ParameterCase.holds_at", "values:v", case, values={"J": 1, "a": 0})
     sleeping = lp.phase_space.sleeping_top(lp.Top.lagrange(transverse=2, axial=1, a3=1), l3=5, alpha3=1)
     add("results.SleepingTop.analysis", "along:o", sleeping, along=["l3"])
+
+
+def _of_tori(add):
+    pendulum = lp.catalog.system("spherical-pendulum")
+    on = {"states": (0.3, 0.8, 0.2, 0.8, 0, 0.6)}
+    momentum = lp.tori.momentum_map(pendulum)
+    coordinates = pendulum.bracket.coordinate_names_in_order
+    names = {"state": coordinates, "states": coordinates, "value": ("H", "l3"), "loop": ("H", "l3")}
+    add("tori.momentum_map", "integrals:o", system=pendulum, integrals=["l3"])
+    for method in ("fields", "derivatives", "rank"):
+        add(f"results.MomentumMap.{method}", "states:N", momentum, names, **on)
+    add(
+        "results.MomentumMap.flow", "states:N times:N", momentum, names | {"times": ("H", "l3")}, **on, times=(0.5, 1.0)
+    )
+    torus = {"system": pendulum, "state": on["states"], "integrals": ["l3"]}
+    add("tori.period_lattice", "state:N integrals:o", None, names, **torus)
+    loop = [[0.0, 0.2], [0.2, 0.2], [0.2, 0.1]]
+    add("tori.monodromy", "state:N loop:N integrals:o", None, names, **torus, loop=loop)
+    leaf = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
+    add("tori.fibre", "value:N", None, names, leaf=leaf, value=[0.5, 0.2], n_states=5)
+    diagram = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+    given = {"values": [3.0, 0.5, 0.2]}
+    for method in ("depth", "sextic"):
+        add(f"results.LagrangeDiagram.{method}", "values:N", diagram, diagram.integrals, **given)
+    for function in ("lagrange_lattice", "lagrange_actions"):
+        add(f"tori.{function}", "values:N", None, diagram.integrals, diagram=diagram, **given)
 
 
 @cache

@@ -28,6 +28,7 @@ GROUPS = {
     "Exponents and chaos": ("chaos", "fits"),
     "Sections": ("sections",),
     "Leaves, equilibria and charts": ("phase_space", "charts"),
+    "Tori of integrable systems": ("tori",),
     "Prove": ("integrability", "proofs"),
     "Sweep": ("sweeps",),
     "Draw": ("plot",),

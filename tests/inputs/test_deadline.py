@@ -97,6 +97,7 @@ def test_no_limit_is_a_limit():
 HENON_HEILES, DUFFING = lp.catalog.system("henon-heiles"), lp.System(lp.canonical(1), "p1^2/2 - q1^2/2 + q1^4/4")
 PRECESSIONS = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="spherical")
 LINE = lp.System(lp.canonical(1), "cosh(p1) + sin(q1)*exp(-q1^2)", name="no polynomial")
+ON_A_SPHERE = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
 SEARCHES = {
     "periodic orbits": lambda **limit: lp.orbits.symmetric_periodic_orbits(
         HENON_HEILES, {}, energy="1/10", n_starts=20, **limit
@@ -222,6 +223,9 @@ COUNTED = {
     "proofs.prove_periodic_orbit": lambda **limit: lp.proofs.prove_periodic_orbit(
         HENON_HEILES, **LOOP, n_sections=250, **limit
     ),
+    "tori.critical_states": lambda **limit: lp.tori.critical_states(ON_A_SPHERE, n_starts=MANY, **limit),
+    "tori.diagram": lambda **limit: lp.tori.diagram(ON_A_SPHERE, n_starts=MANY, **limit),
+    "tori.fibre": lambda **limit: lp.tori.fibre(ON_A_SPHERE, [0.5, 0.2], n_states=MANY, **limit),
     "sections.section": lambda **limit: lp.section(TWISTED, STARTS, surface="l3", n_crossings=MANY, **LONG, **limit),
 }
 """Calls that are asked for far more than there is time for; what comes after a comma is another call of a function."""

@@ -27,6 +27,9 @@ def lists_of_all_kinds():
         "integral scan": lambda: lp.integrability.scan_integrals(family, axes={"J": ["1/2", 2]}, degree=4),
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
+        "critical states": lambda: lp.tori.critical_states(
+            lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=10
+        ),
         "connecting orbits": lambda: lp.orbits.connecting_orbits(lp.phase_space.equilibrium(duffing, [0, 0])),
         "a family of orbits": lambda: lp.orbits.orbit_family(
             duffing, lp.phase_space.equilibrium(duffing, [1, 0]), max_orbits=4

@@ -147,6 +147,20 @@ def drawn(draw: Callable[[], Any]) -> Any:
     return Drawn()
 
 
+@cache
+def lagrange_diagram() -> lp.results.LagrangeDiagram:
+    return lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+
+
+@cache
+def momentum() -> lp.results.MomentumMap:
+    return lp.tori.momentum_map(SPHERICAL)
+
+
+SPHERICAL = lp.catalog.system("spherical-pendulum")
+ON_SPHERE = np.array([0.3, 0.8, 0.2, 0.8, 0, 0.6])
+TORUS = np.array([3, 0.5, 0.2])
+
 CASES: dict[str, Case] = {
     "Attitude.at": Case(lambda times: attitude().at(times), {"times": TIMES[1:]}),
     "Attitude.body": Case(lambda vectors: attitude().body(vectors), {"vectors": STATE[:3]}),
@@ -344,5 +358,24 @@ CASES: dict[str, Case] = {
     ),
     "vorticity": Case(lambda states: lp.catalog.vorticity(states, 8), {"states": STATES[:, :8].copy()}),
     "page_of": Case(lambda start: lp.laboratory.page_of(TOP, start=start), {"start": STATES[0].copy()}),
+    "LagrangeDiagram.depth": Case(lambda values: lagrange_diagram().depth(values), {"values": TORUS}),
+    "LagrangeDiagram.sextic": Case(lambda values: lagrange_diagram().sextic(values), {"values": TORUS}),
+    "MomentumMap.derivatives": Case(lambda states: momentum().derivatives(states), {"states": ON_SPHERE}),
+    "MomentumMap.fields": Case(lambda states: momentum().fields(states), {"states": ON_SPHERE}),
+    "MomentumMap.flow": Case(
+        lambda states, times: momentum().flow(states, times), {"states": ON_SPHERE, "times": np.array([0.5, 1.0])}
+    ),
+    "MomentumMap.rank": Case(lambda states: momentum().rank(states), {"states": ON_SPHERE}),
+    "fibre": Case(
+        lambda value: lp.tori.fibre(lp.Leaf(SPHERICAL, {"C1": 0, "C2": 1}), value, n_states=5).states,
+        {"value": np.array([0.5, 0.2])},
+    ),
+    "lagrange_actions": Case(lambda values: lp.tori.lagrange_actions(lagrange_diagram(), values), {"values": TORUS}),
+    "lagrange_lattice": Case(lambda values: lp.tori.lagrange_lattice(lagrange_diagram(), values), {"values": TORUS}),
+    "monodromy": Case(
+        lambda state, loop: lp.tori.monodromy(SPHERICAL, state, loop).periods,
+        {"state": ON_SPHERE, "loop": np.array([[0.0, 0.2], [0.2, 0.2], [0.2, 0.1]])},
+    ),
+    "period_lattice": Case(lambda state: lp.tori.period_lattice(SPHERICAL, state).periods, {"state": ON_SPHERE}),
     "view": Case(lambda start: tuple(lp.view(TOP, start=start).start), {"start": STATES[0].copy()}),
 }

@@ -3,8 +3,8 @@ r"""Monodromy: the period lattice carried around a loop of regular values.
 Along a path of values inside of the regular ones the lattice moves continuously.  Its basis $P(s)$ is carried by
 Newton's method for closing flows, from one value to the next; around a loop it comes back as another basis of the same
 lattice, $P(1) = M\,P(0)$ with a matrix M of integers of determinant 1, the same for loops that can be deformed into
-each other [duistermaat1980].  M is not trusted unless it is of integers to the accuracy of the periods, the same in the
-other direction, and the carried periods close.
+each other [duistermaat1980].  M is not trusted unless it is of integers to the accuracy of the periods, its determinant
+is 1, and the carried periods close.
 
 Steps are halved until the periods change by less than a quarter of the shortest vector of the lattice: a lattice point
 can then not be taken for another one.
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError, ShapeError
+from liepoisson.formula.numbers import as_array
 from liepoisson.formula.scalars import TIME_LIMIT, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
@@ -103,12 +104,20 @@ def monodromy(
 ) -> Monodromy:
     r"""The monodromy of the tori of an integrable system along a closed polygon of values.
 
+    Example:
+        >>> pendulum = lp.catalog.system("spherical-pendulum")
+        >>> loop = [[0, 0.2], [0.5, 0.2], [0.5, -0.2], [0, -0.2]]  # around nothing
+        >>> lp.tori.monodromy(pendulum, [0.3, 0.8, 0.2, 0.8, 0, 0.6], loop).is_trivial
+        True
+
     Args:
         system: A system whose parameters are all numbers, or its momentum map.
         state: A state on the leaf, near the first torus: it is moved to the first value.
         loop: Values of the integrals at the corners, in the order of the momentum map, shape (m, n).  If the last is
             not the first, the polygon is closed.
         integrals: The other integrals than H, see `momentum_map`.
+        seed: Draws the guesses for the first lattice.
+        time_limit: Seconds that the call may take.
 
     Raises:
         ShapeError: loop is no array of values.
@@ -123,7 +132,7 @@ def monodromy(
     momentum = system if isinstance(system, MomentumMap) else momentum_map(system, integrals)
     bracket = momentum.system.bracket
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
-    corners = _corners(loop, len(momentum.names))
+    corners = _corners(loop, momentum.names)
     with deadline.running(), np.errstate(all="ignore"):
         leaf = Leaf.through(momentum.system, x)
         first = on_fibre(momentum, leaf, x[None], corners[0])[0]
@@ -139,7 +148,7 @@ def monodromy(
         quotient = linear.matmul(forth.periods, linear.inv(periods))
     matrix = np.round(quotient)
     residual = float(np.abs(quotient - matrix).max())
-    if not residual < _INTEGER or abs(linear.det(matrix)) < 0.5:
+    if not residual < _INTEGER or round(float(linear.det(matrix))) != 1:
         raise OrbitError(
             f"loop: the carried periods are {residual:.1g} away from integer combinations of the first ones: the "
             "fibres have several tori, and another one was met. Give a loop with more corners."
@@ -147,8 +156,8 @@ def monodromy(
     return Monodromy(momentum, corners, periods, matrix.astype(np.int64), residual, forth.n_steps)
 
 
-def _corners(given: ArrayLike, n: int) -> Array:
-    corners = np.array(given, dtype=np.float64)
+def _corners(given: ArrayLike, names: Sequence[str]) -> Array:
+    corners, n = as_array(given, "loop", names), len(names)
     if corners.ndim != 2 or corners.shape[1] != n or len(corners) < 3:
         raise ShapeError(f"loop: wanted at least three values of {n} integrals, shape (m, {n}); got {corners.shape}")
     if not np.isfinite(corners).all():

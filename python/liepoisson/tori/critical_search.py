@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
@@ -51,7 +51,7 @@ class CriticalStates(ReadOnlyArrays, Tabular):
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
-        >>> found = lp.tori.critical_search(leaf, n_starts=50)
+        >>> found = lp.tori.critical_states(leaf, n_starts=50)
         >>> sorted(set(zip(found.rank.tolist(), found.type.tolist())))
         [(1, 'elliptic')]
 
@@ -101,24 +101,34 @@ def critical_states(
     Each start that converges gives one.  Isolated ones, of rank 0, are met only by chance: they are equilibria, see
     `lp.equilibria`.
 
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("lagrange"), {"C1": 1, "C2": 1})
+        >>> len(lp.tori.critical_states(leaf, n_starts=20).to_dataframe().columns)
+        9
+
     Args:
         leaf: The leaf.
         momentum: The momentum map; by default that of the known integrals of the system.
         n_starts: Number of starts.
         spread: Standard deviation of the random states that are moved onto the leaf, in units of the leaf.
+        seed: Draws the random states.
+        time_limit: Seconds that the call may take.
 
     Raises:
         ParameterError: the integrals are not as `momentum_map` wants them.
         LeafError: the equations of the leaf are not known.
         TimeLimitError: the time is over.
+
+    References: [eliasson1990], [bolsinov2004].
     """
     deadline = Deadline(as_time_limit(time_limit))
     check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
     momentum = momentum_of(leaf, momentum)
     n = as_count(n_starts, "n_starts")
+    width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         search = Critical.on(leaf, momentum)
-        x, weights = search.solved(*search.starts(n, spread, as_seed(seed)))
+        x, weights = search.solved(*search.starts(n, width, as_seed(seed)))
         states = x * search.units
         return CriticalStates(momentum, leaf, states, momentum(states), weights, *search.kinds(x))
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
@@ -40,6 +40,12 @@ _REST = 1e-3
 @dataclass(frozen=True, eq=False)
 class CriticalFamily(ReadOnlyArrays):
     """Critical values of one type along a curve.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> family = lp.tori.diagram(leaf, energy_max=2).families[0]
+        >>> family.type, family.states.shape == (len(family.values), 6)
+        ('elliptic', True)
 
     Attributes:
         type: "elliptic", "hyperbolic" or "degenerate".
@@ -115,12 +121,20 @@ def diagram(
 
     A family that no start comes to is not in it.
 
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> found = lp.tori.diagram(leaf, energy_max=2)
+        >>> found.rest_values.round(9).tolist()  # hanging and upright
+        [[-1.0, 0.0], [1.0, 0.0]]
+
     Args:
         leaf: A leaf of dimension 4.
         momentum: The momentum map; by default that of the known integrals of the system.
         energy_max: Families are followed up to this energy; by default the highest one of the random states.
         n_starts: Number of starts.
         spread: Standard deviation of the random states, in units of the leaf.
+        seed: Draws the random states.
+        time_limit: Seconds that the call may take.
 
     Raises:
         ParameterError: there are not two integrals.
@@ -136,9 +150,10 @@ def diagram(
             "lagrange_diagram for the twisted Lagrange top, critical_states for others."
         )
     n = as_count(n_starts, "n_starts")
+    width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         critical = Critical.on(leaf, momentum)
-        starts, weights = critical.starts(n, spread, as_seed(seed))
+        starts, weights = critical.starts(n, width, as_seed(seed))
         energies = momentum.integrals["H"](starts * critical.units)
         top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
         search = _Families(critical, top)

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
@@ -39,6 +40,11 @@ _GUESSES = 3
 @dataclass(frozen=True, eq=False)
 class Fibre(ReadOnlyArrays):
     r"""Random states of a fibre, by tori.
+
+    Example:
+        >>> oscillator = lp.System(lp.canonical(names=["q"]), "(p_q^2 + q^2)/2")
+        >>> lp.tori.fibre(lp.Leaf(oscillator, {}), [0.5], n_states=20).states.shape
+        (20, 2)
 
     Attributes:
         momentum: The momentum map.
@@ -88,6 +94,8 @@ def fibre(
         momentum: The momentum map; by default that of the known integrals of the system.
         n_states: Random states of the fibre.
         spread: Standard deviation of the random states that are moved to it, in units of the leaf.
+        seed: Draws the random states.
+        time_limit: Seconds that the call may take.
 
     Raises:
         ShapeError: there are not as many values as integrals.
@@ -97,16 +105,17 @@ def fibre(
     deadline = Deadline(as_time_limit(time_limit))
     check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
     momentum = momentum_of(leaf, momentum)
-    wanted = np.array(value, dtype=np.float64)
+    wanted = as_array(value, "value", momentum.names)
     if wanted.shape != (len(momentum.names),) or not np.isfinite(wanted).all():
         raise ShapeError(
             f"value: wanted finite values of {', '.join(momentum.names)}, shape ({len(momentum.names)},); got "
             f"{wanted.tolist()}"
         )
-    m = as_count(n_states, "n_states")
+    m = as_count(n_states, "n_states", least=1)
+    width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         draw, units = stream(as_seed(seed), Purpose.FIBRES), leaf.in_units().units
-        states = _states(leaf, momentum, wanted, lambda: spread * draw.standard_normal((m, len(units))) * units, m)
+        states = _states(leaf, momentum, wanted, lambda: width * draw.standard_normal((m, len(units))) * units, m)
         torus = _tori(leaf, momentum, states, as_seed(seed))
     missed = 1 - float(elementary.power(0.05, 1 / len(states)))
     return Fibre(momentum, wanted, states, torus, int(torus.max()) + 1, missed)

@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import LeafError, ShapeError
+from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
@@ -54,6 +55,12 @@ N_POINTS = 200
 @dataclass(frozen=True, eq=False)
 class CriticalCurve(ReadOnlyArrays):
     """Values of a family of relative equilibria, where the differentials of the integrals have rank 1.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 8, "C2": 1, "C3": 1})
+        >>> curve = lp.tori.lagrange_diagram(leaf).threads[1]
+        >>> curve.ends, curve.values.shape
+        (('S+', 'S-'), (200, 3))
 
     Attributes:
         kind: "edge", elliptic in two directions; "thread", focus-focus, with regular values around it.
@@ -79,7 +86,7 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
         >>> top = lp.Top.twisted_lagrange()
         >>> found = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 0.5, "C2": 0.2, "C3": 1}))
         >>> found
-        <Diagram of class UU- of 'twisted Lagrange top': 5 edges and threads, 2 Hamiltonian Hopf points>
+        <Diagram of class UU- of 'twisted Lagrange top': 3 edges, 2 threads, 2 Hamiltonian Hopf points>
         >>> found.sleeping_tops["S+"].shape
         (9,)
 
@@ -119,7 +126,7 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
 
     def sextic(self, values: ArrayLike) -> Array:
         r"""The coefficients of R in units of the leaf, from that of $\lambda^6$ = 1 down, shape (..., 7)."""
-        return _sextic(*self.scaled.normal, self.scaled.scaled(_values(values)))
+        return _sextic(*self.scaled.normal, self.scaled.scaled(_values(values, self.integrals)))
 
     def depth(self, values: ArrayLike) -> Array:
         r"""The least value of $R/(1 + \lambda^2)^3$ on the real line, shape (...).
@@ -177,7 +184,7 @@ def lagrange_diagram(leaf: Leaf) -> LagrangeDiagram:
         >>> top = lp.Top.twisted_lagrange()
         >>> found = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 8, "C2": 1, "C3": 1}))
         >>> found.threads
-        (<thread from HH to HH: 400 values>, <thread from S+ to S-: 200 values>)
+        (<thread from HH to HH: 600 values>, <thread from S+ to S-: 200 values>)
 
     Args:
         leaf: A leaf with beta not zero.
@@ -349,8 +356,8 @@ def _real_roots(coefficients: Sequence[float]) -> list[float]:
     return [float(root.real) for root in linear.roots(coefficients) if abs(root.imag) <= 1e-9 * abs(root)]
 
 
-def _values(given: ArrayLike) -> Array:
-    values = np.asarray(given, dtype=np.float64)
+def _values(given: ArrayLike, names: Sequence[str]) -> Array:
+    values = as_array(given, "values", names)
     if values.shape[-1:] != (3,):
         raise ShapeError(f"values: wanted H, l3 and the third integral, shape (..., 3); got shape {values.shape}.")
     return values

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import OrbitError, ShapeError
+from liepoisson.formula.numbers import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.portable import elementary, linear
@@ -41,7 +42,7 @@ def lagrange_lattice(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
         >>> diagram = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 0.5, "C2": 0.2, "C3": 1}))
         >>> periods = lp.tori.lagrange_lattice(diagram, [3, 0.5, 0.2])
         >>> (periods[0] - periods[1] + periods[2]).round(12).tolist()  # the circle of l3
-        [0.0, 6.283185307180, 0.0]
+        [0.0, 6.28318530718, 0.0]
 
     Args:
         diagram: What `lagrange_diagram` returned for the leaf.
@@ -54,12 +55,20 @@ def lagrange_lattice(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
         OrbitError: the values are not inside of the image, or so near to a critical value, or to one where two zeros of
             R have the same real part, that the quadrature does not converge.
     """
-    return _by_flows(diagram, values, _integrals(diagram, values, _period))
+    given = _given(diagram, values)
+    return _by_flows(diagram, given, _integrals(diagram, given, _period))
 
 
 @explains_its_arguments
 def lagrange_actions(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
     r"""The actions $J_j$ that belong to the periods of `lagrange_lattice`, shape (3,), up to constants of the leaf.
+
+    Example:
+        >>> top = lp.Top.twisted_lagrange()
+        >>> diagram = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 0.5, "C2": 0.2, "C3": 1}))
+        >>> here, there = (lp.tori.lagrange_actions(diagram, [3, l3, 0.2]) for l3 in (0.5, 0.6))
+        >>> (there[0] - there[1] + there[2] - here[0] + here[1] - here[2]).round(12)  # l3 is an action
+        np.float64(0.1)
 
     Args:
         diagram: What `lagrange_diagram` returned for the leaf.
@@ -70,7 +79,7 @@ def lagrange_actions(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
     """
     scaled = diagram.scaled
     # The bracket of scaled fields is that of the top: J has the unit of l
-    return _integrals(diagram, values, _action)[:, 0] * scaled.unit
+    return _integrals(diagram, _given(diagram, values), _action)[:, 0] * scaled.unit
 
 
 def _period(x: Array, rest: Any, height: float) -> Any:
@@ -82,10 +91,14 @@ def _action(x: Any, rest: Any, height: float) -> Any:
     return (square * rest / x**3)[..., None]
 
 
-def _integrals(diagram: LagrangeDiagram, values: ArrayLike, integrand: Callable[[Any, Any, float], Any]) -> Array:
-    given = np.asarray(values, dtype=np.float64)
+def _given(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
+    given = as_array(values, "values", diagram.integrals)
     if given.shape != (3,):
         raise ShapeError(f"values: wanted H, l3 and the third integral, shape (3,); got shape {given.shape}")
+    return given
+
+
+def _integrals(diagram: LagrangeDiagram, given: Array, integrand: Callable[[Any, Any, float], Any]) -> Array:
     if not diagram.depth(given) > 0:
         raise OrbitError(
             f"values: wanted some inside of the image; {given.tolist()} are not, R has a real zero. See "
@@ -118,11 +131,11 @@ def _integrals(diagram: LagrangeDiagram, values: ArrayLike, integrand: Callable[
     )
 
 
-def _by_flows(diagram: LagrangeDiagram, values: ArrayLike, scaled_periods: Array) -> Array:
+def _by_flows(diagram: LagrangeDiagram, given: Array, scaled_periods: Array) -> Array:
     """From times of l3, h and p in units of the leaf to times of H, l3 and the third integral."""
     scaled = diagram.scaled
     unit, first, third = scaled.unit, float(scaled.first), float(scaled.third)
-    l3 = float(np.asarray(values, dtype=np.float64)[1])
+    l3 = float(given[1])
     spin, energy, last = (scaled_periods / np.array([1.0, unit, unit**2])).T
     spin = spin - first * (1 / third - 1 / first) * l3 * energy
     return np.stack([first * energy, spin, last * (first if scaled.charge else float(scaled.field))], -1)

@@ -22,8 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.compile.field import Field
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.formula.scalars import TIME_LIMIT
-from liepoisson.inputs.arrays import Array
+from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import TIME_LIMIT, as_positive
+from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint, seconds_left
 from liepoisson.inputs.given import sequence
@@ -32,7 +33,7 @@ from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_in_units import equations_in_units
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach
-from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
 from liepoisson.portable import linear
@@ -129,11 +130,15 @@ class MomentumMap:
 
     def fields(self, states: ArrayLike) -> Array:
         r"""The vector fields $J\nabla F_k$ as columns, shape (..., N, n)."""
-        return self._fields.fields(np.asarray(states, dtype=np.float64))
+        return self._fields.fields(self._states(states))
 
     def derivatives(self, states: ArrayLike) -> Array:
         """The derivatives of the fields, shape (..., N, N, n): that of component i along coordinate j of field k."""
-        return self._fields.derivatives(np.asarray(states, dtype=np.float64))
+        return self._fields.derivatives(self._states(states))
+
+    def _states(self, given: ArrayLike) -> Array:
+        bracket = self.system.bracket
+        return as_phase_points(given, bracket.coordinate_names_in_order, bracket.field_names)
 
     @cached_property
     def _flows(self) -> tuple[CommutingFlows, Taylor]:
@@ -149,7 +154,8 @@ class MomentumMap:
         Raises:
             TimeLimitError: the deadline of the call has passed.
         """
-        x, t = np.asarray(states, dtype=np.float64), np.asarray(times, dtype=np.float64)
+        x, t = self._states(states), as_array(times, "times", self.names)
+        check_shape(t.shape[-1:] == (len(self.names),), "times", f"(..., {len(self.names)})", t)
         m = np.broadcast_shapes(x.shape[:-1], t.shape[:-1])
         rows = np.concatenate([np.broadcast_to(x, (*m, x.shape[-1])), np.broadcast_to(t, (*m, t.shape[-1]))], -1)
         system, method = self._flows
@@ -177,10 +183,11 @@ class MomentumMap:
             states: States, shape (..., N).
             tol: Singular values of the fields, of length 1 each, below this are zero.
         """
+        least = as_positive(tol, "tol", "a positive number", example=1e-9)
         fields = self.fields(states)
         lengths = linear.norm(fields, axis=-2)
         sizes = linear.svd(fields / np.where(lengths > 0, lengths, 1.0)[..., None, :], compute_uv=False)
-        return np.asarray((sizes > tol).sum(axis=-1))
+        return np.asarray((sizes > least).sum(axis=-1))
 
     def __repr__(self) -> str:
         return f"<Momentum map ({', '.join(self.names)}) of {self.system.name!r}>"
@@ -192,7 +199,7 @@ def momentum_map(system: System, integrals: Sequence[str | Expr | PhaseFunction]
 
     Example:
         >>> lp.tori.momentum_map(lp.catalog.system("spherical-pendulum"))
-        <Momentum map (H, L3) of 'spherical-pendulum'>
+        <Momentum map (H, l3) of 'spherical-pendulum'>
 
     Args:
         system: A system whose parameters are all numbers.

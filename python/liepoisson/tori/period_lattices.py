@@ -108,12 +108,14 @@ def period_lattice(
         >>> pendulum = lp.System(lp.canonical(names=["q"]), "p_q^2/2 + q^2/2 + q^4/4")
         >>> torus = lp.tori.period_lattice(pendulum, [1, 0])
         >>> torus.periods.round(9).tolist(), torus.frequencies.round(6).tolist()
-        ([[4.768022012]], [1.317776])
+        ([[4.768022029]], [1.317776])
 
     Args:
         system: A system whose parameters are all numbers, or its momentum map.
         state: A state, shape (N,).
         integrals: The other integrals than H, see `momentum_map`.
+        seed: Draws the guesses.
+        time_limit: Seconds that the call may take.
 
     Raises:
         ParameterError: the integrals are none, do not commute, or are not as many as wanted.
@@ -170,8 +172,9 @@ class Closures:
         return linear.norm((ends - self.state) / self.units, axis=-1)
 
     def closed(self, times: Array) -> Array:
-        """What Newton's method makes of times of shape (m, n): those that close, the time 0 among them."""
-        t, _ = self.arriving(times, np.broadcast_to(self.state, (len(times), len(self.state))))
+        """What Newton's method makes of times of shape (m, n): those that close, in order, the time 0 among them."""
+        t, rows = self.arriving(times, np.broadcast_to(self.state, (len(times), len(self.state))))
+        t = t[np.argsort(rows)]
         # Steps along the orbit carry its errors along: once more from the state itself
         for _ in range(2):
             if len(t):
