@@ -203,7 +203,7 @@ def orbit_near(system, guess, period):
 
 @cache
 def orbits_through(system, x):
-    return lp.orbits.periodic_orbits(system, lp.Leaf.through(system, x), float(system.functions.energy(x)), n_starts=20)
+    return lp.orbits.periodic_orbits(system, lp.Leaf.through(system, x), float(system.functions.energy(x)), n_starts=12)
 
 
 @pytest.mark.parametrize(("system", "guess", "period", "units"), UNITS)
@@ -226,7 +226,7 @@ def test_orbits_of_a_level_are_found_in_other_units(system, units):
     x = {4: (0.1, 0.3, 0.2, 0.1), 2: (1, 0.2), 6: (0.3, 0.1, 1.2, 0.4, 0.1, 0.9)}[len(units)]
     wanted, (other, whole) = orbits_through(system, x), in_units(system, units)
     energy = float(system.functions.energy(x))
-    found = lp.orbits.periodic_orbits(other, lp.Leaf.through(other, x / np.array(units)), energy / whole, n_starts=20)
+    found = lp.orbits.periodic_orbits(other, lp.Leaf.through(other, x / np.array(units)), energy / whole, n_starts=12)
     assert found.n_families * 4 <= len(found)
     periods, known = ({round(orbit.period, 6) for orbit in each} for each in (found, wanted))
     assert len(periods & known) >= min(2, len(known)), (periods, known)
