@@ -23,7 +23,7 @@ RECORD = Path(__file__).parent / "portable.json"
 
 
 PROCESSORS = ("native", "avx2", "no-avx")
-TWINS = ("leaf of zeitlin-3", "leaf of manakov-so4", "energy of clebsch")
+TWINS = ("leaf of zeitlin-3", "leaf of manakov-so4", "energy of heavy-top", "energy of clebsch")
 """Cases that do what another one does, on a bracket of another dimension."""
 
 
