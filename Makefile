@@ -6,6 +6,8 @@ BIN := $(VENV)/bin
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 OUT ?= results/twisted-top
 export MPLBACKEND := Agg
+# Otherwise each of some hundred processes of the tests would compile the package again, and each worker all the tests.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 

@@ -1,5 +1,6 @@
 """Settings shared by all tests."""
 
+import gc
 import os
 import pickle
 import signal
@@ -54,6 +55,17 @@ def pytest_configure(config):
     # A shell starts "command &" with Ctrl-C ignored, and children inherit that; the tests of Ctrl-C need it heard.
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Without a search for garbage: thousands of tests are made, and all are kept."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()
 
 
 def pytest_collection_modifyitems(config, items):

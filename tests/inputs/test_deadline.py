@@ -42,12 +42,12 @@ CALLS = {
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", CALLS)
-def test_heavy_calls_return_soon_after_a_limit_of_a_second(name):
+def test_heavy_calls_return_soon_after_their_limit(name):
     """Seconds more are those of a step that is not interrupted, and of a machine with other work."""
     began = time.monotonic()
     with suppress(TimeLimitError):
-        CALLS[name](time_limit=1)
-    assert time.monotonic() - began < 1 + 10
+        CALLS[name](time_limit=0.5)
+    assert time.monotonic() - began < 0.5 + 10
 
 
 QUICK = {
@@ -105,9 +105,9 @@ SEARCHES = {
     "homoclinic orbits": lambda **limit: lp.orbits.symmetric_homoclinic_orbits(
         lp.phase_space.equilibrium(DUFFING, [0, 0]), n_starts=20, **limit
     ),
-    "equilibria": lambda **limit: lp.equilibria(LINE, {}, n_starts=20, **limit),
+    "equilibria": lambda **limit: lp.equilibria(LINE, {}, n_starts=10, **limit),
     "relative equilibria": lambda **limit: lp.equilibria(
-        PRECESSIONS, {"C1": "1/5", "C2": 1}, along=("l3",), values={"l3": 0.5}, n_starts=10, **limit
+        PRECESSIONS, {"C1": "1/5", "C2": 1}, along=("l3",), values={"l3": 0.5}, n_starts=5, **limit
     ),
 }
 

@@ -9,6 +9,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
+from liepoisson.io.dataset import save
 from liepoisson.numeric.systems import TOP_COMPONENTS
 from liepoisson.saved.rerun import RUNS
 
@@ -407,8 +408,8 @@ def test_a_rearranged_dataset_has_the_same_rerun(kind, how):
 @pytest.mark.parametrize("pick", [[5, 0], [2], [], [1, 0, 5, 4, 3, 2]])
 def test_a_part_of_a_section_or_of_a_dense_orbit_has_its_own_numbers(tmp_path, pick):
     whole = crossings()
-    whole.dataset.isel(trajectory=pick).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
-    part = lp.load(tmp_path / "part.nc", verify=False)
+    save(whole.dataset.isel(trajectory=pick), tmp_path / "part.nc")
+    part = lp.load(tmp_path / "part.nc")
     assert part.count.tolist() == whole.count[pick].tolist()
     for row, trajectory in enumerate(pick):
         assert np.array_equal(part.of(row), whole.of(trajectory))
@@ -416,8 +417,8 @@ def test_a_part_of_a_section_or_of_a_dense_orbit_has_its_own_numbers(tmp_path, p
     assert np.array_equal(again.state, part.state)
     assert np.array_equal(again.trajectory, part.trajectory)
     dense = lp.integrate(lp.Top.twisted_kovalevskaya(), whole.start, times=[0, 1, 4], dense=True)
-    dense.dataset.isel(trajectory=pick).to_netcdf(tmp_path / "dense.nc", engine="h5netcdf")
-    part = lp.load(tmp_path / "dense.nc", verify=False)
+    save(dense.dataset.isel(trajectory=pick), tmp_path / "dense.nc")
+    part = lp.load(tmp_path / "dense.nc")
     assert not pick or np.array_equal(part.at([0.5, 3.0]), dense.at([0.5, 3.0])[pick])
 
 

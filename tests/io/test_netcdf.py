@@ -268,7 +268,7 @@ import liepoisson as lp
 top = lp.Top.twisted_kovalevskaya()
 run = lp.integrate(top, lp.sample_states(top, 2, seed=1), t_end=1)
 path, draw, heard = run.save(sys.argv[1]), random.Random(1), 0
-for k in range(60):
+for k in range(30):
     work = (lambda: run.save(path), lambda: lp.load(path))[k % 2]
     came = threading.Event()
 
@@ -293,4 +293,4 @@ def test_control_c_is_heard_while_files_are_written_and_read_and_others_follow(t
     """Raised inside of xarray it left a lock taken, for which every later file waited; inside of h5py it was lost."""
     command = [sys.executable, "-c", INTERRUPTED, str(tmp_path / "run.nc")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert (done.returncode, done.stdout.split()) == (0, ["60", "2"]), done.stderr[-2000:]
+    assert (done.returncode, done.stdout.split()) == (0, ["30", "2"]), done.stderr[-2000:]

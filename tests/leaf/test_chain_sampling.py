@@ -14,20 +14,27 @@ DEVIATIONS = 4.5
 """Standard errors; chance exceeds them once in 150 000 tries, and the seeds are fixed."""
 
 
-def standard_error(halvings, n_chains=chain_sampling.N_CHAINS):
+@pytest.fixture(params=[512, pytest.param(2048, marks=pytest.mark.slow)])
+def n_chains(request, monkeypatch):
+    """The states of the population, each of which is looked at."""
+    monkeypatch.setattr(chain_sampling, "N_CHAINS", request.param)
+    return request.param
+
+
+def standard_error(halvings, n_chains):
     """Of a share of one half, that was fixed so many halvings before the end."""
     return 0.5 * np.sqrt(halvings / n_chains)
 
 
 @pytest.mark.thorough
-def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf():
+def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf(n_chains):
     """The surface is one curve around e1 and one around -e1.  Uniform points on the sphere, in a window of energy."""
     energy, noise = 0.3, np.random.default_rng(1).standard_normal((500_000, 3))
     sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
     near = sphere[np.abs(BODY.functions.energy(sphere) - energy) < 0.005]
     expected = (near[:, 0] > 0).mean()  # 0.495
-    first, other = (lp.Leaf.through(BODY, [l1, 0, 0]).sample(2048, seed=1, energy=energy) for l1 in (1.0, -1.0))
-    assert np.abs((first[:, 0] > 0).mean() - expected) < DEVIATIONS * standard_error(6)
+    first, other = (lp.Leaf.through(BODY, [l1, 0, 0]).sample(n_chains, seed=1, energy=energy) for l1 in (1.0, -1.0))
+    assert np.abs((first[:, 0] > 0).mean() - expected) < DEVIATIONS * standard_error(6, n_chains)
     assert np.array_equal(first, other)
 
 
@@ -37,7 +44,7 @@ def test_states_below_an_energy_have_the_shares_of_the_caps():
     body = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6")
     x = lp.Leaf.through(body, [0, 0, 1]).sample(2048, seed=3, energy_below=0.17)
     assert body.functions.energy(x).max() <= 0.17
-    assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * standard_error(8)
+    assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * standard_error(8, 2048)
     noise = np.random.default_rng(1).standard_normal((500_000, 3))
     sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
     cap = sphere[body.functions.energy(sphere) <= 0.17]
@@ -46,11 +53,11 @@ def test_states_below_an_energy_have_the_shares_of_the_caps():
 
 
 @pytest.mark.thorough
-def test_sheets_between_which_proposals_leap_have_equal_shares():
+def test_sheets_between_which_proposals_leap_have_equal_shares(n_chains):
     """The two sheets of a hyperboloid, l3^2 - l1^2 - l2^2 = 1: no path on it connects them, Newton's method does."""
     hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
-    x = lp.Leaf.through(hyperbolic, [0, 0, 1]).sample(2048, seed=1, energy=2.0)
-    assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * 0.5 / np.sqrt(2048)
+    x = lp.Leaf.through(hyperbolic, [0, 0, 1]).sample(n_chains, seed=1, energy=2.0)
+    assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * 0.5 / np.sqrt(n_chains)
 
 
 @pytest.mark.thorough

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.leaf import leaf_sampling
-from liepoisson.leaf.chain_sampling import N_CHAINS, sample_by_chains
+from liepoisson.leaf import chain_sampling, leaf_sampling
+from liepoisson.leaf.chain_sampling import sample_by_chains
 from liepoisson.leaf.leaf_sampling import acceptance
 
 INERTIA, A, B = np.array([2, 1.5, 1]), np.array([-1, 0.25, 0.5]), np.array([0.25, 0.5, -0.125])
@@ -89,12 +89,12 @@ def test_a_heavy_top_has_the_moments_of_quadrature(kind, power):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["twisted"])
-def test_the_two_samplers_agree(name):
+@pytest.mark.parametrize("n", [512, pytest.param(2048, marks=pytest.mark.slow)])
+def test_the_two_samplers_agree(monkeypatch, n):
     """Independent states against the Markov chains, whose states are correlated: 5 becomes 8."""
-    leaf = LEAVES[name]
+    leaf = LEAVES["twisted"]
     energy = energy_above_the_least(leaf)
-    n = N_CHAINS  # the population of the chains itself
+    monkeypatch.setattr(chain_sampling, "N_CHAINS", n)  # the population of the chains itself
     x = leaf.sample(n, seed=7, energy=energy)
     y = sample_by_chains(leaf, n, 7, leaf_sampling._shell(energy, None))
     assert leaf.residual(y).max() < 1e-12

@@ -71,7 +71,7 @@ def test_known_integrals_are_constant_for_symbolic_parameters(top, names):
     found = known_integrals(top.top_parameters, *top.bracket.fields.values())
     assert set(found) == names
     for expression in (*found.values(), top.hamiltonian):
-        assert sp.expand(sp.simplify(top.bracket(expression, top.hamiltonian))) == 0
+        assert sp.expand(top.bracket(expression, top.hamiltonian)) == 0
 
 
 def test_kovalevskayas_quartic_is_the_classical_one():

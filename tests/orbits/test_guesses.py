@@ -1,6 +1,7 @@
 """Periodic orbits near a guess, and those of a level: closed forms, closing, multipliers, what is refused."""
 
 import time
+from functools import cache
 
 import numpy as np
 import pytest
@@ -209,10 +210,20 @@ def in_units(system, units):
     return lp.System(system.bracket, scaled), float(whole)
 
 
+@cache
+def orbit_near(system, guess, period):
+    return lp.orbits.periodic_orbit(system, guess, period=period)
+
+
+@cache
+def orbits_through(system, x):
+    return lp.orbits.periodic_orbits(system, lp.Leaf.through(system, x), float(system.functions.energy(x)), n_starts=12)
+
+
 @pytest.mark.parametrize(("system", "guess", "period", "units"), UNITS)
 def test_an_orbit_is_the_same_in_other_units(system, guess, period, units):
     """Newton's method comes to it, its multipliers are those, and whether it is alone on its level is not in doubt."""
-    wanted = lp.orbits.periodic_orbit(system, guess, period=period)
+    wanted = orbit_near(system, tuple(guess), period)
     other, whole = in_units(system, units)
     for near in (1.0, 1.003):
         found = lp.orbits.periodic_orbit(
@@ -226,13 +237,10 @@ def test_an_orbit_is_the_same_in_other_units(system, guess, period, units):
 
 @pytest.mark.parametrize(("system", "units"), [(one[0], one[3]) for one in UNITS])
 def test_orbits_of_a_level_are_found_in_other_units(system, units):
-    x = np.array({4: [0.1, 0.3, 0.2, 0.1], 2: [1, 0.2], 6: [0.3, 0.1, 1.2, 0.4, 0.1, 0.9]}[len(units)])
-    other, whole = in_units(system, units)
+    x = {4: (0.1, 0.3, 0.2, 0.1), 2: (1, 0.2), 6: (0.3, 0.1, 1.2, 0.4, 0.1, 0.9)}[len(units)]
+    wanted, (other, whole) = orbits_through(system, x), in_units(system, units)
     energy = float(system.functions.energy(x))
-    wanted, found = (
-        lp.orbits.periodic_orbits(one, lp.Leaf.through(one, start), value, n_starts=20)
-        for one, start, value in ((system, x, energy), (other, x / units, energy / whole))
-    )
+    found = lp.orbits.periodic_orbits(other, lp.Leaf.through(other, x / np.array(units)), energy / whole, n_starts=12)
     assert found.n_families * 4 <= len(found)
     periods, known = ({round(orbit.period, 6) for orbit in each} for each in (found, wanted))
     assert len(periods & known) >= min(2, len(known)), (periods, known)

@@ -125,7 +125,8 @@ def test_a_figure_that_cannot_be_written_is_refused_like_every_file(tmp_path):
 
 def test_bands_and_levels_are_named_in_a_figure_by_default():
     system = lp.catalog.system("heavy-top")
-    starts = lp.Leaf(system, {"C1": 0.3, "C2": 1}).sample(4, seed=1, energy=1.5)
+    start = lp.phase_space.find_start(system, leaf={"C1": 0.3, "C2": 1}, energy=1.5).state
+    starts = lp.integrate(system, start, times=[0, 1, 2, 3]).state[0]  # of one level
     growth = lp.finite_time_exponents(system, starts, t_end=10)
     ax = plot.convergence(growth)
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [

@@ -50,7 +50,7 @@ def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
     for kind, result in shown.items():
         figure = lp.plot.draw(result)
         assert isinstance(figure, Figure), kind
-        figure.savefig(tmp_path / "figure.png")
+        figure.savefig(tmp_path / "figure.png", dpi=50)
         assert (tmp_path / "figure.png").stat().st_size > 4_000, kind
         drawn = [artist for ax in figure.axes for artist in (*ax.lines, *ax.collections, *ax.images)]
         assert drawn, kind

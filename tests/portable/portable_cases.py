@@ -100,7 +100,7 @@ CASES = {
     "the field of a double pendulum": _vector_field,
     "singular vectors, roots, eigenvectors": _factors,
     **{f"leaf of {name}": partial(_on_leaf, name) for name in ("free-rigid-body", "zeitlin-3", "manakov-so4")},
-    **{f"energy of {name}": partial(_on_level, name) for name in ("heavy-top", "clebsch")},
+    **{f"energy of {name}": partial(_on_level, name) for name in ("free-rigid-body", "heavy-top", "clebsch")},
     "energy of a twisted top": lambda: _on_level(lp.Top.twisted_kovalevskaya()),
 }
 

@@ -22,7 +22,8 @@ RECORD = Path(__file__).parent / "portable.json"
 """Hashes of what `portable_cases.py` makes; `python tests/portable/portable_cases.py` prints them."""
 
 
-TWINS = ("leaf of zeitlin-3", "leaf of manakov-so4", "energy of clebsch")
+PROCESSORS = ("native", "avx2", "no-avx")
+TWINS = ("leaf of zeitlin-3", "leaf of manakov-so4", "energy of heavy-top", "energy of clebsch")
 """Cases that do what another one does, on a bracket of another dimension."""
 
 
@@ -30,10 +31,8 @@ TWINS = ("leaf of zeitlin-3", "leaf of manakov-so4", "energy of clebsch")
 @pytest.mark.parametrize(
     ("processor", "without"),
     [
-        ("native", ()),
-        ("avx2", TWINS),
-        ("no-avx", TWINS),
-        *[pytest.param(processor, (), marks=pytest.mark.slow) for processor in ("avx2", "no-avx")],
+        *[(processor, TWINS) for processor in PROCESSORS],
+        *[pytest.param(processor, (), marks=pytest.mark.slow) for processor in PROCESSORS],
     ],
 )
 def test_a_seed_means_the_same_bits_on_every_processor(processor, without):

@@ -139,7 +139,7 @@ def test_the_theorem_is_about_the_level_of_the_certificate(proof):
     assert "dF ^" not in open_text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow  # quick is the search for that of the twisted top, in test_search.py
 def test_a_short_search_finds_a_certificate_of_the_heavy_top():
     leaf, energy = HEAVY_LEVEL
     found = find_certificate(heavy_top(), leaf, energy, n_starts=5)

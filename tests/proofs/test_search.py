@@ -19,8 +19,8 @@ R1 = (1, -1, -1) * 3
 
 
 @pytest.fixture(scope="session")
-def candidate():
-    return find_certificate(TOP, LEVEL, "1/2")
+def candidate(shared_by_workers):
+    return shared_by_workers("candidate", lambda: find_certificate(TOP, LEVEL, "1/2"))
 
 
 def changed(chain, name, center=None, frame=None):
