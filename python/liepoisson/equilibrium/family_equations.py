@@ -41,6 +41,8 @@ SAME = 1e-6
 """Singular values of the equations below this, relative, are zero at a located point, and so are gradients."""
 _MOST_STEPS, _RANK = 20, 1e-11
 """Steps of Newton's method, and singular values, relative, that it does not divide by."""
+_SOLVED = float(np.finfo(float).max)
+"""Places hold to `HOLDS` of the terms where the family is; the terms at a state near zero may all be smaller."""
 _IS_REAL, _EQUAL = 1e-9, 1e-24
 """The square of a difference of squares of eigenvalues is real, or zero by a symmetry, below these, relative."""
 
@@ -119,7 +121,8 @@ class FamilyEquations:
         n = self.n
         state = place.unknowns[:n] / self.units[:n]
         state = np.where(np.abs(state) < np.finfo(float).eps * np.abs(state).max(initial=0.0), 0.0, state)
-        return equilibrium(self.system_at(self.value(place.unknowns)), state * self.units[:n], along=self.kept)
+        system, state = self.system_at(self.value(place.unknowns)), state * self.units[:n]
+        return equilibrium(system, state, along=self.kept, tol=_SOLVED)
 
     def first(self) -> Place:
         """The start, with multipliers of least squares."""

@@ -35,7 +35,6 @@ from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.invariant_manifolds import InvariantManifold, manifold_of
 from liepoisson.orbits.shooting import Flow
-from liepoisson.orbits.symmetric_orbits import LEAST_LEFT
 from liepoisson.orbits.unstable_spaces import (
     Flights,
     Meeting,
@@ -310,7 +309,7 @@ class _Search:
             amplitudes = flights.drawn(n, self.draw)
             if amplitudes.shape[1] == 1 and not flights.space.loop_time:  # of a curve there are two starts
                 amplitudes = np.unique(amplitudes, axis=0)
-            grid, states, early = flights.survey(amplitudes, max(run.deadline.left, LEAST_LEFT))
+            grid, states, early = flights.survey(amplitudes)
             found: list[Crossings] = []
             for _ in self.images[k]:
                 checkpoint("crossings of a surface")
@@ -407,7 +406,7 @@ class _Search:
         parts: list[Array] = []
         for k in range(2):
             flights = Flights(one[:2][k], self.flow, one[2].times[k], self.sizes[k])
-            parts.append(flights.survey(one[2].amplitudes[k][None], TIME_LIMIT)[1][0])
+            parts.append(flights.survey(one[2].amplitudes[k][None])[1][0])
         return np.concatenate([parts[0], parts[1][::-1]])
 
     def _passes(self, path: Array, state: Array) -> bool:

@@ -13,18 +13,18 @@ References: [devogelaere1958]; [lamb1998].
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import TimeLimitError
-from liepoisson.formula.scalars import MOST, TIME_LIMIT
+from liepoisson.formula.scalars import MOST
 from liepoisson.inputs.arrays import Array, check_memory
-from liepoisson.inputs.deadline import checkpoint, seconds_left
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import MAX_STEPS, Method, Taylor
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -39,6 +39,9 @@ _ARRAYS_OF_STATES = 3
 """Arrays of all states that a survey makes: the states, those in units of the level, and their derivatives."""
 
 _UNDER_WAY = "following orbits"
+_FAST = 1000
+"""Steps of a trajectory in a search beyond the number of times, below which none is too fast for them: it needs less
+than one for each, and 270 or so where it goes to infinity."""
 _MOST_STEPS = 20
 _LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
 _MEETS = 1e-4
@@ -119,7 +122,6 @@ class Flow:
                 method=self.method,
                 kernel="lanes",  # one trajectory alone is then the same as among others
                 threads=1,
-                time_limit=seconds_left(TIME_LIMIT),
             )
             checkpoint(_UNDER_WAY)
             places = np.searchsorted(grid, np.abs(times[some]))
@@ -129,17 +131,17 @@ class Flow:
                 moved[some] = np.swapaxes(orbit.tangent[rows, places], 1, 2)
         return states, moved
 
-    def survey(self, starts: Array, t_end: float, n_times: int, time_limit: float) -> tuple[Array, Array]:
+    def survey(self, starts: Array, t_end: float, n_times: int) -> tuple[Array, Array]:
         """Evenly spaced times up to one, and the states of all trajectories there.
 
         Args:
             starts: Shape (n, N).
             t_end: The last time.
             n_times: Number of times after 0.
-            time_limit: Seconds; states that are not computed by then are NaN.
 
         Returns:
-            Times, shape (n_times + 1,), and states, shape (n, n_times + 1, N).
+            Times, shape (n_times + 1,), and states, shape (n, n_times + 1, N); NaN where a trajectory did not get, or
+            not before the deadline of the call.
 
         Raises:
             MemoryLimitError: the states, scaled and with their derivatives, do not fit into memory.
@@ -153,9 +155,12 @@ class Flow:
             method=self.method,
             kernel="lanes",
             threads=self.threads,
-            time_limit=time_limit,
         )
         return grid, orbit.state
+
+    def searching(self, n_times: int) -> Flow:
+        """The same for a search that surveys so many times: trajectories that are too fast for these end."""
+        return replace(self, method=replace(self.method, max_steps=min(n_times + _FAST, MAX_STEPS)))
 
     def matrix(self, start: Array, time: float) -> tuple[Array, Array]:
         """The end of one trajectory and the derivative of the flow along it, shapes (N,) and (N, N)."""
@@ -204,14 +209,12 @@ class Shooting:
     last: DiscreteSymmetry
     flow: Flow
 
-    def near(
-        self, starts: Array, t_end: float, n_times: int, n_wanted: int, time_limit: float = TIME_LIMIT
-    ) -> Segments:
+    def near(self, starts: Array, t_end: float, n_times: int, n_wanted: int) -> Segments:
         """Starts and times at which trajectories come near the last fixed set, the nearest first.
 
         They are local minima in time of the distance; each start gives several.
         """
-        grid, states = self.flow.survey(starts, t_end, n_times, time_limit)
+        grid, states = self.flow.searching(n_times).survey(starts, t_end, n_times)
         mirror = mirror_basis(self.last)
         distance = linear.norm(linear.matmul((states / self.level.units), mirror), axis=-1)
         speed = linear.norm(np.gradient(states / self.level.units, grid, axis=1), axis=-1)
