@@ -288,7 +288,7 @@ def free_parameter(system: System, own: System, name: str, *others: str) -> Free
         others: What else it might be.
 
     Raises:
-        ParameterError: it is none of these, or the systems differ in more than the value of the parameter.
+        ParameterError: it is none of these, or several, or the systems differ in more than the value of the parameter.
     """
     given = flattened(values_of(own))
     choices = (*others, *(key for key, value in given.items() if not getattr(value, "free_symbols", ())))
@@ -298,6 +298,11 @@ def free_parameter(system: System, own: System, name: str, *others: str) -> Free
             'System(bracket, hamiltonian, {"m": 1}), with m in the Hamiltonian'
         )
     check_choice(name, "along", choices, "a function whose value varies, or a parameter of the system")
+    if name in given and name in {"H", *others}:
+        raise ParameterError(
+            f"along: wanted the name of one thing; {name} is a parameter of {own.name!r} and a function. Rename the "
+            "parameter"
+        )
     if name in others:
         return None
     variable = FreeParameter(own, name)
