@@ -266,7 +266,7 @@ def _check_levels(unstable: InvariantManifold, stable: InvariantManifold) -> Non
     near = unstable.space.state + np.diag(one.units)
     for name, function in one.functions.items():
         scale = float(np.abs(function(near) - function(unstable.space.state)).max())
-        if not abs(one.number(name) - other.number(name)) <= _SAME_LEVEL * scale:
+        if not abs(one.constant(name) - other.constant(name)) <= _SAME_LEVEL * scale:
             raise ParameterError(
                 f"target: wanted one with the same {'energy' if name == 'H' else 'leaf'} as the source, {one.text}; "
                 f"got {other.text}"

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -447,11 +446,9 @@ class _Follower:
             problem = problem_at(system, state, momenta=tuple(self.problem.momenta), threads=1)
             return _alone(problem.described(replace(loops, state=loops.state[..., :-1])))
         level = self.held.level
-        if self.name == "H":
-            level = replace(level, values={**level.values, "H": Fraction(float(self.system.functions.energy(start)))})
-        else:
+        if self.name != "H":
             level = level_of(self.system, Leaf.through(self.system, start), float(self.system.functions.energy(start)))
-        closing = replace(self.held, level=replace(level, units=self.units))
+        closing = replace(self.held, level=replace(level.through(start), units=self.units))
         return _alone(replace(self.problem, closing=closing).described(loops))
 
     def _slope(self) -> float:

@@ -217,7 +217,7 @@ def _of_equilibrium(origin: Equilibrium, direction: int, name: str, *, wholly: b
         raise ParameterError(f"{name}: wanted a hyperbolic equilibrium; got one with the spectrum {origin.spectrum}")
     if not origin.leaf.is_regular:
         raise LeafError(f"leaf must be a regular one; got {origin.leaf!r}")
-    level = level_of(origin.system, origin.leaf, origin.energy)
+    level = level_of(origin.system, origin.leaf, origin.energy).through(origin.state)
     units = level.units
     matrix = origin.system.functions.jacobian(origin.state) * units / units[:, None]
     gradients = level.gradients(origin.state)[1:]
