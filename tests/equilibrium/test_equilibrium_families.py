@@ -43,6 +43,16 @@ def test_both_folds_of_a_cubic():
     np.testing.assert_allclose(states**3 - states, family.value, atol=EXACT)
 
 
+@pytest.mark.parametrize("longest", [0.2, 0.05])
+def test_a_fold_where_the_state_is_zero(longest):
+    """All terms of the equations vanish there, m - 2 = q^2, so that round-off is as large as they are."""
+    shifted = lp.System(lp.canonical(1), "p1^2/2 + q1^3/3 - (m - 2)*q1", {"m": 3}, name="shifted")
+    start = equilibrium(shifted, [1, 0])
+    family = follow(shifted, start, along="m", increasing=False, longest_step=longest, max_equilibria=40)
+    assert located(family) == [("fold", 2)]
+    assert family.points[0].equilibrium.linear_stability in {"undecided", "degenerate"}
+
+
 @pytest.mark.thorough
 def test_a_cusp_is_a_branch_where_it_is_symmetric():
     family = follow(CUSP, equilibrium(CUSP, [0, 0]), along="m", increasing=False, until=-1)

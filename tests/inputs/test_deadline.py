@@ -78,6 +78,23 @@ def test_a_part_sees_the_deadline_of_the_call_and_of_a_call_around_it():
     assert not has_passed()
 
 
+FAST = lp.System(lp.canonical(1), "1e7*(p1^2 + q1^2)/2")
+RUNS = {
+    "integrate": lambda: lp.integrate(FAST, [1, 0], t_end=1e9, method=lp.Taylor(max_steps=10**12)),
+    "section": lambda: lp.section(FAST, [1, 0], surface="q1", t_end=1e9, n_crossings=10**9),
+    "exponent": lambda: lp.chaos.finite_time_exponents(FAST, [1, 0], t_end=1e9),
+    "return map": lambda: lp.sections.return_map(FAST, "q1 - 2", t_end=1e9)([1, 0]),
+}
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_inside_a_call_ends_at_the_deadline_of_the_call(name):
+    began = time.monotonic()
+    with Deadline(0.2).running(), suppress(TimeLimitError):
+        RUNS[name]()
+    assert time.monotonic() - began < 10
+
+
 def test_work_that_is_counted_ends_at_the_deadline_too():
     budget = Limits().budget()
     with Deadline(1e-9).running(), pytest.raises(NotDecidedError, match="the time limit was reached: a step"):

@@ -383,3 +383,17 @@ def test_a_search_needs_the_values_of_momenta():
     top = lp.catalog.system("lagrange")
     with pytest.raises(lp.errors.ParameterError, match=r"write for example momenta=\{'l3': 1.5\}"):
         lp.orbits.periodic_orbits(top, {"C1": 1, "C2": 1}, 2, momenta=["l3"], n_starts=4)
+
+
+def test_orbits_that_turn_faster_and_faster_do_not_take_the_time_of_a_search():
+    """Most orbits of this cubic and quartic potential escape, with |x| up to 1e13 and as many turns."""
+    winding = lp.System(
+        lp.canonical(2), "p1*q2 + p2^2/2 + q2^2/4 - q1^2/2 + q1^4/4 + q2^3/5 + q1*q2*p2^2/20", name="winding"
+    )
+    found = lp.orbits.periodic_orbits(winding, {}, "1/10", n_starts=60, time_limit=60)
+    assert not found.is_cut_short
+    assert [round(one.period, 6) for one in found[:2]] == [5.293076, 6.813525]
+    origin = lp.phase_space.equilibrium(winding, [0, 0, 0, 0])
+    connections = lp.orbits.connecting_orbits(origin, n_starts=60, time_limit=60)
+    assert not connections.is_cut_short
+    assert len(connections) >= 4

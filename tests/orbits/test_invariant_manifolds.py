@@ -138,3 +138,30 @@ def test_a_sphere_of_directions():
     assert (manifold.dimension, manifold.n_directions) == (3, 3)
     assert not np.array_equal(manifold.starts(4), manifold.starts(4, seed=1))
     assert manifold.space.level.distance(manifold.starts(50)).max() < 1e-13
+
+
+def heavy_top(still=""):
+    return lp.System(
+        lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/3 + l3^2 + alpha3 + alpha1/4" + still, name="heavy top"
+    )
+
+
+STILL = "+ 1000000000/3 + 3*dot(l, alpha)^2 + 1e5*dot(alpha, alpha)"
+
+
+def test_what_does_not_move_changes_no_manifold_of_an_equilibrium():
+    """The energy of the equilibrium, as a double, has lost seven digits."""
+    ordinary = lp.equilibria(heavy_top(), {"C1": "3/10", "C2": 1})[-1]
+    one, other = (invariant_manifold(equilibrium(heavy_top(still), ordinary.state)) for still in ("", STILL))
+    assert other.error == pytest.approx(one.error, rel=1e-2)
+    np.testing.assert_allclose(other.starts(8), one.starts(8), atol=1e-14)
+
+
+@pytest.mark.parametrize("along", ["energy", "C1"])
+def test_what_does_not_move_changes_no_level_of_a_family(along):
+    """Each orbit of a family is on its level to the round-off of what moves, and so are manifolds of it."""
+    start = lp.orbits.periodic_orbit(heavy_top(), [-1.178, -0.27, -0.411, -0.527, 0.814, 0.244], period=3.63)
+    still = lp.orbits.periodic_orbit(heavy_top(STILL), start.start, period=start.period)
+    family = lp.orbits.orbit_family(heavy_top(STILL), still, along=along, max_orbits=4)
+    for one in family:
+        assert np.abs(one.level.deviations(one.start)).max() < 1e-14

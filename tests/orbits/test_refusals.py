@@ -47,6 +47,13 @@ def broken():
     return replace(one, start=3 + one.start, time=1e-2)
 
 
+def family_along_its_parameter(name):
+    """Of a pendulum whose parameter has the name of a function."""
+    pendulum = lp.System(lp.canonical(1), f"p1^2/2 - {name}*cos(q1)", {name: 1})
+    swing = lp.orbits.periodic_orbit(pendulum, [1, 0], period=7)
+    return lp.orbits.orbit_family(pendulum, swing, along=name, until=3)
+
+
 REFUSED = [
     (partial(symmetric_periodic_orbits, TOP, LEVEL, -100, n_starts=20), LeafError, "none of"),
     (partial(symmetric_periodic_orbits, TOP, LOWER, 0), LeafError, "regular"),
@@ -80,6 +87,8 @@ REFUSED = [
     (partial(level_of, TOP, LEVEL, np.inf), ParameterError, "."),
     (partial(PreciseFlow, PENDULUM, 20), ParameterError, "polynomials"),
     (lambda: solved(arb_mat(2, 2, [1, 1, 1, 1]), arb_mat(2, 1, [1, 2])), OrbitError, "regular"),
+    (lambda: invariant_manifold(saddle(), amplitude=1e300), OrbitError, "take a smaller one"),
+    *((partial(family_along_its_parameter, name), ParameterError, "Rename the parameter") for name in ("H", "energy")),
 ]
 
 

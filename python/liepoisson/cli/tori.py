@@ -11,8 +11,7 @@ from liepoisson.cli.output import TABLE_ENDINGS, data_file, figure_stem, name_of
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
 from liepoisson.cli.starts import find_start, read_numeric_system
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import as_double
-from liepoisson.formula.scalars import TIME_LIMIT
+from liepoisson.formula.scalars import TIME_LIMIT, as_double
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

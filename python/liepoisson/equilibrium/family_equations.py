@@ -40,6 +40,8 @@ SAME = 1e-6
 """Singular values of the equations below this, relative, are zero at a located point, and so are gradients."""
 _MOST_STEPS, _RANK = 20, 1e-11
 """Steps of Newton's method, and singular values, relative, that it does not divide by."""
+_SOLVED = float(np.finfo(float).max)
+"""Places hold to `HOLDS` of the terms where the family is; the terms at a state near zero may all be smaller."""
 _IS_REAL, _EQUAL = 1e-9, 1e-24
 """The square of a difference of squares of eigenvalues is real, or zero by a symmetry, below these, relative."""
 
@@ -118,7 +120,8 @@ class FamilyEquations(Curve[Place]):
         n = self.n
         state = place.unknowns[:n] / self.units[:n]
         state = np.where(np.abs(state) < np.finfo(float).eps * np.abs(state).max(initial=0.0), 0.0, state)
-        return equilibrium(self.system_at(self.value(place)), state * self.units[:n], along=self.kept)
+        system, state = self.system_at(self.value(place)), state * self.units[:n]
+        return equilibrium(system, state, along=self.kept, tol=_SOLVED)
 
     def first(self) -> Place:
         """The start, with multipliers of least squares."""
@@ -288,7 +291,7 @@ def free_parameter(system: System, own: System, name: str, *others: str) -> Free
         others: What else it might be.
 
     Raises:
-        ParameterError: it is none of these, or the systems differ in more than the value of the parameter.
+        ParameterError: it is none of these, or several, or the systems differ in more than the value of the parameter.
     """
     given = flattened(values_of(own))
     choices = (*others, *(key for key, value in given.items() if not getattr(value, "free_symbols", ())))
@@ -298,6 +301,11 @@ def free_parameter(system: System, own: System, name: str, *others: str) -> Free
             'System(bracket, hamiltonian, {"m": 1}), with m in the Hamiltonian'
         )
     check_choice(name, "along", choices, "a function whose value varies, or a parameter of the system")
+    if name in given and name in {"H", *others}:
+        raise ParameterError(
+            f"along: wanted the name of one thing; {name} is a parameter of {own.name!r} and a function. Rename the "
+            "parameter"
+        )
     if name in others:
         return None
     variable = FreeParameter(own, name)

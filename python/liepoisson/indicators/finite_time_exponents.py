@@ -134,7 +134,7 @@ def finite_time_exponents(
         vectors.ravel(),
         np.concatenate([[0.0], at]),
         options.threads,
-        options.time_limit,
+        options.left,
         progress,
     )
     return FiniteTimeExponents(
@@ -182,7 +182,7 @@ def exponents_of_many(
         tangents.ravel(),
         np.array([0.0, t_end]),
         options.threads,
-        options.time_limit,
+        options.left,
         options.progress,
     )
     return raw["exponent"], outcome_names(raw["outcome"])

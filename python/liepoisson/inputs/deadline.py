@@ -22,7 +22,7 @@ SEARCH_LIMIT, FAMILY_LIMIT = 60.0, 600.0
 CUT_SHORT = "; the time limit ended the search"
 """What the text of a result ends with, whose search was ended so."""
 
-_LEAST = 1e-9
+LEAST = 1e-9
 """Seconds of a part whose time is over; it must have some."""
 
 _current: ContextVar[Deadline | None] = ContextVar("deadline of the call", default=None)
@@ -68,7 +68,7 @@ def has_passed() -> bool:
 def seconds_left(most: float) -> float:
     """Seconds until the deadline of the call, a positive number of at most `most`: what one of its parts may take."""
     deadline = _current.get()
-    return most if deadline is None else min(most, max(deadline.left, _LEAST))
+    return most if deadline is None else min(most, max(deadline.left, LEAST))
 
 
 def blocks(n: int) -> Generator[int]:

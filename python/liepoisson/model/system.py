@@ -53,7 +53,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 @lru_cache(maxsize=1024)
 def _symbols_in(expressions: tuple[Expr, ...]) -> frozenset[Symbol]:
     """The symbols of expressions, which are looked through once."""
-    return frozenset().union(*(expression.free_symbols for expression in expressions))
+    return frozenset(cast("Symbol", symbol) for expression in expressions for symbol in expression.free_symbols)
 
 
 def _check_source(source: object) -> str:

@@ -237,7 +237,7 @@ def integrate(
         vectors.shape[1],
         times,
         options.threads,
-        options.time_limit,
+        options.left,
         dense,
         alone if kernel is None else kernel == "components",
         progress,

@@ -14,7 +14,7 @@ from typing import Any, Self, TypeAlias
 from liepoisson.compile.field import Field
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_threads, as_time_limit
 from liepoisson.inputs.arrays import Array
-from liepoisson.inputs.deadline import Deadline
+from liepoisson.inputs.deadline import LEAST, Deadline, seconds_left
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.systems import HasField, as_field, component_names
 
@@ -77,8 +77,8 @@ class RunOptions:
 
     @property
     def left(self) -> float:
-        """Seconds until the deadline; a little where none are left, as a run must have some."""
-        return max(self.deadline.left, 1e-9)
+        """Seconds until the deadline, or that of a call around it; a little where none are left, for a run needs it."""
+        return seconds_left(max(self.deadline.left, LEAST))
 
     @property
     def is_late(self) -> bool:

@@ -35,7 +35,6 @@ from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.invariant_manifolds import InvariantManifold, manifold_of
 from liepoisson.orbits.saved_orbits import SavedOrbits, SearchedOrbits
 from liepoisson.orbits.shooting import Flow
-from liepoisson.orbits.symmetric_orbits import LEAST_LEFT
 from liepoisson.orbits.unstable_spaces import (
     Flights,
     Meeting,
@@ -278,7 +277,7 @@ def _check_levels(unstable: InvariantManifold, stable: InvariantManifold) -> Non
     near = unstable.space.state + np.diag(one.units)
     for name, function in one.functions.items():
         scale = float(np.abs(function(near) - function(unstable.space.state)).max())
-        if not abs(one.number(name) - other.number(name)) <= _SAME_LEVEL * scale:
+        if not abs(one.constant(name) - other.constant(name)) <= _SAME_LEVEL * scale:
             raise ParameterError(
                 f"target: wanted one with the same {'energy' if name == 'H' else 'leaf'} as the source, {one.text}; "
                 f"got {other.text}"
@@ -321,7 +320,7 @@ class _Search:
             amplitudes = flights.drawn(n, self.draw)
             if amplitudes.shape[1] == 1 and not flights.space.loop_time:  # of a curve there are two starts
                 amplitudes = np.unique(amplitudes, axis=0)
-            grid, states, early = flights.survey(amplitudes, max(run.deadline.left, LEAST_LEFT))
+            grid, states, early = flights.survey(amplitudes)
             found: list[Crossings] = []
             for _ in self.images[k]:
                 checkpoint("crossings of a surface")
@@ -418,7 +417,7 @@ class _Search:
         parts: list[Array] = []
         for k in range(2):
             flights = Flights(one[:2][k], self.flow, one[2].times[k], self.sizes[k])
-            parts.append(flights.survey(one[2].amplitudes[k][None], TIME_LIMIT)[1][0])
+            parts.append(flights.survey(one[2].amplitudes[k][None])[1][0])
         return np.concatenate([parts[0], parts[1][::-1]])
 
     def _passes(self, path: Array, state: Array) -> bool:

@@ -15,7 +15,6 @@ References: [munozalmaraz2003]; [howard1987], the multipliers.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -208,12 +207,10 @@ class LoopCurve(Curve[FamilyLoop]):
             problem = problem_at(system, start, momenta=tuple(self.problem.momenta), threads=1)
             loops = replace(loops, state=loops.state[..., :-1])
         else:
-            level, energy = self.held.level, float(system.functions.energy(start))
-            if self.name == "H":
-                level = replace(level, values={**level.values, "H": Fraction(energy)})
-            else:
-                level = level_of(system, Leaf.through(system, start), energy)
-            problem = replace(self.problem, closing=replace(self.held, level=level))
+            level = self.held.level
+            if self.name != "H":
+                level = level_of(system, Leaf.through(system, start), float(system.functions.energy(start)))
+            problem = replace(self.problem, closing=replace(self.held, level=level.through(start)))
         return problem.in_units(self.units[: len(start)]).described(loops)
 
 

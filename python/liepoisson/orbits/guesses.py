@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
@@ -15,7 +15,7 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitEr
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import blocks, checkpoint, has_passed, seconds_left
+from liepoisson.inputs.deadline import blocks, checkpoint, has_passed
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import as_system
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
@@ -28,7 +28,7 @@ from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit, orbit_columns
 from liepoisson.orbits.saved_orbits import SearchedOrbits
 from liepoisson.orbits.shooting import Flow, n_times_of
-from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, natural_time, searched
+from liepoisson.orbits.symmetric_orbits import natural_time, searched
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 
@@ -113,7 +113,7 @@ def periodic_orbit(
     with run.deadline.running():
         states, times, angles = _guesses(system, guess, period)
         flow = Flow(system, run.threads)
-        _, along = flow.survey(states, float(times.max()), _SIZES, seconds_left(TIME_LIMIT))
+        _, along = flow.survey(states, float(times.max()), _SIZES)
         problem = problem_at(
             system, states[0], leaf=leaf, energy=energy, holds_period=holds_period, momenta=momenta,
             symmetry=symmetry, threads=run.threads, along=along.reshape(-1, states.shape[1]),
@@ -254,7 +254,7 @@ def _most_parts(problem: Problem, loops: Loops) -> int:
     References: [fenchel1929].
     """
     system, m, T = problem.system, loops.state.shape[1], float(loops.time[0])
-    _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-_SIZES // m), seconds_left(TIME_LIMIT))
+    _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-_SIZES // m))
     states = between[:, :-1].reshape(-1, between.shape[2])
     rates = system.vector_field(states)
     turning = linear.einsum("nij,nj->ni", system.functions.jacobian(states), rates)
@@ -379,7 +379,7 @@ def periodic_orbits(
                 )
             meets = True
             try:
-                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, run, found=found):
+                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, found=found):
                     if not one.is_isolated:
                         n_families += 1
                     elif not any(_is_same(one, other) for other in found):
@@ -402,7 +402,6 @@ def _orbits_from(
     starts: Array,
     times: tuple[float, float],
     n_wanted: int,
-    run: RunOptions,
     *,
     found: Sequence[PeriodicOrbit],
 ) -> Iterator[PeriodicOrbit]:
@@ -411,9 +410,11 @@ def _orbits_from(
     Raises:
         TimeLimitError: the deadline of the call has passed.
     """
-    level, (longest, unit) = problem.closing.level, times
+    longest, unit = times
     n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
-    grid, states = Flow(level.system, run.threads).survey(starts, longest, n_times, max(run.left, LEAST_LEFT))
+    flow = problem.closing.flow.searching(n_times)
+    problem = replace(problem, closing=replace(problem.closing, flow=flow))
+    grid, states = flow.survey(starts, longest, n_times)
     checkpoint("following orbits")
     gaps = problem.gaps(starts, states)
     inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])

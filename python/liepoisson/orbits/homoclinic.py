@@ -24,7 +24,7 @@ from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.shooting import Flow, mirror_basis
-from liepoisson.orbits.symmetric_orbits import LEAST_LEFT, group_of_level, reversers_of
+from liepoisson.orbits.symmetric_orbits import group_of_level, reversers_of
 from liepoisson.orbits.unstable_spaces import (
     AMPLITUDE,
     Flights,
@@ -122,8 +122,7 @@ def symmetric_homoclinic_orbits(
     n_done = 0
     with run.deadline.running():
         for n in blocks(n_starts):
-            amplitudes, left = flights.drawn(n, draw), max(run.deadline.left, LEAST_LEFT)
-            guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n, left)
+            guesses = search.near(flights.drawn(n, draw), chosen, _GUESSES_PER_START * n)
             for k, one in enumerate(chosen):
                 run.tell((0.9 * n_done + n * (0.2 + 0.7 * k / len(chosen))) / n_starts)
                 solved += [(one, *found) for found in search.solved(one, *guesses[k])]
@@ -145,10 +144,10 @@ class _Search:
         self.flights, self.units = flights, flights.space.level.units
 
     def near(
-        self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int, time_limit: float
+        self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int
     ) -> list[tuple[Array, Array]]:
         """Amplitudes and times at which flights come near the fixed set of each reverser."""
-        grid, states, early = self.flights.survey(amplitudes, time_limit)
+        grid, states, early = self.flights.survey(amplitudes)
         state = states / self.units
         speed = linear.norm(np.gradient(state, grid, axis=1), axis=-1)
         found: list[tuple[Array, Array]] = []

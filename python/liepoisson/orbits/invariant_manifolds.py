@@ -223,7 +223,7 @@ def invariant_manifold(
     check_choice(kind, "kind", tuple(KINDS), "the stable manifold is the unstable one of the flow run backwards")
     run = RunOptions.read(None, 1, time_limit)
     given = None if amplitude is None else as_positive(amplitude, "amplitude", "a positive number", example=1e-4)
-    with run.deadline.running():
+    with run.deadline.running(), np.errstate(all="ignore"):
         return manifold_of(base, kind, given)
 
 

@@ -13,7 +13,7 @@ References: [devogelaere1958]; [lamb1998].
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,7 @@ from liepoisson.formula.scalars import MOST, TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_memory
 from liepoisson.inputs.deadline import checkpoint, seconds_left
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, field_for
+from liepoisson.numeric.methods import MAX_STEPS, Method, Taylor, field_for
 from liepoisson.numeric.systems import as_field, core_field, without_value
 from liepoisson.portable import linear
 
@@ -45,6 +45,9 @@ _MOST_KNOWN = 4096
 """Ends that are kept: those of Newton's steps of some loops together."""
 
 _UNDER_WAY = "following orbits"
+_FAST = 1000
+"""Steps of a trajectory in a search beyond the number of times, below which none is too fast for them: it needs less
+than one for each, and 270 or so where it goes to infinity."""
 _MOST_STEPS = 20
 _LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
 _MEETS = 1e-4
@@ -168,17 +171,17 @@ class Flow:
         """The field and the method as the core takes them."""
         return core_field(field_for(self.system, as_field(self.system), self.method)), self.method.core()
 
-    def survey(self, starts: Array, t_end: float, n_times: int, time_limit: float) -> tuple[Array, Array]:
+    def survey(self, starts: Array, t_end: float, n_times: int) -> tuple[Array, Array]:
         """Evenly spaced times up to one, and the states of all trajectories there.
 
         Args:
             starts: Shape (n, N).
             t_end: The last time.
             n_times: Number of times after 0.
-            time_limit: Seconds; states that are not computed by then are NaN.
 
         Returns:
-            Times, shape (n_times + 1,), and states, shape (n, n_times + 1, N).
+            Times, shape (n_times + 1,), and states, shape (n, n_times + 1, N); NaN where a trajectory did not get, or
+            not before the deadline of the call.
 
         Raises:
             MemoryLimitError: the states, scaled and with their derivatives, do not fit into memory.
@@ -192,9 +195,12 @@ class Flow:
             method=self.method,
             kernel="lanes",
             threads=self.threads,
-            time_limit=time_limit,
         )
         return grid, orbit.state
+
+    def searching(self, n_times: int) -> Flow:
+        """The same for a search that surveys so many times: trajectories that are too fast for these end."""
+        return replace(self, method=replace(self.method, max_steps=min(n_times + _FAST, MAX_STEPS)))
 
     def matrix(self, start: Array, time: float) -> tuple[Array, Array]:
         """The end of one trajectory and the derivative of the flow along it, shapes (N,) and (N, N)."""
@@ -243,14 +249,12 @@ class Shooting:
     last: DiscreteSymmetry
     flow: Flow
 
-    def near(
-        self, starts: Array, t_end: float, n_times: int, n_wanted: int, time_limit: float = TIME_LIMIT
-    ) -> Segments:
+    def near(self, starts: Array, t_end: float, n_times: int, n_wanted: int) -> Segments:
         """Starts and times at which trajectories come near the last fixed set, the nearest first.
 
         They are local minima in time of the distance; each start gives several.
         """
-        grid, states = self.flow.survey(starts, t_end, n_times, time_limit)
+        grid, states = self.flow.searching(n_times).survey(starts, t_end, n_times)
         mirror = mirror_basis(self.last)
         distance = linear.norm(linear.matmul((states / self.level.units), mirror), axis=-1)
         speed = linear.norm(np.gradient(states / self.level.units, grid, axis=1), axis=-1)

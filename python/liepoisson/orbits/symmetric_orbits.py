@@ -24,7 +24,6 @@ from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.starts import find_start
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
-from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.time_scale import natural_duration
 from liepoisson.orbits.level import Level, level_of
@@ -45,9 +44,6 @@ _SHORTEST = 0.1
 """A segment is at least so many natural times long: near an equilibrium none is shorter than a quarter of a turn."""
 
 _GUESSES_PER_START = 2
-LEAST_LEFT = 1e-9
-"""Seconds of a run whose time is over; a run must have some."""
-
 _UNITS, _N_UNITS, _ROUNDS = 2**20, 32, 4
 """The stream of the states that give the unit of time, their number, and how often it is made shorter."""
 
@@ -143,8 +139,7 @@ def symmetric_periodic_orbits(
                 run.tell(0.9 * (n_done - n + n * k / len(pairs)) / n_starts)
                 if len(starts[i]):
                     shooting = Shooting(level, chosen[i], chosen[j], flow)
-                    left = max(run.deadline.left, LEAST_LEFT)
-                    guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n, left)
+                    guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n)
                     solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
                     isolated = solved.of(solved.regularity > _SINGULAR)
                     n_families += len(solved) - len(isolated)
@@ -229,8 +224,7 @@ def natural_time(level: Level, seed: int) -> float:
     for _ in range(_ROUNDS):
         if not np.isfinite(unit):
             return 1.0
-        times = np.linspace(0.0, _N_UNITS * unit, _N_UNITS + 1)
-        path = integrate(system, starts, times=times, kernel="lanes", threads=1).state
+        _, path = Flow(system, 1).searching(_N_UNITS).survey(starts, _N_UNITS * unit, _N_UNITS)
         before, unit = unit, _median_time(system, path[are_finite(path)])
         if unit > before / 2:
             break

@@ -217,7 +217,7 @@ def _of_equilibrium(origin: Equilibrium, direction: int, name: str, *, wholly: b
         raise ParameterError(f"{name}: wanted a hyperbolic equilibrium; got one with the spectrum {origin.spectrum}")
     if not origin.leaf.is_regular:
         raise LeafError(f"leaf must be a regular one; got {origin.leaf!r}")
-    level = level_of(origin.system, origin.leaf, origin.energy)
+    level = level_of(origin.system, origin.leaf, origin.energy).through(origin.state)
     units = level.units
     matrix = origin.system.functions.jacobian(origin.state) * units / units[:, None]
     gradients = level.gradients(origin.state)[1:]
@@ -270,10 +270,11 @@ class Flights:
     """
 
     def __init__(self, space: UnstableSpace, flow: Flow, longest: float, size: float = AMPLITUDE) -> None:
-        self.space, self.flow, self.longest, self.size = space, flow, longest, size
+        self.space, self.longest, self.size, self.fastest = space, longest, size, space.fastest
+        self.n_times = n_times_of(_TIMES_PER_RATE * longest * space.fastest, 1.0)
+        self.flow = flow.searching(self.n_times)
         # at an equilibrium the flow covers all amplitudes
         self.factor = float(np.abs(linear.eigvals(space.matrix)).max()) if space.loop_time else 1.0
-        self.fastest = space.fastest
 
     def drawn(self, n: int, draw: Random) -> Array:
         """Random amplitudes of the size that is searched, up to what one loop makes of it, shape (n, k)."""
@@ -282,11 +283,10 @@ class Flights:
         direction /= linear.norm(direction, axis=1, keepdims=True)
         return self.size * direction * elementary.power(self.factor, draw.random((n, 1)))
 
-    def survey(self, amplitudes: Array, time_limit: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def survey(self, amplitudes: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Times, states of the orbits then, and which times are so early that they are near where they began."""
         starts, _ = self.space.states(amplitudes)
-        n_times = n_times_of(_TIMES_PER_RATE * self.longest * self.fastest, 1.0)
-        grid, states = self.flow.survey(starts, self.space.direction * self.longest, n_times, time_limit)
+        grid, states = self.flow.survey(starts, self.space.direction * self.longest, self.n_times)
         return grid, states, np.abs(grid) < 0.5 * elementary.log(1 / self.size) / self.fastest
 
     def ends(self, a: Array, T: Array) -> tuple[Array, Array, NDArray[np.bool_]]:

@@ -67,8 +67,10 @@ def diagram(
         ParameterError: it is no diagram, or an option is meant for the other kind.
     """
     from liepoisson.tori.diagrams import Diagram
-    from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
 
+    given: object = found
+    if not hasattr(given, "leaf") or not hasattr(given, "momentum") or not hasattr(given, "columns"):
+        raise not_a("what lp.tori.diagram or lagrange_diagram returns", given, "found", "call it first")
     with house_style():
         if isinstance(found, Diagram):
             if l3 is not None:

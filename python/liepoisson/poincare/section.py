@@ -434,7 +434,7 @@ def section(
             wanted,
             sides.tolist() if sides.any() else [],
             options.threads,
-            options.time_limit,
+            options.left,
             progress,
         )
     width, members = len(coordinates), np.arange(len(states))

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import OrbitError, ShapeError
-from liepoisson.formula.numbers import as_array
+from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.portable import elementary, linear

@@ -22,8 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.compile.field import Field
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.formula.numbers import as_array
-from liepoisson.formula.scalars import TIME_LIMIT, as_positive
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_positive
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import checkpoint, seconds_left
