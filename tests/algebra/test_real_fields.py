@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from sympy import legendre_symbol, primefactors
 
-from liepoisson.algebra.quadratic_forms import three_equal_squares, zero_vector
+from liepoisson.algebra.quadratic_forms import hyperbolic_triple, three_equal_squares, zero_vector
 from liepoisson.algebra.real_fields import RealRationals, Surd, real_field
 from liepoisson.errors import ParameterError
 
@@ -54,6 +54,7 @@ def test_the_field_is_no_larger_than_the_entries(values, name):
     [
         (12 * epsilon**3 / 5, 15 * epsilon, None),
         (epsilon**2, 1, 1),
+        (epsilon**5, epsilon, None),
         (-(epsilon**2) - 1, None, -1),
         (3 + 2 * sp.sqrt(2), 1, 1),  # (1 + sqrt 2)^2
         (sp.sqrt(2) - sp.Rational(3, 2), None, -1),
@@ -120,6 +121,18 @@ def test_a_zero_is_found_exactly_when_there_is_one_modulo_all_primes(a, b, c):
     if vector is not None:
         assert any(vector)
         assert value(form, vector, vector) == 0
+
+
+@pytest.mark.parametrize("entry", [sp.Integer(3), 1 + sp.sqrt(2), epsilon])
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (1, 2, 0)])
+def test_a_basis_vector_of_length_zero_needs_no_root(entry, order):
+    field = real_field([entry])
+    rows = [[0, 1, 0], [1, entry, 1], [0, 1, 1]]
+    form = [[field.read(sp.sympify(rows[i][j])) for j in order] for i in order]
+    triple = hyperbolic_triple(field, form)
+    x, y, z = ([c.field_value() if c else field.zero for c in vector] for vector in triple)
+    assert value(form, x, y) == value(form, z, z) != 0
+    assert not any(value(form, u, v) for u, v in ((x, x), (y, y), (x, z), (y, z)))
 
 
 @settings(max_examples=12, deadline=None)

@@ -49,6 +49,12 @@ def test_the_page_begins_with_the_surface_of_the_section_command():
     assert not set(record["axes"]) & {record["surface"]}
 
 
+def test_the_unit_of_time_is_twice_that_of_the_orbit():
+    for power in (0, 2, 4):
+        oscillator = lp.System(lp.canonical(1), f"(q1^2 + p1^2)/(2*10^{power})")
+        assert carried(page_of(oscillator, start=[1, 0]))["unit"] == 2 * 10**power
+
+
 def test_surfaces_that_are_given_come_first_and_components_have_their_own_numbers():
     record = carried(page_of(KIRCHHOFF, start=START, surfaces=["m1", "dot(m, m) - 1/2", "p2"]))
     assert (record["surface"], record["surfaces"]["names"]) == (0, ["dot(m, m) - 1/2"])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
@@ -62,6 +63,14 @@ def test_rod_is_drawn_with_equal_scales_a_stripe_and_its_field(rod):
     assert [axis.get_label_text() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)] == ["$x$", "$y$", "$z$"]
     start = np.array(ax.lines[0].get_data_3d()).ravel()
     np.testing.assert_array_equal(start, [0, 0, 0])
+
+
+def test_axes_are_square_and_in_the_middle_of_a_narrow_figure(rod):
+    ax = draw_rod(rod, profiles=False, figure=Figure(figsize=(2, 6))).axes[0]
+    left, bottom, width, height = ax.get_position(original=True).bounds
+    assert 2 * width == pytest.approx(6 * height, rel=1e-12)
+    assert left + width / 2 == pytest.approx(0.5, rel=1e-12)
+    assert bottom + height / 2 == pytest.approx(0.525, rel=1e-12), "a little above the middle"
 
 
 def test_what_can_not_be_drawn_is_refused(rod):

@@ -9,6 +9,7 @@ import liepoisson as lp
 from liepoisson.errors import EnclosureError, ParameterError
 from liepoisson.proofs.balls.field import BallField, working
 from liepoisson.proofs.balls.flow import Parallelepiped, advance, flow
+from liepoisson.proofs.balls.lohner import Carried
 from liepoisson.proofs.polynomial_field import polynomial_field
 
 GAMMA = (
@@ -47,6 +48,13 @@ def test_random_points_of_a_set_arrive_inside_of_the_enclosure(field):
         start = [arb(c + radius * rng.choice((-1, 1, rng.uniform(-1, 1)))) for c in GAMMA]
         end = precise(field, start, time, 20)
         assert all(b.contains(e.mid()) for b, e in zip(box, end, strict=True))
+
+
+def test_a_box_contains_the_states_of_one_sided_ranges():
+    with working():
+        box = Carried.of([arb(1), arb(2)], arb_mat([[1, 0], [1, 1]]), [arb(0.5, 0.5), arb(-0.25, 0.25)]).box()
+    for s, t in ((0, 0), (0, -0.5), (1, 0), (1, -0.5)):
+        assert all(b.contains(arb(x)) for b, x in zip(box, (1 + s, 2 + s + t), strict=True)), (s, t)
 
 
 def test_the_derivative_contains_difference_quotients(field):
