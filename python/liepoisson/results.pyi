@@ -74,6 +74,7 @@ from liepoisson.tori.carried_lattices import Monodromy as Monodromy
 from liepoisson.tori.critical_search import CriticalStates as CriticalStates
 from liepoisson.tori.diagrams import CriticalFamily as CriticalFamily
 from liepoisson.tori.diagrams import Diagram as Diagram
+from liepoisson.tori.fibre_regions import Region as Region
 from liepoisson.tori.fibres import Fibre as Fibre
 from liepoisson.tori.frequencies import FrequencyDrift as FrequencyDrift
 from liepoisson.tori.lagrange_diagrams import CriticalCurve as CriticalCurve

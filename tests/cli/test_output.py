@@ -22,6 +22,8 @@ WRITERS = {
     ("continue", "--out"): ("a.csv", ("--period", "6")),
     ("continue", "--figure"): ("a.png", ("--period", "6")),
     ("melnikov", "--out"): ("a.csv", ("l1", "--start", "l1=1", "--origin", "l1=1", "--integral", "l3")),
+    ("diagram", "--out"): ("a.csv", ()),
+    ("diagram", "--figure"): ("a.png", ()),
     ("sweep", "--out"): ("a.csv", ()),
     ("sweep", "--figure"): ("a.png", ()),
     ("integrable", "--save"): ("a.json", ()),

@@ -27,6 +27,10 @@ def lists_of_all_kinds():
         "integral scan": lambda: lp.integrability.scan_integrals(family, axes={"J": ["1/2", 2]}, degree=4),
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
+        "diagram": lambda: lp.tori.diagram(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})),
+        "diagram of the twisted Lagrange top": lambda: lp.tori.lagrange_diagram(
+            lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
+        ),
         "critical states": lambda: lp.tori.critical_states(
             lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=10
         ),
