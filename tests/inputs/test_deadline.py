@@ -115,6 +115,7 @@ HENON_HEILES, DUFFING = lp.catalog.system("henon-heiles"), lp.System(lp.canonica
 PRECESSIONS = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="spherical")
 LINE = lp.System(lp.canonical(1), "cosh(p1) + sin(q1)*exp(-q1^2)", name="no polynomial")
 ON_A_SPHERE = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+DIAGRAM = lp.tori.diagram(ON_A_SPHERE, energy_max=2, n_starts=40)
 SEARCHES = {
     "periodic orbits": lambda **limit: lp.orbits.symmetric_periodic_orbits(
         HENON_HEILES, {}, energy="1/10", n_starts=20, **limit
@@ -242,9 +243,7 @@ COUNTED = {
     ),
     "tori.critical_states": lambda **limit: lp.tori.critical_states(ON_A_SPHERE, n_starts=MANY, **limit),
     "tori.diagram": lambda **limit: lp.tori.diagram(ON_A_SPHERE, n_starts=MANY, **limit),
-    "tori.regions": lambda **limit: lp.tori.regions(
-        lp.tori.diagram(ON_A_SPHERE, energy_max=2), n_states=MANY, **limit
-    ),
+    "tori.regions": lambda **limit: lp.tori.regions(DIAGRAM, n_states=MANY, **limit),
     "tori.fibre": lambda **limit: lp.tori.fibre(ON_A_SPHERE, [0.5, 0.2], n_states=MANY, **limit),
     "sections.section": lambda **limit: lp.section(TWISTED, STARTS, surface="l3", n_crossings=MANY, **LONG, **limit),
 }

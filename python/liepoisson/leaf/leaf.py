@@ -113,21 +113,6 @@ class Leaf:
         leaf._set(system, place, values, x)
         return leaf
 
-    def with_values(self, casimirs: Mapping[str, float]) -> Leaf:
-        """The same leaf with values of the Casimirs as they were given, which its state has but for round-off.
-
-        Args:
-            casimirs: The values under the names of `casimirs`.
-
-        Raises:
-            ParameterError: a name is missing or unknown.
-        """
-        if casimirs.keys() != self.place.casimirs.keys():
-            raise ParameterError(f"casimirs: wanted {', '.join(self.place.casimirs)}; got {', '.join(casimirs)}")
-        leaf = type(self).__new__(type(self))
-        leaf._set(self.system, self.place, np.array([casimirs[name] for name in self.place.casimirs]), self.state)
-        return leaf
-
     def _set(self, system: System, place: Place, values: Array, state: Array) -> None:
         self.system: System = system
         self.place: Place = place
@@ -485,3 +470,20 @@ def are_on(leaf: Leaf, states: Array, energy: float | None = None) -> NDArray[np
         size = abs(energy) + np.abs(states * function.gradient(states)).sum(axis=-1)
         good &= np.abs(function(states) - energy) <= _ON_LEAF * size
     return good
+
+
+def leaf_of_values(leaf: Leaf, casimirs: Mapping[str, float]) -> Leaf:
+    """The same leaf with values of the Casimirs as they were given, which its state has but for round-off.
+
+    Args:
+        leaf: The leaf.
+        casimirs: The values under the names of `casimirs`.
+
+    Raises:
+        ParameterError: a name is missing or unknown.
+    """
+    if casimirs.keys() != leaf.place.casimirs.keys():
+        raise ParameterError(f"casimirs: wanted {', '.join(leaf.place.casimirs)}; got {', '.join(casimirs)}")
+    other = Leaf.__new__(Leaf)
+    other._set(leaf.system, leaf.place, np.array([casimirs[name] for name in leaf.place.casimirs]), leaf.state)  # pyright: ignore[reportPrivateUsage]
+    return other

@@ -22,7 +22,7 @@ from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
 from liepoisson.io.result import Kept
 from liepoisson.leaf._checks import are_equal
-from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf import Leaf, leaf_of_values
 from liepoisson.model.free_parameter import FreeParameter, values_of
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.model.system import System
@@ -220,7 +220,7 @@ class _Reader:
             return self.system.functions.of(record)
         inner = self.value(record)
         if name == "Leaf":
-            return Leaf.through(inner["system"], inner["state"]).with_values(inner["casimirs"])
+            return leaf_of_values(Leaf.through(inner["system"], inner["state"]), inner["casimirs"])
         return class_of(name)(**inner)
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.refusals import not_a
+from liepoisson.inputs.given import sequence
+from liepoisson.inputs.refusals import check_kind, not_a
 from liepoisson.plot.labels import label, number, plain
 from liepoisson.plot.style import (
     ANGULAR_MOMENTUM,
@@ -55,7 +56,7 @@ def diagram(
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
         >>> axes = lp.plot.diagram(lp.tori.diagram(leaf, energy_max=2))
         >>> axes.get_xlabel(), axes.get_ylabel()
-        ('$\\ell_3$', '$H$')
+        ('$\\ell_{3}$', '$H$')
         >>> plt.close(axes.figure)
 
     Args:
@@ -67,10 +68,14 @@ def diagram(
         ParameterError: it is no diagram, or an option is meant for the other kind.
     """
     from liepoisson.tori.diagrams import Diagram
+    from liepoisson.tori.fibre_regions import Region
 
     given: object = found
     if not hasattr(given, "leaf") or not hasattr(given, "momentum") or not hasattr(given, "columns"):
         raise not_a("what lp.tori.diagram or lagrange_diagram returns", given, "found", "call it first")
+    regions = sequence(regions, "regions", "regions", "lp.tori.regions(found)")
+    for region in regions:
+        check_kind(region, Region, "regions", "what lp.tori.regions returns", "write lp.tori.regions(found)")
     with house_style():
         if isinstance(found, Diagram):
             if l3 is not None:

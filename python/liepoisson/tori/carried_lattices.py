@@ -84,8 +84,11 @@ class Monodromy(ReadOnlyArrays):
     @property
     def is_unipotent(self) -> bool:
         """Whether a power of M - 1 is zero, as around focus-focus values."""
-        rest = self.matrix - np.eye(len(self.matrix), dtype=np.int64)
-        return not np.linalg.matrix_power(rest, len(rest)).any()
+        rest = (self.matrix - np.eye(len(self.matrix))).astype(np.float64)
+        power = rest
+        for _ in rest:
+            power = linear.matmul(power, rest)
+        return not power.any()
 
     def __repr__(self) -> str:
         return f"<Monodromy {self.matrix.tolist()} of {self.momentum.system.name!r}>"
@@ -137,8 +140,8 @@ def monodromy(
         first = on_fibre(momentum, leaf, x[None], corners[0])[0]
         if not np.isfinite(first).all():
             raise OrbitError(
-                f"loop: the value {corners[0].tolist()} of {', '.join(momentum.names)} was not reached from the "
-                f"state, which has {momentum(x).tolist()}. Give a state nearer to it."
+                f"loop: Newton's method did not come from the state, with the values {momentum(x).tolist()}, to the "
+                f"first value {corners[0].tolist()}. Give a state nearer to it."
             )
         periods = Closures.at(momentum, first, leaf.in_units().units).lattice(as_seed(seed))
         forth = _Carrier(momentum, leaf, first, periods)

@@ -89,6 +89,10 @@ class Diagram(ReadOnlyArrays, Tabular):
     rest_types: tuple[str, ...]
     energy_max: float
 
+    def __len__(self) -> int:
+        """How many critical values it has."""
+        return sum(len(one.values) for one in self.families) + len(self.rest_types)
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each critical value its curve (-1 for an equilibrium), type and values."""
         values = np.concatenate([*(one.values for one in self.families), self.rest_values])

@@ -16,7 +16,7 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_li
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.inputs.refusals import check_kind
+from liepoisson.inputs.refusals import check_kind, counted
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.diagrams import Diagram
@@ -33,6 +33,11 @@ _WALL = 0.02
 class Region(ReadOnlyArrays):
     """A region of a diagram.
 
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_states=20)[0].fibre
+        <Fibre of 'spherical-pendulum': 1 torus by 20 states; one with less than 14% of them may be missed>
+
     Attributes:
         values: Values of random states in it, shape (m, 2).
         fibre: The fibre of the value that is furthest from the curves; None if all are too near to them.
@@ -45,7 +50,7 @@ class Region(ReadOnlyArrays):
         if self.fibre is None:
             return f"<Region of {len(self.values)} values, all near to critical ones>"
         at = ", ".join(f"{value:.6g}" for value in self.fibre.value)
-        return f"<Region around ({at}): {self.fibre.n_tori} tori>"
+        return f"<Region around ({at}): {counted(self.fibre.n_tori, 'torus', 'tori')}>"
 
 
 @explains_its_arguments

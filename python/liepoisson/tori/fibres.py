@@ -22,9 +22,9 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_count, as_positi
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
-from liepoisson.inputs.refusals import check_kind
+from liepoisson.inputs.refusals import check_kind, counted
 from liepoisson.leaf.leaf import Leaf
-from liepoisson.portable import elementary
+from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.critical_search import momentum_of
 from liepoisson.tori.momentum_maps import MomentumMap, on_fibre
@@ -63,8 +63,8 @@ class Fibre(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         return (
-            f"<Fibre of {self.momentum.system.name!r}: {self.n_tori} tori by {len(self.states)} states; one with less "
-            f"than {100 * self.missed:.2g}% of them may be missed>"
+            f"<Fibre of {self.momentum.system.name!r}: {counted(self.n_tori, 'torus', 'tori')} by {len(self.states)} "
+            f"states; one with less than {100 * self.missed:.2g}% of them may be missed>"
         )
 
 
@@ -155,7 +155,7 @@ def _tori(leaf: Leaf, momentum: MomentumMap, states: Array, seed: int) -> NDArra
             if not others.size:
                 break
             shares = (np.array(list(product(range(fineness), repeat=len(lattice)))) + 0.5) / fineness
-            guesses = np.tile(shares @ lattice, (len(others), 1))
+            guesses = np.tile(linear.matmul(shares, lattice), (len(others), 1))
             targets = np.repeat(states[others], len(shares), axis=0)
             _, rows = flows.arriving(guesses, targets)
             torus[others[np.unique(rows // len(shares))]] = number

@@ -162,6 +162,10 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
         parts = [part for part in np.split(np.arange(len(x)), [*cuts, half]) if len(part) > 1 and inside[part[0]]]
         return [values[part] for part in parts]
 
+    def __len__(self) -> int:
+        """How many critical values it has."""
+        return sum(len(one.values) for one in self.curves)
+
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each critical value of rank 1 its curve, the kind of it and the values."""
         lengths = [len(one.values) for one in self.curves]

@@ -161,8 +161,8 @@ class Closures:
         fields = momentum.fields(state) / units[:, None]
         if momentum.rank(state) < len(momentum.names):
             raise OrbitError(
-                f"state: wanted one where the flows of {', '.join(momentum.names)} are independent; they are not at "
-                f"{state.tolist()}. Take a state that is not critical."
+                f"state: wanted one with independent flows of {', '.join(momentum.names)}; got a critical one, "
+                f"{state.tolist()}. Take another."
             )
         return cls(momentum, state, units, linear.inv(linear.qr(fields).R))
 
