@@ -219,9 +219,7 @@ class Critical:
             x, weights, residual, matrix = x[good], weights[good], residual[good], matrix[good]
             if not len(x) or np.abs(residual).max() < _CONVERGED / 100:
                 break
-            step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=1e-9), residual)
-            length = linear.norm(step, axis=1, keepdims=True)
-            step *= np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))
+            step = _least_step(matrix, residual)
             x, weights = x + step[:, : x.shape[1]], weights + step[:, x.shape[1] :]
             weights /= linear.norm(weights, axis=1, keepdims=True)
         if not len(x):
@@ -242,9 +240,7 @@ class Critical:
             x, residual, matrix = x[good], residual[good], matrix[good]
             if not len(x) or np.abs(residual).max() < _CONVERGED / 100:
                 break
-            step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=1e-9), residual)
-            length = linear.norm(step, axis=1, keepdims=True)
-            x = x + step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))
+            x = x + _least_step(matrix, residual)
         rests = np.abs(self.fields(x)).max(axis=(1, 2), initial=0.0) < _CONVERGED
         found = list[Array]()
         for one in x[rests & (np.abs(self.equations.relative(x)[0]).max(axis=1, initial=0.0) < _CONVERGED)]:
@@ -280,3 +276,10 @@ class Critical:
             "focus-focus": int((real & imaginary).sum()) // 4,
         }
         return ", ".join(name for name, count in counts.items() for _ in range(count)) or "degenerate"
+
+
+def _least_step(matrix: Array, residual: Array) -> Array:
+    """Steps of least norm, no longer than they may be."""
+    step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=1e-9), residual)
+    length = linear.norm(step, axis=1, keepdims=True)
+    return step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))

@@ -121,8 +121,8 @@ def _joined(values: Array, curves: list[Array]) -> NDArray[np.intp]:
     labels = np.arange(m)
     if m < 2:
         return labels
-    begins = np.concatenate([curve[:-1] for curve in curves])
-    ends = np.concatenate([curve[1:] for curve in curves])
+    begins = np.concatenate([np.zeros((0, 2)), *(curve[:-1] for curve in curves)])
+    ends = np.concatenate([np.zeros((0, 2)), *(curve[1:] for curve in curves)])
     distance = linear.norm(values[:, None] - values[None], axis=2)
     nearest = np.argsort(distance, axis=1, kind="stable")[:, 1 : _NEIGHBOURS + 1]
     for k in range(m):
