@@ -8,5 +8,6 @@ from liepoisson.tori.lagrange_diagrams import lagrange_diagram as lagrange_diagr
 from liepoisson.tori.lagrange_lattices import lagrange_actions as lagrange_actions
 from liepoisson.tori.lagrange_lattices import lagrange_lattice as lagrange_lattice
 from liepoisson.tori.lagrange_leaves import leaf_class as leaf_class
+from liepoisson.tori.molecules import molecule as molecule
 from liepoisson.tori.momentum_maps import momentum_map as momentum_map
 from liepoisson.tori.period_lattices import period_lattice as period_lattice
