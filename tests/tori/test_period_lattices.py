@@ -65,6 +65,7 @@ def check_frequencies(name, seed, signals):
     assert gcd(*minors) <= 1, "a lattice of which this is a part"  # 0: the strongest lines are dependent
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SIGNALS)
 def test_frequencies_are_those_of_orbits(name):
     check_frequencies(name, 3 if name != "twisted-lagrange" else 7, SIGNALS[name][:1])
@@ -135,6 +136,7 @@ def charged():
     return lp.Top.twisted(inertia=(2, 2, 1), a=(0, 0, "3/2"), b=(0, 0, -1), epsilon="5/7")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("make", [lp.Top.twisted_lagrange, charged])
 def test_the_lattice_on_the_spectral_curve_is_that_of_closing_flows(make, seed):
@@ -178,6 +180,7 @@ def test_periods_are_derivatives_of_actions(make, seed):
     np.testing.assert_allclose(change[0] - change[1] + change[2], there[1] - values[1], atol=1e-13)
 
 
+@pytest.mark.thorough
 def test_other_seeds_give_the_same_lattice_and_a_reduced_basis():
     bases = [lp.tori.period_lattice(TOP, state_of(TOP, 7), seed=seed).periods for seed in range(3)]
     assert max(same_lattice(bases[0], other) for other in bases[1:]) < 1e-12
