@@ -70,11 +70,13 @@ from liepoisson.rigid_body.rod import Rod as Rod
 from liepoisson.saved.rerun import load as load
 from liepoisson.saved.rerun import rerun as rerun
 from liepoisson.sweeps.result import Sweep as Sweep
+from liepoisson.tori.birkhoff_averages import RotationNumbers as RotationNumbers
 from liepoisson.tori.carried_lattices import Monodromy as Monodromy
 from liepoisson.tori.critical_search import CriticalStates as CriticalStates
 from liepoisson.tori.diagrams import CriticalFamily as CriticalFamily
 from liepoisson.tori.diagrams import Diagram as Diagram
 from liepoisson.tori.fibre_regions import Region as Region
+from liepoisson.tori.fibre_regions import Regions as Regions
 from liepoisson.tori.fibres import Fibre as Fibre
 from liepoisson.tori.frequencies import FrequencyDrift as FrequencyDrift
 from liepoisson.tori.lagrange_diagrams import CriticalCurve as CriticalCurve

@@ -14,18 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_fibre
 from liepoisson.tori.period_lattices import Closures
@@ -44,7 +46,7 @@ _INTEGER = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Monodromy(ReadOnlyArrays):
+class Monodromy(SavedWhole):
     r"""What becomes of the basis of a period lattice that is carried around a loop.
 
     Example:
@@ -64,12 +66,20 @@ class Monodromy(ReadOnlyArrays):
         n_steps: Values at which the lattice was computed.
     """
 
+    kind = "monodromy"
+    row = "period"
+
     momentum: MomentumMap
     loop: Array
     periods: Array
     matrix: NDArray[np.int64]
     residual: float
     n_steps: int
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.momentum.system
 
     @property
     def trace(self) -> int:
@@ -89,6 +99,11 @@ class Monodromy(ReadOnlyArrays):
         for _ in rest:
             power = linear.matmul(power, rest)
         return not power.any()
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each period of the basis its times, and what it becomes, a row of M."""
+        rows: dict[str, NDArray[Any]] = dict(vector_columns("time", self.periods, self.momentum.names))
+        return rows | {f"M_{k}": column for k, column in enumerate(self.matrix.T, start=1)}
 
     def __repr__(self) -> str:
         return f"<Monodromy {self.matrix.tolist()} of {self.momentum.system.name!r}>"

@@ -12,23 +12,28 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_count, as_positive, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import check_kind, counted
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.critical_search import momentum_of
 from liepoisson.tori.momentum_maps import MomentumMap, on_fibre
 from liepoisson.tori.period_lattices import Closures
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _ATTEMPTS = 8
 """Batches of random states that are moved to the fibre before it is called empty."""
@@ -37,7 +42,7 @@ _GUESSES = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Fibre(ReadOnlyArrays):
+class Fibre(SavedWhole):
     r"""Random states of a fibre, by tori.
 
     Example:
@@ -54,12 +59,24 @@ class Fibre(ReadOnlyArrays):
         missed: The share of states that a torus may have and be missed with a probability of 5%.
     """
 
+    kind = "fibre"
+    row = "state"
+
     momentum: MomentumMap
     value: Array
     states: Array
     torus: NDArray[np.intp]
     n_tori: int
     missed: float
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.momentum.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each state the number of its torus, and the state."""
+        return {"torus": self.torus} | vector_columns("x", self.states, self.system.component_names)
 
     def __repr__(self) -> str:
         return (

@@ -32,7 +32,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,11 +42,14 @@ from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.tori.lagrange_leaves import ScaledLeaf, class_of
 from liepoisson.tori.momentum_maps import MomentumMap
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 N_POINTS = 200
 """Points of a curve between two special ones."""
@@ -79,7 +82,7 @@ class CriticalCurve(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class LagrangeDiagram(ReadOnlyArrays, Tabular):
+class LagrangeDiagram(SavedWhole):
     r"""The bifurcation diagram of a twisted Lagrange top on a leaf.
 
     Example:
@@ -100,6 +103,9 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
         scaled: The numbers of the leaf.
     """
 
+    kind = "diagram of a twisted Lagrange top"
+    row = "value"
+
     leaf: Leaf
     integrals: tuple[str, str, str]
     leaf_class: str
@@ -107,6 +113,11 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
     sleeping_tops: dict[str, Array]
     hopf_values: Array
     scaled: ScaledLeaf = field(repr=False)
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     @cached_property
     def momentum(self) -> MomentumMap:

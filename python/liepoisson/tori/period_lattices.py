@@ -14,18 +14,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map
@@ -47,7 +49,7 @@ _PRIMES = (2, 3, 5, 7)
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodLattice(ReadOnlyArrays):
+class PeriodLattice(SavedWhole):
     r"""The periods of the commuting flows on a torus.
 
     Example:
@@ -63,10 +65,18 @@ class PeriodLattice(ReadOnlyArrays):
         residual: The largest distance from the state after a period of the basis, in units of the leaf.
     """
 
+    kind = "period lattice"
+    row = "period"
+
     momentum: MomentumMap
     state: Array
     periods: Array
     residual: float
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.momentum.system
 
     @property
     def integrals(self) -> tuple[str, ...]:
@@ -85,6 +95,10 @@ class PeriodLattice(ReadOnlyArrays):
         Another basis gives other ones, integer combinations of these.
         """
         return 2 * np.pi * linear.inv(self.periods)[0]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each period of the basis its times, and the frequency of its angle."""
+        return vector_columns("time", self.periods, self.integrals) | {"frequency": self.frequencies}
 
     def __repr__(self) -> str:
         rates = ", ".join(f"{rate:.6g}" for rate in self.frequencies)
