@@ -301,15 +301,15 @@ class _Families:
 
 def are_on(values: Array, curve: Array) -> NDArray[np.bool_]:
     """Which values are on a curve, nearer to a segment than the curve bends there; shape (m,)."""
-    bends = _apart(curve[1:-1], curve[:-2], curve[2:])
+    bends = apart(curve[1:-1], curve[:-2], curve[2:])
     bends = np.pad(bends, 1, mode="edge") if len(bends) else np.zeros(2)
-    near = _apart(values[:, None], curve[:-1], curve[1:]) <= np.maximum(bends[:-1], bends[1:]) + _SAME
+    near = apart(values[:, None], curve[:-1], curve[1:]) <= np.maximum(bends[:-1], bends[1:]) + _SAME
     return np.asarray(near.any(axis=1))
 
 
-def _apart(values: Array, begins: Array, ends: Array) -> Array:
+def apart(values: Array, begins: Array, ends: Array) -> Array:
     """The distances of values from segments."""
-    along, apart = ends - begins, values - begins
+    along, offset = ends - begins, values - begins
     square = (along**2).sum(axis=-1)
-    share = np.clip((apart * along).sum(axis=-1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
-    return linear.norm(apart - share[..., None] * along, axis=-1)
+    share = np.clip((offset * along).sum(axis=-1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
+    return linear.norm(offset - share[..., None] * along, axis=-1)
