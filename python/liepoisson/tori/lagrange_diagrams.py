@@ -222,7 +222,7 @@ def lagrange_diagram(leaf: Leaf) -> LagrangeDiagram:
     )
 
 
-_COUNTS = {"AA": (5, 0), "AU": (5, 1), "UU-": (5, 2), "UU+": (5, 2), "BU": (8, 3), "AB": (8, 2)}
+_COUNTS = {"AA": (5, 0), "AU": (5, 1), "UU-": (5, 2), "UU+": (5, 2), "BU": (7, 3), "AB": (7, 2)}
 """Edges and threads, and Hamiltonian Hopf points, of each class."""
 
 
