@@ -79,6 +79,7 @@ from liepoisson.tori.fibre_regions import Region as Region
 from liepoisson.tori.fibre_regions import Regions as Regions
 from liepoisson.tori.fibres import Fibre as Fibre
 from liepoisson.tori.frequencies import FrequencyDrift as FrequencyDrift
+from liepoisson.tori.lagrange_braids import LagrangeMonodromy as LagrangeMonodromy
 from liepoisson.tori.lagrange_diagrams import CriticalCurve as CriticalCurve
 from liepoisson.tori.lagrange_diagrams import LagrangeDiagram as LagrangeDiagram
 from liepoisson.tori.molecules import Atom as Atom
