@@ -154,10 +154,11 @@ def test_every_folder_is_in_a_layer():
 
 
 def test_the_page_of_the_architecture_has_the_same_order():
-    """Folders of its tree, each no lower than the one before it."""
-    tree = (ROOT.parents[1] / "ARCHITECTURE.md").read_text(encoding="utf-8").split("crates/")[0]
+    """The folders at the beginnings of the lines of its tree, each no lower than the one before it."""
+    page = (ROOT.parents[1] / "ARCHITECTURE.md").read_text(encoding="utf-8")
     level = {name: k for k, names in enumerate(LAYERS) for name in names}
-    told = [name for name in re.findall(r"(?<=[ \n])(\w+)/", tree.split("liepoisson/\n")[1]) if name in level]
+    told = re.findall(r"^  (\w+)/", page.split("python/liepoisson/\n")[1].split("crates/")[0], flags=re.MULTILINE)
+    assert {*told} <= {*level}
     assert len(told) > 20
     assert told == sorted(told, key=level.__getitem__)
 
