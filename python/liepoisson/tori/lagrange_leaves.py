@@ -100,28 +100,29 @@ class ScaledLeaf:
     def normal(self) -> tuple[float, float]:
         """$C_1 = c_1/c_3^{2/3}$ and $C_2 = c_2/c_3^{5/6}$."""
         unit, (one, two, _) = self.unit, self.casimirs
-        return float(one) / unit**4, float(two) / unit**5
+        return float(one) / elementary.power(unit, 4), float(two) / elementary.power(unit, 5)
 
     def integrals(self, scaled: Array) -> Array:
         """Values of H, l3 and the third integral from those of l3, h, p in units of the leaf, shape (..., 3)."""
         unit, first, third = self.unit, float(self.first), float(self.third)
-        l3, h, p = np.moveaxis(scaled, -1, 0) * np.array([unit, unit**2, unit**3])[(...,) + (None,) * (scaled.ndim - 1)]
-        energy = h / first + (1 / third - 1 / first) * l3**2 / 2 + self.rest
+        powers = np.array([unit, unit * unit, elementary.power(unit, 3)])
+        l3, h, p = np.moveaxis(scaled, -1, 0) * powers[(...,) + (None,) * (scaled.ndim - 1)]
+        energy = h / first + (1 / third - 1 / first) * l3 * l3 / 2 + self.rest
         return np.stack([energy, l3, p / (first if self.charge else float(self.field))], -1)
 
     def scaled(self, values: Array) -> Array:
         """l3, h and p in units of the leaf from values of H, l3 and the third integral, shape (..., 3)."""
         unit, first, third = self.unit, float(self.first), float(self.third)
         energy, l3, third_value = np.moveaxis(values, -1, 0)
-        h = first * (energy - self.rest - (1 / third - 1 / first) * l3**2 / 2)
+        h = first * (energy - self.rest - (1 / third - 1 / first) * l3 * l3 / 2)
         p = third_value * (first if self.charge else float(self.field))
-        return np.stack([l3 / unit, h / unit**2, p / unit**3], -1)
+        return np.stack([l3 / unit, h / (unit * unit), p / elementary.power(unit, 3)], -1)
 
     def states(self, scaled: Array) -> Array:
         """States of the top from l, A and B in units of the leaf, shape (..., 3, 3), as shape (..., 9)."""
         unit = self.unit
-        beta = scaled[..., 2, :] * unit**3 / float(self.twist)
-        alpha = scaled[..., 1, :] * unit**2 / float(self.field) - float(self.charge) * beta
+        beta = scaled[..., 2, :] * elementary.power(unit, 3) / float(self.twist)
+        alpha = scaled[..., 1, :] * (unit * unit) / float(self.field) - float(self.charge) * beta
         return np.concatenate([scaled[..., 0, :] * unit, alpha, beta], -1)
 
 

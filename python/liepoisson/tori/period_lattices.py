@@ -28,7 +28,7 @@ from liepoisson.io.tables import vector_columns
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.orbits.saved_orbits import SavedWhole
-from liepoisson.portable import linear
+from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map
 
@@ -242,7 +242,7 @@ class Closures:
             m = _GUESSES * n
             directions = draw.standard_normal((m, n))
             directions /= linear.norm(directions, axis=1, keepdims=True)
-            sizes = length * draw.uniform(size=(m, 1)) ** (1 / n)
+            sizes = length * elementary.power(draw.uniform(size=(m, 1)), 1 / n)
             found = linear.matmul(self.closed(linear.matmul(directions * sizes, self.scaling.T)), to_length)
             known = generated(np.concatenate([known, found]))
             if len(known) == n:
