@@ -166,12 +166,52 @@ def _classes(evidence: Evidence) -> None:
         [cube[-2] - 2 * (3 * t / 2), cube[-3] - 3 - 3 * t**2],
         decisive=True,
     )
+    _no_other_walls(evidence)
     one, two = symbols("C1 C2")
     lead = Poly(wall.subs({e: t**2 * (one - two**2) / 2, c: t * two}).expand(), t).LC()
     evidence.zero(
         "C₃ = 1, ε → 0: c₁ = C₁t², c₂ = C₂t with t = ε^(−2/3), and the walls are at e²(C₂² − 4e) = 0 to leading order, "
         "e = (C₁ − C₂²)/2: the class is UU+ for C₂² < 2C₁/3 and AB for 2C₁/3 < C₂² < C₁",
         lead - ((one - two**2) / 2) ** 2 * (3 * two**2 - 2 * one),
+    )
+
+
+def _no_other_walls(evidence: Evidence) -> None:
+    """State that edges and threads change nowhere else."""
+    from sympy import Poly, cancel, symbols
+
+    mu, g, k, c1, c2 = symbols("mu g k c1 c2")
+    relation = 3 * k**2 - 4 * c2 * k + c1 - 1 / g**2 - 2 * g
+    hopf = mu**6 - c1 * mu**2 - 8 * c2 * mu - 10
+    evidence.zero(
+        "c₃ = 1: at a Hamiltonian Hopf point q = (λ − μ)² the relation of the curve is μ⁶ − c₁μ² − 8c₂μ − 10 = 0",
+        cancel(relation.subs({g: mu**-2, k: -2 / mu}) * mu**2 + hopf),
+    )
+    double: Any = {c2: -(mu**6 + 5) / (2 * mu), c1: (5 * mu**6 + 10) / mu**2}
+    evidence.zero(
+        "two of them meet where c₂ = −(μ⁶ + 5)/2μ; there (c₂μ + 2)² − μ⁶ = (μ⁶ − 1)²/4, which must not be positive: "
+        "only for μ = ±1, at the cusps c₁ = 15, c₂ = ∓3 of the walls",
+        [
+            *(cancel(f.subs(double)) for f in (hopf, hopf.diff(mu))),
+            ((c2 * mu + 2) ** 2 - mu**6 - (mu**6 - 1) ** 2 / 4).subs(double).expand(),
+            *(double[c1].subs(mu, s) - 15 for s in (1, -1)),
+            *(double[c2].subs(mu, s) + 3 * s for s in (1, -1)),
+        ],
+        decisive=True,
+    )
+    crossing = {g: 1, k: 2 * c2 / 3}
+    evidence.zero(
+        "the curve is singular only at g = 1, k = 2c₂/3, which has c₁ = 3 + 4c₂²/3 and ν = c₂/3, admitted for |c₂| ≤ 3",
+        [
+            *(relation.diff(v).subs(crossing) for v in (g, k)),
+            relation.subs(crossing) - (c1 - 3 - 4 * c2**2 / 3),
+            Poly((relation.diff(g) * g**3 / 2).expand(), g).as_expr() - (1 - g**3),
+        ],
+        decisive=True,
+    )
+    evidence.note(
+        "It is a saddle of the relation, so that no closed curve is born. As g → 0 the curve has four ends, at "
+        "infinity, with ν/g → ±1/√3. Edges and threads and their ends are the same on all leaves between the walls."
     )
 
 
@@ -200,8 +240,9 @@ def _lattice(evidence: Evidence) -> None:
         decisive=True,
     )
     evidence.note(
-        "It is the only state with its values. The fibres near to it are one torus, of which the γⱼ are a basis of "
-        "periods; so they are over all R > 0 with distinct zeros, on all leaves, which are a connected set."
+        "It is the only state with its values. The fibres near to it are one torus. By the theorem on Lax pairs the "
+        "periods are integrals over cycles of the curve, and those of other cycles than the γⱼ are not real near to "
+        "it: the γⱼ are a basis. So they are over all R > 0 with distinct zeros, on all leaves: a connected set."
     )
     sums = [cancel(sum(r**n / slope.subs(x, r) for r in roots)) - (n == 2) for n in range(3)]
     evidence.zero("γ₁ − γ₂ + γ₃ = (2π, 0, 0), the circle of l₃: the residue of √R at infinity", sums)
