@@ -30,6 +30,11 @@ def third_curve(s, square):
     return s + square / s**2, 1 - 2 * square / s + square**2 / s**4
 
 
+def is_real(s, square):
+    """Whether the third curve has states: none where k < 0, nor beyond the equilibrium at s = 1 up to the cusp."""
+    return (third_curve(s, square)[1] >= 0) & ((square < 1) | (s < 1) | (s > (2 * square) ** (1 / 3)))
+
+
 def on_curves(value, square):
     """How far a value is from the nearest curve, relative to k, which it is, and its s on the third."""
     h, k = value
@@ -104,9 +109,7 @@ def test_the_diagram_is_these_curves_and_all_of_them(drawn):
                 assert family.type == kind_of(curve, value[0], s, square)
         seen[family.type] += 1
     s = np.concatenate([-np.linspace(0.02, 1, 400), np.geomspace(0.02, 4, 800)])
-    s = s[third_curve(s, square)[1] >= 0]
-    if square > 1:  # beyond the equilibrium at s = 1 there are no states up to the cusp
-        s = s[(s < 1) | (s > (2 * square) ** (1 / 3))]
+    s = s[is_real(s, square)]
     h = np.linspace(square - 1, 2 * square + 1 / (4 * square), 400)
     delone = np.linspace(2 * square, 4, 300)
     wanted = np.concatenate(
@@ -140,6 +143,7 @@ def between_curves(square, energies):
     for h in energies:
         s = np.roots([1, -h, 0, square])
         s = s.real[np.abs(s.imag) < 1e-9]
+        s = s[is_real(s, square)]
         k = [*third_curve(s, square)[1], *([(h - 2 * square) ** 2] if h < 2 * square + 1 / (4 * square) else [])]
         k = np.sort([*k, *([0.0] if h > 2 * square else [])])
         yield from ((h, float(one)) for one in (k[1:] + k[:-1]) / 2)
