@@ -151,9 +151,9 @@ def between_curves(square, energies):
 
 TORI = {
     0.1: {0.05: [1], 0.95: [2, 1, 2, 1], 1.5: [2, 2, 2, 1], 3.5: [2, 2, 1]},
-    0.6: {1.0: [1], 1.4: [1, 1], 1.597: [1, 1, 2, 1], 3.0: [2, 2, 1]},
-    0.9: {1.0: [1], 3.0: [2, 2, 1]},
-    1.3: {1.0: [1], 2.5: [1, 1], 3.5: [2, 2, 1]},
+    0.6: {1.0: [1], 1.4: [2, 1], 3.0: [2, 2, 1]},
+    0.9: {1.0: [1], 1.899: [4, 2, 1], 2.02: [2, 4, 2, 1], 3.0: [2, 2, 1]},
+    1.3: {1.0: [1], 2.5: [2, 1], 2.72: [2, 4, 2, 1], 3.5: [2, 2, 1]},
 }  # by ell^2 and h, from the lowest k to the highest
 
 
@@ -178,3 +178,9 @@ def test_regions_have_these_tori(drawn):
     assert len(regions) >= 3
     for region in regions:
         assert region.fibre.n_tori == by_pieces(square, region.fibre.value)
+
+
+def test_a_torus_with_a_narrow_part_is_one():
+    """Between the third curve, beyond its cusp, and the second one there are two tori, on both sides of h = 1.594."""
+    for value in ((1.59, 0.14), (1.597, 0.15703), (1.599, 0.15900)):
+        assert lp.tori.fibre(leaf(0.6), value, n_states=60).n_tori == 2

@@ -34,6 +34,8 @@ _ATTEMPTS = 8
 """Batches of random states that are moved to the fibre before it is called empty."""
 _GUESSES = 3
 """Guesses along each vector of the lattice; what they do not join is tried with twice as many."""
+_MOST_GUESSES = 1000
+"""One state of each torus is tried with as many: near to a separatrix a torus has a part that flows pass quickly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,20 +146,34 @@ def _tori(leaf: Leaf, momentum: MomentumMap, states: Array, seed: int) -> NDArra
     """The number of the torus of each state."""
     units = leaf.in_units().units
     torus = np.full(len(states), -1, dtype=np.intp)
-    number = 0
+    firsts = list[int]()
+    known = list[tuple[Closures, Array]]()
     while (left := np.flatnonzero(torus < 0)).size:
-        first = left[0]
-        torus[first] = number
-        flows = Closures.at(momentum, states[first], units)
+        flows = Closures.at(momentum, states[left[0]], units)
         lattice = flows.lattice(seed)
+        torus[left[0]] = len(firsts)
         for fineness in (_GUESSES, 2 * _GUESSES):
             others = np.flatnonzero(torus < 0)
             if not others.size:
                 break
-            shares = (np.array(list(product(range(fineness), repeat=len(lattice)))) + 0.5) / fineness
-            guesses = np.tile(linear.matmul(shares, lattice), (len(others), 1))
-            targets = np.repeat(states[others], len(shares), axis=0)
-            _, rows = flows.arriving(guesses, targets)
-            torus[others[np.unique(rows // len(shares))]] = number
-        number += 1
-    return torus
+            torus[others[_joined(flows, lattice, states[others], fineness)]] = len(firsts)
+        firsts.append(int(left[0]))
+        known.append((flows, lattice))
+    for k, (flows, lattice) in enumerate(known):
+        fineness = 4 * _GUESSES
+        while fineness ** len(lattice) <= _MOST_GUESSES:
+            others = np.array([first for first in firsts[k + 1 :] if torus[first] != torus[firsts[k]]], dtype=np.intp)
+            if not others.size:
+                break
+            for first in others[_joined(flows, lattice, states[others], fineness)]:
+                torus[torus == torus[first]] = torus[firsts[k]]
+            fineness *= 2
+    return np.unique(torus, return_inverse=True)[1].astype(np.intp)
+
+
+def _joined(flows: Closures, lattice: Array, targets: Array, fineness: int) -> NDArray[np.intp]:
+    """Which targets the flows come to, from guesses that are a grid of a cell of the lattice."""
+    shares = (np.array(list(product(range(fineness), repeat=len(lattice)))) + 0.5) / fineness
+    guesses = np.tile(linear.matmul(shares, lattice), (len(targets), 1))
+    _, rows = flows.arriving(guesses, np.repeat(targets, len(shares), axis=0))
+    return np.unique(rows // len(shares))
