@@ -6,6 +6,7 @@ The classes of leaves, the critical values on one leaf, and the zeros of R along
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,7 @@ def zeros(diagram, loop):
 def refined(loop, n=40):
     """More values on the sides of a polygon."""
     share = np.arange(n)[:, None] / n
-    return np.concatenate([a + share * (b - a) for a, b in zip(loop[:-1], loop[1:], strict=True)] + [loop[-1:]])
+    return np.concatenate([a + share * (b - a) for a, b in pairwise(loop)] + [loop[-1:]])
 
 
 def main(folder: Path) -> None:

@@ -30,6 +30,11 @@ def third_curve(s, square):
     return s + square / s**2, 1 - 2 * square / s + square**2 / s**4
 
 
+def is_real(s, square):
+    """Whether the third curve has states: none where k < 0, nor beyond the equilibrium at s = 1 up to the cusp."""
+    return (third_curve(s, square)[1] >= 0) & ((square < 1) | (s < 1) | (s > (2 * square) ** (1 / 3)))
+
+
 def on_curves(value, square):
     """How far a value is from the nearest curve, relative to k, which it is, and its s on the third."""
     h, k = value
@@ -104,9 +109,7 @@ def test_the_diagram_is_these_curves_and_all_of_them(drawn):
                 assert family.type == kind_of(curve, value[0], s, square)
         seen[family.type] += 1
     s = np.concatenate([-np.linspace(0.02, 1, 400), np.geomspace(0.02, 4, 800)])
-    s = s[third_curve(s, square)[1] >= 0]
-    if square > 1:  # beyond the equilibrium at s = 1 there are no states up to the cusp
-        s = s[(s < 1) | (s > (2 * square) ** (1 / 3))]
+    s = s[is_real(s, square)]
     h = np.linspace(square - 1, 2 * square + 1 / (4 * square), 400)
     delone = np.linspace(2 * square, 4, 300)
     wanted = np.concatenate(
@@ -140,6 +143,7 @@ def between_curves(square, energies):
     for h in energies:
         s = np.roots([1, -h, 0, square])
         s = s.real[np.abs(s.imag) < 1e-9]
+        s = s[is_real(s, square)]
         k = [*third_curve(s, square)[1], *([(h - 2 * square) ** 2] if h < 2 * square + 1 / (4 * square) else [])]
         k = np.sort([*k, *([0.0] if h > 2 * square else [])])
         yield from ((h, float(one)) for one in (k[1:] + k[:-1]) / 2)
@@ -147,9 +151,9 @@ def between_curves(square, energies):
 
 TORI = {
     0.1: {0.05: [1], 0.95: [2, 1, 2, 1], 1.5: [2, 2, 2, 1], 3.5: [2, 2, 1]},
-    0.6: {1.0: [1], 1.4: [1, 1], 1.597: [1, 1, 2, 1], 3.0: [2, 2, 1]},
-    0.9: {1.0: [1], 3.0: [2, 2, 1]},
-    1.3: {1.0: [1], 2.5: [1, 1], 3.5: [2, 2, 1]},
+    0.6: {1.0: [1], 1.4: [2, 1], 3.0: [2, 2, 1]},
+    0.9: {1.0: [1], 1.899: [4, 2, 1], 2.02: [2, 4, 2, 1], 3.0: [2, 2, 1]},
+    1.3: {1.0: [1], 2.5: [2, 1], 2.72: [2, 4, 2, 1], 3.5: [2, 2, 1]},
 }  # by ell^2 and h, from the lowest k to the highest
 
 
@@ -174,3 +178,9 @@ def test_regions_have_these_tori(drawn):
     assert len(regions) >= 3
     for region in regions:
         assert region.fibre.n_tori == by_pieces(square, region.fibre.value)
+
+
+def test_a_torus_with_a_narrow_part_is_one():
+    """Between the third curve, beyond its cusp, and the second one there are two tori, on both sides of h = 1.594."""
+    for value in ((1.59, 0.14), (1.597, 0.15703), (1.599, 0.15900)):
+        assert lp.tori.fibre(leaf(0.6), value, n_states=60).n_tori == 2

@@ -36,6 +36,8 @@ _TURN = 0.98
 _MOST_POINTS = 4000
 _SAME = 1e-9
 """Values that differ by less, relative to the figure, are the same."""
+_NEW = 0.02
+"""Where half of a family is known, the rest is new if it is longer than this, relative to the figure."""
 _REST = 1e-3
 """Fields of this length, relative to typical ones, are near to rank 0."""
 
@@ -208,18 +210,19 @@ class _Families:
         size = np.where(size > 0, size, 1.0)
         found = list[CriticalFamily]()
 
-        def share_known(values: Array, kind: str) -> float:
-            curves = [one.values / size for one in found if one.type == kind]
-            on = np.zeros(len(values), dtype=bool)
-            for curve in curves:
-                on |= are_on(values / size, curve)
-            return float(on.mean())
+        def new(values: Array, kind: str) -> Array:
+            """The values, in parts of the figure, that are on no curve yet."""
+            inside = (values[:, 0] >= self.energy_min) & (values[:, 0] <= self.energy_max)
+            for curve in (one.values for one in found if one.type == kind):
+                inside &= ~are_on(values / size, curve / size)
+            return values[inside] / size
 
         for k in np.flatnonzero(wanted):
-            if share_known(values[k, None], str(types[k])) == 1:
+            if not len(new(values[k, None], str(types[k]))):
                 continue
             for family in self._by_type(self._both_ways(x[k], weights[k])):
-                if share_known(family.values, family.type) < 0.5:
+                fresh = new(family.values, family.type)
+                if len(fresh) > len(family.values) / 2 or (len(fresh) and np.ptp(fresh, axis=0).max() > _NEW):
                     found.append(family)
         return found
 
