@@ -127,7 +127,7 @@ def test_regions_of_the_top_have_two_or_four_tori(drawn):
     x = np.array(start)
     numbers = squares_and_pfaffian(x)
     regions = [one for one in lp.tori.regions(found, n_values=400, n_states=80) if one.fibre is not None]
-    assert len(regions) >= 3
+    assert len(regions) >= 2
     for region in regions:
         assert region.fibre.n_tori == tori_of_the_top(numbers, region.fibre.value)
     for region in regions[:2]:  # the large ones also by points on the fibre

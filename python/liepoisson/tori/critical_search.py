@@ -17,23 +17,26 @@ for a generic $\lambda$ among those with $\sum_k\lambda_kX_{F_k}(x) = 0$.  Where
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_projection import Equations
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_leaf, unit_equations
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _STEPS, _LONGEST = 60, 0.5
 """Newton's steps, and the longest one in units of the leaf."""
@@ -46,7 +49,7 @@ _ZERO = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalStates(ReadOnlyArrays, Tabular):
+class CriticalStates(SavedWhole):
     r"""Critical points of a momentum map.
 
     Example:
@@ -65,6 +68,9 @@ class CriticalStates(ReadOnlyArrays, Tabular):
         type: The type of each, such as "elliptic" or "elliptic, hyperbolic", shape (point,).
     """
 
+    kind = "critical states"
+    row = "point"
+
     momentum: MomentumMap
     leaf: Leaf
     states: Array
@@ -72,6 +78,11 @@ class CriticalStates(ReadOnlyArrays, Tabular):
     weights: Array
     rank: NDArray[np.intp]
     type: NDArray[np.str_]
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     def __len__(self) -> int:
         return len(self.states)

@@ -9,7 +9,7 @@ equilibria of both flows; families leave them along their elliptic and hyperboli
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +20,14 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.tori.critical_search import Critical, momentum_of
 from liepoisson.tori.momentum_maps import MomentumMap
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _STEP, _LEAST = 0.05, 1e-4
 """The longest and the shortest step along a family, in units of the leaf and of the weights."""
@@ -64,7 +67,7 @@ class CriticalFamily(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagram(ReadOnlyArrays, Tabular):
+class Diagram(SavedWhole):
     r"""Critical values of a momentum map with two integrals.
 
     Example:
@@ -83,6 +86,9 @@ class Diagram(ReadOnlyArrays, Tabular):
         energy_max: The energy up to which families were followed.
     """
 
+    kind = "diagram"
+    row = "value"
+
     momentum: MomentumMap
     leaf: Leaf
     families: tuple[CriticalFamily, ...]
@@ -90,6 +96,11 @@ class Diagram(ReadOnlyArrays, Tabular):
     rest_values: Array
     rest_types: tuple[str, ...]
     energy_max: float
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     def __len__(self) -> int:
         """How many critical values it has."""

@@ -9,6 +9,7 @@ values in is not found.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +20,16 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import check_kind, counted
+from liepoisson.io.display import Found
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.diagrams import Diagram, apart, are_on
 from liepoisson.tori.fibres import Fibre, fibre
 from liepoisson.tori.momentum_maps import on_leaf
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _NEIGHBOURS = 12
 """Each value is joined to so many of the nearest ones; values of one region that are not are two regions."""
@@ -55,6 +61,54 @@ class Region(ReadOnlyArrays):
         return f"<Region around ({at}): {counted(self.fibre.n_tori, 'torus', 'tori')}>"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Regions(Found[Region], SavedWhole):
+    """The regions of a diagram, those with most values first.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_values=100, n_states=20)
+
+    Attributes:
+        diagram: The diagram.
+        found: The regions.
+    """
+
+    kind = "regions of a diagram"
+    row = "region"
+    titles = ("around", "tori", "a torus may be missed with", "values")
+
+    diagram: Diagram
+    found: tuple[Region, ...]
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.diagram.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each region a value in it, its number of tori (-1: not counted), and more.
+
+        These are the share of states that a torus may have and be missed, and how many values were found.
+        """
+        none = np.full(2, np.nan)
+        values = np.array([none if one.fibre is None else one.fibre.value for one in self.found]).reshape(-1, 2)
+        rows: dict[str, NDArray[Any]] = dict(zip(self.diagram.momentum.names, values.T, strict=True))
+        rows["n_tori"] = np.array([-1 if one.fibre is None else one.fibre.n_tori for one in self.found], dtype=np.intp)
+        rows["missed"] = np.array([np.nan if one.fibre is None else one.fibre.missed for one in self.found])
+        return rows | {"n_values": np.array([len(one.values) for one in self.found], dtype=np.intp)}
+
+    def _head(self) -> str:
+        names = ", ".join(self.diagram.momentum.names)
+        return f"{counted(len(self), 'region')} of ({names}) of {self.system.name!r}, met by values of random states:"
+
+    def _row(self, one: Region, /) -> tuple[str, ...]:
+        if one.fibre is None:
+            return "too near to critical values", "not counted", "", str(len(one.values))
+        at = ", ".join(f"{value:.6g}" for value in one.fibre.value)
+        return at, str(one.fibre.n_tori), f"{100 * one.fibre.missed:.2g}% of the states", str(len(one.values))
+
+
 @explains_its_arguments
 def regions(
     found: Diagram,
@@ -64,7 +118,7 @@ def regions(
     spread: float = 1.0,
     seed: int = 0,
     time_limit: float = TIME_LIMIT,
-) -> tuple[Region, ...]:
+) -> Regions:
     r"""The regions of a diagram and the number of tori over each.
 
     Example:
@@ -119,7 +173,7 @@ def regions(
                     if distance[best] > _WALL:
                         raise
             result.append(Region(inside, counted))
-    return tuple(sorted(result, key=lambda region: -len(region.values)))
+    return Regions(found, tuple(sorted(result, key=lambda region: -len(region.values))))
 
 
 def _joined(values: Array, begins: Array, ends: Array) -> NDArray[np.intp]:
