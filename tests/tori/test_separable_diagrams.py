@@ -127,7 +127,7 @@ def test_regions_of_the_top_have_two_or_four_tori(drawn):
     x = np.array(start)
     numbers = squares_and_pfaffian(x)
     regions = [one for one in lp.tori.regions(found, n_values=400, n_states=80) if one.fibre is not None]
-    assert len(regions) >= 3
+    assert len(regions) >= 2
     for region in regions:
         assert region.fibre.n_tori == tori_of_the_top(numbers, region.fibre.value)
     for region in regions[:2]:  # the large ones also by points on the fibre
@@ -187,10 +187,11 @@ def test_the_diagram_of_two_oscillators_is_four_lines(energy_max):
         parts = np.stack([family.values.sum(axis=1), family.values @ [1, -1]]) / 2
         rest = {"elliptic": 0.0, "hyperbolic": TOP}[family.type]
         assert np.abs(parts - rest).max(axis=1).min() < 1e-9
-    # Each line is found from its lowest energy, which has no bound, to the highest
+    # Each line has no lower bound, and is found from the mirror image of the highest energy in the lowest equilibrium
+    assert min(np.sort(family.values[:, 0])[1] for family in found.families) >= -found.energy_max - 1e-9
     for sign in (1, -1):
         for rest, kind in ((0, "elliptic"), (TOP, "hyperbolic")):
-            for other in np.linspace(-1, 0.9 * found.energy_max - rest, 40):
+            for other in np.linspace(-0.75 * found.energy_max - rest, 0.75 * found.energy_max - rest, 40):
                 value = np.array([rest + other, sign * (rest - other)])
                 ends = [(one.values[:-1], one.values[1:]) for one in found.families if one.type == kind]
                 assert min(distance(value, *pair) for pair in ends) < 1e-2, (kind, value)

@@ -137,8 +137,8 @@ def diagram(
     r"""The critical values of a system with two commuting integrals on a leaf.
 
     Families are followed from equilibria of both flows and from random states.  One that comes to no equilibrium and
-    that no start comes to is not in it.  Where the energy has no lower bound they are followed as far below the lowest
-    energy of the random states as the highest one is above it.
+    that no start comes to is not in it.  Families whose energy has no lower bound are shown as far below the lowest
+    equilibrium, or minimum along another family, as `energy_max` is above it.
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
@@ -178,7 +178,7 @@ def diagram(
         rest = critical.resting(starts)
         lowest = momentum.integrals["H"](rest * critical.units).min(initial=2 * energies.min() - energies.max())
         search = _Families(critical, float(lowest), top)
-        families = search.families(rest, *critical.solved(starts, weights))
+        families = search.above(rest, search.families(rest, *critical.solved(starts, weights)))
     states = rest * critical.units
     return Diagram(
         momentum,
@@ -225,6 +225,26 @@ class _Families:
                 if len(fresh) > len(family.values) / 2 or (len(fresh) and np.ptp(fresh, axis=0).max() > _NEW):
                     found.append(family)
         return found
+
+    def above(self, rest: Array, found: list[CriticalFamily]) -> list[CriticalFamily]:
+        """The families, those that came to the lowest energy cut as far below the others as the highest is above."""
+        energies = [float(one.values[:, 0].min()) for one in found]
+        bounded = [energy for energy in energies if energy >= self.energy_min]
+        bounded += self.critical.momentum(rest * self.critical.units)[:, 0].tolist()
+        if not bounded or len(bounded) == len(found) + len(rest):
+            return found
+        bound = 2 * min(bounded) - self.energy_max
+        result = list[CriticalFamily]()
+        for one, energy in zip(found, energies, strict=True):
+            if energy >= self.energy_min:
+                result.append(one)
+                continue
+            above = np.pad(one.values[:, 0] >= bound, 1)
+            keep = np.flatnonzero(above[:-2] | above[1:-1] | above[2:])  # to the first point beyond
+            for part in np.split(keep, np.flatnonzero(np.diff(keep) > 1) + 1):
+                if len(part) > 1:
+                    result.append(CriticalFamily(one.type, one.values[part], one.states[part]))
+        return result
 
     def _near(self, rest: Array) -> tuple[Array, Array]:
         """Critical states near to equilibria on the families that leave them; of twins with one value, of one."""
