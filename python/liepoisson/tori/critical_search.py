@@ -193,15 +193,17 @@ class Critical:
         held = at or {}
         equations, units = unit_equations(leaf, ((momentum.integrals[name], value) for name, value in held.items()))
         draft = cls(momentum, leaf, units, equations, np.ones(len(momentum.names)))
-        states = draft.starts(64, 1.0, 0)[0]
-        if held and not len(states):
-            values = ", ".join(f"{name} = {value:g}" for name, value in held.items())
-            raise ParameterError(
-                f"at: wanted a value that the integral has around some states of {leaf!r}; no random one was moved to "
-                f"{values}. Take another value."
-            )
-        lengths = linear.norm(draft.fields(states), axis=1)
-        return cls(momentum, leaf, units, equations, np.median(lengths, axis=0))
+        lengths = linear.norm(draft.fields(draft.starts(64, 1.0, 0)[0]), axis=1)
+        sizes = cls.on(leaf, momentum).sizes if held else np.median(lengths, axis=0)
+        for name, value in held.items():
+            # Where an integral rests, states are known to the root of round-off
+            if (lengths[:, momentum.names.index(name)] <= _ZERO * sizes[momentum.names.index(name)]).all():
+                what = "its flow rests at all states found" if len(lengths) else "no random state was moved to it"
+                raise ParameterError(
+                    f"at: wanted a value of {name} inside of its range on {leaf!r}; at {name} = {value:g} {what}. Take "
+                    "another value."
+                )
+        return cls(momentum, leaf, units, equations, sizes)
 
     def fields(self, x: Array) -> Array:
         """The fields in units, shape (m, N, n)."""
