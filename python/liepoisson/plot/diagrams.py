@@ -214,7 +214,14 @@ def _space(found: LagrangeDiagram, ax: Any) -> Any:
     ):
         if len(values):
             ax.plot(
-                values[:, 1], values[:, 2], values[:, 0], mark, color=INK, markersize=4, label=name(words), linestyle="none"
+                values[:, 1],
+                values[:, 2],
+                values[:, 0],
+                mark,
+                color=INK,
+                markersize=4,
+                label=name(words),
+                linestyle="none",
             )
     ax.set(xlabel=label("l3"), ylabel=label(found.integrals[2]), zlabel=label("H"))
     set_heading(ax, f"{_heading(found.leaf)}; class {found.leaf_class}", is_new=is_new)

@@ -8,7 +8,16 @@ from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.plot.labels import label, number, plain
-from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, axes_or_new, house_style, named_once, set_heading
+from liepoisson.plot.style import (
+    ANGULAR_MOMENTUM,
+    FIRST_FIELD,
+    INK,
+    MUTED,
+    axes_or_new,
+    house_style,
+    named_once,
+    set_heading,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

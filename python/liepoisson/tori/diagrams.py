@@ -195,8 +195,14 @@ def diagram(
         lowest = momentum.integrals["H"](rest * critical.units).min(initial=2 * energies.min() - energies.max())
         limits = (-np.inf, np.inf) if "H" in held else (float(lowest), top)
         search = _Families(critical, held, *limits)
-        rest = search.each_once(rest) if held else rest
-        families = search.families(rest, *critical.solved(starts, weights))
+        rest, critical_starts = search.each_once(rest) if held else rest, critical.solved(starts, weights)
+        families = search.families(rest, *critical_starts)
+        if held:  # families may end at states that no start came to, and others leave these
+            ends = [family.states[k] / critical.units for family in families for k in (0, -1)]
+            more = critical.doubly_critical(np.array(ends).reshape(-1, len(critical.units)))
+            several = search.each_once(np.concatenate([rest, more]))
+            if len(several) > len(rest):
+                rest, families = several, search.families(several, *critical_starts)
     states = rest * critical.units
     return Diagram(
         momentum,
