@@ -34,7 +34,7 @@ from liepoisson.leaf.leaf_projection import Equations
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
-from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, moved_onto, unit_equations
+from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, moved_onto, on_leaf, unit_equations
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -193,8 +193,9 @@ class Critical:
         held = at or {}
         equations, units = unit_equations(leaf, ((momentum.integrals[name], value) for name, value in held.items()))
         draft = cls(momentum, leaf, units, equations, np.ones(len(momentum.names)))
-        lengths = linear.norm(draft.fields(draft.starts(64, 1.0, 0)[0]), axis=1)
-        sizes = cls.on(leaf, momentum).sizes if held else np.median(lengths, axis=0)
+        states = draft.starts(64, 1.0, 0)[0]
+        sizes = np.median(linear.norm(draft.fields(states), axis=1), axis=0)
+        lengths = linear.norm(draft.fields(draft.moved(states)[0]), axis=1) if held else np.zeros((0, 1))
         for name, value in held.items():
             # Where an integral rests, states are known to the root of round-off
             if (lengths[:, momentum.names.index(name)] <= _ZERO * sizes[momentum.names.index(name)]).all():
@@ -218,7 +219,13 @@ class Critical:
         draw = stream(seed, Purpose.CRITICAL_POINTS)
         N = len(self.units)
         rough = spread * draw.standard_normal((n, N)) * self.units
-        x = moved_onto(self.equations, self.units, rough) / self.units
+        return self._with_weights(on_leaf(self.leaf, rough) / self.units)
+
+    def moved(self, x: Array) -> tuple[Array, Array]:
+        """States near given ones at which what is held has its value, and weights as those of `starts`."""
+        return self._with_weights(moved_onto(self.equations, self.units, x * self.units) / self.units)
+
+    def _with_weights(self, x: Array) -> tuple[Array, Array]:
         x = x[np.isfinite(x).all(axis=1)]
         return x, linear.svd(self.fields(x))[2][:, -1]
 

@@ -189,6 +189,8 @@ def diagram(
     with deadline.running(), np.errstate(all="ignore"):
         critical = Critical.on(leaf, momentum, held)
         starts, weights = critical.starts(n, width, as_seed(seed))
+        if held:
+            starts, weights = critical.moved(starts)
         energies = momentum.integrals["H"](starts * critical.units)
         top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
         rest = critical.doubly_critical(starts) if held else critical.resting(starts)
