@@ -195,7 +195,7 @@ class Critical:
         draft = cls(momentum, leaf, units, equations, np.ones(len(momentum.names)))
         states = draft.starts(64, 1.0, 0)[0]
         sizes = np.median(linear.norm(draft.fields(states), axis=1), axis=0)
-        lengths = linear.norm(draft.fields(draft.moved(states)[0]), axis=1) if held else np.zeros((0, 1))
+        lengths = linear.norm(draft.fields(draft.moved(states)[0]), axis=1) if held else sizes[None]
         for name, value in held.items():
             # Where an integral rests, states are known to the root of round-off
             if (lengths[:, momentum.names.index(name)] <= _ZERO * sizes[momentum.names.index(name)]).all():
