@@ -96,6 +96,8 @@ def diagram(
 
 
 def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
+    from matplotlib.patheffects import withStroke
+
     is_new, ax = ax is None, axes_or_new(ax, height=4.4)
     name = named_once(ax)
     for family in found.families:
@@ -105,11 +107,14 @@ def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
         chosen = found.rest_values[[one == kind for one in found.rest_types]]
         mark, words = _POINTS.get(kind, "D"), name(f"{_rest(found)}: {kind}")
         ax.plot(chosen[:, 1], chosen[:, 0], mark, color=INK, markersize=4, zorder=4, linestyle="none", label=words)
+    # Numbers stay readable on curves of narrow regions
+    halo = [withStroke(linewidth=2, foreground=ax.get_facecolor())]
     columns = [found.momentum.names.index(name) for name in found.names]
     for region in regions:
         if region.fibre is not None:
             one, other = region.fibre.value[columns].tolist()
-            ax.annotate(str(region.fibre.n_tori), (other, one), ha="center", va="center", color=MUTED)
+            words = str(region.fibre.n_tori)
+            ax.annotate(words, (other, one), ha="center", va="center", color=INK, path_effects=halo, zorder=3)
     ax.set(xlabel=label(found.names[1]), ylabel=label(found.names[0]))
     if "H" not in found.at:
         ax.set_ylim(top=found.energy_max)
