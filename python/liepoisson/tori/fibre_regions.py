@@ -67,7 +67,9 @@ class Regions(Found[Region], SavedWhole):
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
-        >>> lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_values=100, n_states=20)
+        >>> found = lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_values=100, n_states=20)
+        >>> found.columns()["n_tori"].tolist()
+        [1]
 
     Attributes:
         diagram: The diagram.
