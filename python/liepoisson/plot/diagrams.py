@@ -161,7 +161,7 @@ def _slices(slices: Sequence[Diagram], ax: Any) -> Any:
             ax.plot(*chosen, mark, color=INK, markersize=3, linestyle="none", label=words)
     ax.set(xlabel=label(names[1]), ylabel=label(names[2]), zlabel=label(names[0]))
     set_heading(ax, _heading(first.leaf), is_new=is_new)
-    ax.legend(loc="upper left")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.02), ncols=2)
     return ax
 
 
@@ -230,7 +230,7 @@ def _space(found: LagrangeDiagram, ax: Any) -> Any:
             )
     ax.set(xlabel=label("l3"), ylabel=label(found.integrals[2]), zlabel=label("H"))
     set_heading(ax, f"{_heading(found.leaf)}; class {found.leaf_class}", is_new=is_new)
-    ax.legend(loc="upper left")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.02), ncols=2)
     return ax
 
 
