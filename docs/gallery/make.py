@@ -41,7 +41,7 @@ ACROSS = 3
 GROUPS = {
     "Tops and bodies": (
         *("kovalevskaya-section", "lagrange-chart", "attitude", "gyrostat", "rattleback", "sphere"),
-        *("kirchhoff", "regions", "equilibria", "sleeping-top", "rod", "double-pendulum"),
+        *("kirchhoff", "regions", "equilibria", "sleeping-top", "bifurcation", "rod", "double-pendulum"),
     ),
     "Twist and charge": ("lyapunov", "twist-section", "twist-sweep", "charged-top", "leibniz", "structure"),
     "Chaos and its measures": (

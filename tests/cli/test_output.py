@@ -116,6 +116,18 @@ def test_a_diagram_is_read_again_with_its_regions(here, command):
     assert regions.diagram.to_dataframe().equals(plane.to_dataframe())
 
 
+def test_a_slice_of_three_integrals_is_looked_for_and_read_again(here, command):
+    given = ("diagram", "toda", "--at", "P=0", "--energy-max", 4)
+    code, text, _ = command(*given, "--out", "slice.nc")
+    assert code == 0
+    assert "relative equilibrium, elliptic, elliptic: H = 3" in text
+    assert lp.load("slice.nc").at == {"P": 0}
+    for wrong in (("--at", "P"), ("--at", "Q=0"), (), ("--at", "P=0", "--cut", 1)):
+        code, _, err = command("diagram", "toda", *wrong)
+        assert code != 0, err
+        assert "at" in err or "--cut" in err
+
+
 ESCAPED = "all orbits left every bounded region, or ran into a singularity (step too small): take a lower energy"
 
 

@@ -9,7 +9,7 @@ import typer
 from liepoisson.cli.options import Common, Format, FormatOption, FoundOption, SeedOption, SystemArgument, Where, show
 from liepoisson.cli.output import data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
-from liepoisson.cli.starts import find_start, read_numeric_system
+from liepoisson.cli.starts import assignments, find_start, read_numeric_system
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_double
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 INTEGRAL_HELP = "An integral beside H: --integral K. By default the known ones that commute.  Repeat it for more."
 ENERGY_MAX_HELP = "Follow families up to this energy.  [default: the highest of random states]"
+AT_HELP = "Of three integrals: keep one at a value, --at l3=0.3, and look for the critical values of the other two."
 CUT_HELP = "Of the twisted Lagrange top: draw the plane of this l3 instead of the figure in space."
 REGIONS_HELP = "Count the tori over each region of the plane; a file .nc has the regions with the diagram."
 
@@ -31,6 +32,7 @@ def diagram(
     *,
     where: Where,
     integral: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=INTEGRAL_HELP)] = None,
+    at: Annotated[str | None, typer.Option(metavar="NAME=NUMBER", help=AT_HELP)] = None,
     energy_max: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_MAX_HELP)] = None,
     cut: Annotated[str | None, typer.Option(metavar="NUMBER", help=CUT_HELP)] = None,
     regions: Annotated[bool, typer.Option("--regions", help=REGIONS_HELP)] = False,
@@ -44,7 +46,7 @@ def diagram(
 ) -> None:
     """Print the bifurcation diagram of an integrable system on a leaf: the critical values of its integrals.
 
-    Of two integrals by search, with equilibria; of the twisted Lagrange top, charged or not, in closed form.
+    Of two integrals, or of three with --at, by search; of the twisted Lagrange top, charged or not, in closed form.
     """
     from liepoisson.tori.lagrange_leaves import is_twisted_lagrange
 
@@ -54,13 +56,14 @@ def diagram(
     data, picture = data_file(out, f"{stem}.nc"), figure_stem(plot, figure, stem)
     found: Diagram | LagrangeDiagram
     counted: Regions | tuple[()] = ()
-    if is_twisted_lagrange(chosen) and not integral:
+    if is_twisted_lagrange(chosen) and not integral and at is None:
         from liepoisson.tori.lagrange_diagrams import lagrange_diagram
 
         if regions or energy_max is not None:
             raise ParameterError(
                 "--regions and --energy-max are for diagrams by search; that of the twisted Lagrange top is in closed "
-                "form, with one torus over each regular value. Leave them out."
+                "form, with one torus over each regular value. Leave them out, or search where an integral has a "
+                "value: --at l3=0.3."
             )
         found = lagrange_diagram(find_start(chosen, where, seed).leaf)
     else:
@@ -69,12 +72,14 @@ def diagram(
         from liepoisson.tori.momentum_maps import momentum_map
 
         if cut is not None:
-            raise ParameterError("--cut is for the twisted Lagrange top, which has three integrals. Leave it out.")
+            raise ParameterError("--cut is for the diagram of the twisted Lagrange top in closed form. Leave it out.")
+        held = assignments([] if at is None else [at], "--at", "--at l3=0.3", "integral")
+        values = {name: as_double(value, "--at") for name, value in held.items()}
         momentum = momentum_map(chosen, integral or None)
         limit = None if energy_max is None else as_double(energy_max, "--energy-max")
         leaf = find_start(chosen, where, seed).leaf
         with running("looking for critical values", 1.0, quiet=common.quiet):
-            found = search(leaf, momentum=momentum, energy_max=limit, seed=seed, time_limit=time_limit)
+            found = search(leaf, at=values, momentum=momentum, energy_max=limit, seed=seed, time_limit=time_limit)
             counted = count(found, seed=seed, time_limit=time_limit) if regions else ()
     # the file of regions has their diagram; its table is that of critical values
     whole = counted if counted and data is not None and data.suffix == ".nc" else found
@@ -94,13 +99,14 @@ def diagram_lines(found: Diagram | LagrangeDiagram) -> list[str]:
 
     lines = [repr(found)[1:-1]]
     if isinstance(found, Diagram):
-        h, other = found.momentum.names
+        h, other = found.names
+        rest = "relative equilibrium" if found.at else "equilibrium"
         for family in found.families:
             low, high = family.values.min(axis=0), family.values.max(axis=0)
             span = f"{h} from {low[0]:.6g} to {high[0]:.6g}, {other} from {low[1]:.6g} to {high[1]:.6g}"
             lines.append(f"{family.type}: {span}")
         for kind, value in zip(found.rest_types, found.rest_values, strict=True):
-            lines.append(f"equilibrium, {kind}: {h} = {value[0]:.6g}, {other} = {value[1]:.6g}")
+            lines.append(f"{rest}, {kind}: {h} = {value[0]:.6g}, {other} = {value[1]:.6g}")
         return lines
     return [*lines, *(f"{curve.kind} from {curve.ends[0]} to {curve.ends[1]}" for curve in found.curves)]
 
@@ -110,5 +116,5 @@ def diagram_record(found: Diagram | LagrangeDiagram) -> dict[str, Any]:
     from liepoisson.tori.diagrams import Diagram
 
     rows = {name: column.tolist() for name, column in found.columns().items()}
-    kind = {} if isinstance(found, Diagram) else {"class": found.leaf_class}
+    kind = {"class": found.leaf_class} if not isinstance(found, Diagram) else {"at": found.at} if found.at else {}
     return {"casimirs": found.leaf.casimirs, **kind, "critical_values": rows}

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.given import sequence
+from liepoisson.inputs.given import listed, sequence
 from liepoisson.inputs.refusals import check_kind, not_a
 from liepoisson.plot.labels import label, number, plain
 from liepoisson.plot.style import (
@@ -20,6 +20,7 @@ from liepoisson.plot.style import (
     MUTED,
     axes_or_new,
     house_style,
+    named_once,
     new_figure,
     set_heading,
 )
@@ -40,7 +41,7 @@ _POINTS = {"focus-focus": "o", "elliptic, elliptic": "s"}
 
 @explains_its_arguments
 def diagram(
-    found: Diagram | LagrangeDiagram,
+    found: Diagram | Sequence[Diagram] | LagrangeDiagram,
     *,
     regions: Sequence[Region] = (),
     l3: float | None = None,
@@ -48,8 +49,9 @@ def diagram(
 ) -> Axes:
     r"""A bifurcation diagram: the critical values of the integrals.
 
-    Of two integrals a plane; of the twisted Lagrange top a figure in space that can be turned, or with `l3` the plane
-    of H and the third integral at this value, with the boundary of the image and the threads that pierce it.
+    Of two integrals, and of a slice, a plane; of several slices a figure in space that can be turned; of the twisted
+    Lagrange top one, too, or with `l3` the plane of H and the third integral at this value, with the boundary of the
+    image and the threads that pierce it.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -60,56 +62,106 @@ def diagram(
         >>> plt.close(axes.figure)
 
     Args:
-        found: What `diagram` or `lagrange_diagram` returned.
+        found: What `diagram` or `lagrange_diagram` returned; or several slices of three integrals on one leaf.
         regions: What `regions` returned for it: the number of tori is written into each.
         l3: Of the twisted Lagrange top, the value at which the diagram is cut.
 
     Raises:
-        ParameterError: it is no diagram, or an option is meant for the other kind.
+        ParameterError: it is no diagram, an option is meant for another kind, or slices are not of one diagram.
     """
     from liepoisson.tori.diagrams import Diagram
     from liepoisson.tori.fibre_regions import Region
+    from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
 
-    given: object = found
-    if not hasattr(given, "leaf") or not hasattr(given, "momentum") or not hasattr(given, "columns"):
-        raise not_a("what lp.tori.diagram or lagrange_diagram returns", given, "found", "call it first")
+    slices = tuple(listed(found, "found") or ())
+    for one in slices or (found,):
+        if not isinstance(one, Diagram if slices else (Diagram, LagrangeDiagram)):
+            raise not_a("what lp.tori.diagram or lagrange_diagram returns", one, "found", "call it first")
     regions = sequence(regions, "regions", "regions", "lp.tori.regions(found)")
     for region in regions:
         check_kind(region, Region, "regions", "what lp.tori.regions returns", "write lp.tori.regions(found)")
     with house_style():
+        if slices:
+            if regions or l3 is not None:
+                raise ParameterError("regions, l3: several slices are drawn without them. Leave them out.")
+            return _slices(slices, ax)
         if isinstance(found, Diagram):
             if l3 is not None:
                 raise ParameterError("l3: only the diagram of the twisted Lagrange top is cut. Leave it out.")
             return _plane(found, regions, ax)
         if regions:
             raise ParameterError("regions: over all regular values of the twisted Lagrange top there is one torus.")
+        found = cast("LagrangeDiagram", found)
         return _space(found, ax) if l3 is None else _slice(found, as_number(l3, "l3", "a number"), ax)
 
 
 def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
+    from matplotlib.patheffects import withStroke
+
     is_new, ax = ax is None, axes_or_new(ax, height=4.4)
-    told = set[str]()
-
-    def name(words: str) -> str:
-        fresh = words not in told
-        told.add(words)
-        return words if fresh else "_" + words
-
+    name = named_once(ax)
     for family in found.families:
         style, colour = _LINES[family.type]
         ax.plot(family.values[:, 1], family.values[:, 0], style, color=colour, linewidth=1.4, label=name(family.type))
     for kind in sorted(set(found.rest_types)):
         chosen = found.rest_values[[one == kind for one in found.rest_types]]
-        mark = _POINTS.get(kind, "D")
-        ax.plot(chosen[:, 1], chosen[:, 0], mark, color=INK, markersize=4, zorder=4, label=f"equilibrium: {kind}")
+        mark, words = _POINTS.get(kind, "D"), name(f"{_rest(found)}: {kind}")
+        ax.plot(chosen[:, 1], chosen[:, 0], mark, color=INK, markersize=4, zorder=4, linestyle="none", label=words)
+    # Numbers stay readable on curves of narrow regions
+    halo = [withStroke(linewidth=2, foreground=ax.get_facecolor())]
+    columns = [found.momentum.names.index(name) for name in found.names]
     for region in regions:
         if region.fibre is not None:
-            energy, other = region.fibre.value.tolist()
-            ax.annotate(str(region.fibre.n_tori), (other, energy), ha="center", va="center", color=MUTED)
-    ax.set(xlabel=label(found.momentum.names[1]), ylabel=label(found.momentum.names[0]))
-    ax.set_ylim(top=found.energy_max)
-    set_heading(ax, _heading(found.leaf), is_new=is_new)
+            one, other = region.fibre.value[columns].tolist()
+            words = str(region.fibre.n_tori)
+            ax.annotate(words, (other, one), ha="center", va="center", color=INK, path_effects=halo, zorder=3)
+    ax.set(xlabel=label(found.names[1]), ylabel=label(found.names[0]))
+    if "H" not in found.at:
+        ax.set_ylim(top=found.energy_max)
+    set_heading(ax, _heading(found.leaf, found.at), is_new=is_new)
     ax.legend(loc="best")
+    return ax
+
+
+def _rest(found: Diagram) -> str:
+    return "relative equilibrium" if found.at else "equilibrium"
+
+
+def _slices(slices: Sequence[Diagram], ax: Any) -> Any:
+    """Slices in the space of three integrals, H upwards.
+
+    Raises:
+        ParameterError: one is no slice, or of other integrals or another leaf.
+    """
+    first, is_new = slices[0], ax is None
+    for one in slices:
+        same = one.momentum.names == first.momentum.names and one.leaf.casimirs == first.leaf.casimirs
+        if not one.at or not same or one.leaf.system.name != first.leaf.system.name:
+            raise ParameterError(
+                f"found: wanted slices of three integrals on one leaf; got {first!r} and {one!r}. Make them by "
+                f'lp.tori.diagram(leaf, at={{"l3": 0.3}}).'
+            )
+    if ax is None:
+        ax = new_figure(6.4, 5.2).add_subplot(projection="3d")
+    name, names = named_once(ax), first.momentum.names
+
+    def places(found: Diagram, values: Any) -> list[Any]:
+        columns = dict(zip(found.names, values.T, strict=True))
+        h, x, y = (columns.get(one, np.full(len(values), found.at.get(one))) for one in names)
+        return [x, y, h]
+
+    for found in slices:
+        for family in found.families:
+            style, colour = _LINES[family.type]
+            line = places(found, family.values)
+            ax.plot(*line, style, color=colour, linewidth=1.2, label=name(family.type))
+        for kind in sorted(set(found.rest_types)):
+            chosen = places(found, found.rest_values[[one == kind for one in found.rest_types]])
+            mark, words = _POINTS.get(kind, "D"), name(f"{_rest(found)}: {kind}")
+            ax.plot(*chosen, mark, color=INK, markersize=3, linestyle="none", label=words)
+    ax.set(xlabel=label(names[1]), ylabel=label(names[2]), zlabel=label(names[0]))
+    set_heading(ax, _heading(first.leaf), is_new=is_new)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.02), ncols=2)
     return ax
 
 
@@ -154,30 +206,37 @@ def _space(found: LagrangeDiagram, ax: Any) -> Any:
         ax = new_figure(6.4, 5.2).add_subplot(projection="3d")
     special = np.concatenate([found.hopf_values, found.momentum(np.array([*found.sleeping_tops.values()]))])
     middle, half = special.mean(axis=0), 1.6 * np.maximum(np.ptp(special, axis=0), 0.5)
-    told = set[str]()
+    name = named_once(ax)
     for curve in found.curves:
         near = (np.abs(curve.values - middle) <= half).all(axis=1)
         h, spin, third = np.where(near[:, None], curve.values, np.nan).T
         colour, style = (FIRST_FIELD, "-") if curve.kind == "edge" else (ANGULAR_MOMENTUM, "-")
         words = {"edge": "edge: elliptic, elliptic", "thread": "thread: focus-focus"}[curve.kind]
-        ax.plot(spin, third, h, style, color=colour, label=words if words not in told else "_" + words)
-        told.add(words)
-    for name, values, mark in (
+        ax.plot(spin, third, h, style, color=colour, label=name(words))
+    for words, values, mark in (
         ("sleeping top", found.momentum(np.array([*found.sleeping_tops.values()])), "o"),
         ("Hamiltonian Hopf", found.hopf_values, "^"),
     ):
         if len(values):
             ax.plot(
-                values[:, 1], values[:, 2], values[:, 0], mark, color=INK, markersize=4, label=name, linestyle="none"
+                values[:, 1],
+                values[:, 2],
+                values[:, 0],
+                mark,
+                color=INK,
+                markersize=4,
+                label=name(words),
+                linestyle="none",
             )
     ax.set(xlabel=label("l3"), ylabel=label(found.integrals[2]), zlabel=label("H"))
     set_heading(ax, f"{_heading(found.leaf)}; class {found.leaf_class}", is_new=is_new)
-    ax.legend(loc="upper left")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, 1.02), ncols=2)
     return ax
 
 
-def _heading(leaf: Leaf) -> str:
-    values = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in leaf.casimirs.items())
+def _heading(leaf: Leaf, at: Mapping[str, float] | None = None) -> str:
+    held = leaf.casimirs | (at or {})
+    values = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in held.items())
     return "\n".join(filter(None, [plain(leaf.system.name), values]))
 
 

@@ -8,7 +8,16 @@ from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.plot.labels import label, number, plain
-from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, axes_or_new, house_style, set_heading
+from liepoisson.plot.style import (
+    ANGULAR_MOMENTUM,
+    FIRST_FIELD,
+    INK,
+    MUTED,
+    axes_or_new,
+    house_style,
+    named_once,
+    set_heading,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,14 +64,7 @@ def family(found: OrbitFamily, *, ax: Axes | None = None) -> Axes:
                 f"found: wanted a family along what these axes show, {ax.get_xlabel()}; this one is along {varies}. "
                 "Draw it into other axes."
             )
-        told = set(ax.get_legend_handles_labels()[1])
-
-        def name(words: str) -> str:
-            """The words for the legend, once."""
-            fresh = words not in told
-            told.add(words)
-            return words if fresh else "_" + words
-
+        name = named_once(ax)
         for kind, places in _stretches(found):
             style, colour = _LINES[kind]
             ax.plot(*zip(*places, strict=True), style, color=colour, linewidth=1.4, label=name(kind))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -145,6 +145,18 @@ def set_heading(ax: Axes, heading: str, *, is_new: bool) -> None:
         heading = "\n".join(line for line in old.split("\n") if line in lines and not _SEVERAL.match(line))
     ax.set_title(heading)
     setattr(ax, _HEADING, heading)
+
+
+def named_once(ax: Axes) -> Callable[[str], str]:
+    """What makes labels of words, so that the legend of axes has them once."""
+    told = set(ax.get_legend_handles_labels()[1])
+
+    def name(words: str) -> str:
+        fresh = words not in told
+        told.add(words)
+        return words if fresh else "_" + words
+
+    return name
 
 
 def as_colours(colour: Any) -> tuple[Any, ...]:

@@ -16,6 +16,7 @@ for a generic $\lambda$ among those with $\sum_k\lambda_kX_{F_k}(x) = 0$.  Where
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +34,7 @@ from liepoisson.leaf.leaf_projection import Equations
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
-from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_leaf, unit_equations
+from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, moved_onto, on_leaf, unit_equations
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -169,7 +170,7 @@ class Critical:
         momentum: The momentum map.
         leaf: The leaf.
         units: Units of the coordinates, shape (N,).
-        equations: Those of the leaf.
+        equations: Those of the leaf, and of what is held.
         sizes: Typical lengths of the fields, shape (n,), by which they are divided.
     """
 
@@ -180,12 +181,30 @@ class Critical:
     sizes: Array
 
     @classmethod
-    def on(cls, leaf: Leaf, momentum: MomentumMap) -> Critical:
-        """The equations on a leaf; lengths of the fields are those at 64 random states."""
-        equations, units = unit_equations(leaf)
+    def on(cls, leaf: Leaf, momentum: MomentumMap, at: Mapping[str, float] | None = None) -> Critical:
+        """The equations on a leaf; lengths of the fields are those at 64 random states.
+
+        Args:
+            at: Values that integrals keep.
+
+        Raises:
+            ParameterError: no random state was moved to these values.
+        """
+        held = at or {}
+        equations, units = unit_equations(leaf, ((momentum.integrals[name], value) for name, value in held.items()))
         draft = cls(momentum, leaf, units, equations, np.ones(len(momentum.names)))
-        lengths = linear.norm(draft.fields(draft.starts(64, 1.0, 0)[0]), axis=1)
-        return cls(momentum, leaf, units, equations, np.median(lengths, axis=0))
+        states = draft.starts(64, 1.0, 0)[0]
+        sizes = np.median(linear.norm(draft.fields(states), axis=1), axis=0)
+        lengths = linear.norm(draft.fields(draft.moved(states)[0]), axis=1) if held else sizes[None]
+        for name, value in held.items():
+            # Where an integral rests, states are known to the root of round-off
+            if (lengths[:, momentum.names.index(name)] <= _ZERO * sizes[momentum.names.index(name)]).all():
+                what = "its flow rests at all states found" if len(lengths) else "no random state was moved to it"
+                raise ParameterError(
+                    f"at: wanted a value of {name} inside of its range on {leaf!r}; at {name} = {value:g} {what}. Take "
+                    "another value."
+                )
+        return cls(momentum, leaf, units, equations, sizes)
 
     def fields(self, x: Array) -> Array:
         """The fields in units, shape (m, N, n)."""
@@ -200,7 +219,13 @@ class Critical:
         draw = stream(seed, Purpose.CRITICAL_POINTS)
         N = len(self.units)
         rough = spread * draw.standard_normal((n, N)) * self.units
-        x = on_leaf(self.leaf, rough) / self.units
+        return self._with_weights(on_leaf(self.leaf, rough) / self.units)
+
+    def moved(self, x: Array) -> tuple[Array, Array]:
+        """States near given ones at which what is held has its value, and weights as those of `starts`."""
+        return self._with_weights(moved_onto(self.equations, self.units, x * self.units) / self.units)
+
+    def _with_weights(self, x: Array) -> tuple[Array, Array]:
         x = x[np.isfinite(x).all(axis=1)]
         return x, linear.svd(self.fields(x))[2][:, -1]
 
@@ -259,6 +284,39 @@ class Critical:
                 found.append(one)
         return np.array(found).reshape(len(found), x.shape[1])
 
+    def doubly_critical(self, x: Array) -> Array:
+        """States of two less than the full rank, found from guesses: two combinations of the flows rest."""
+        n, weights = len(self.units), linear.svd(self.fields(x))[2][:, -2:]
+        for _ in range(_STEPS):
+            checkpoint("looking for critical points")
+            residual, matrix = self._paired(x, weights)
+            good = np.isfinite(residual).all(axis=1) & np.isfinite(matrix).all(axis=(1, 2))
+            x, weights, residual, matrix = x[good], weights[good], residual[good], matrix[good]
+            if not len(x) or np.abs(residual).max() < _CONVERGED / 100:
+                break
+            step = _least_step(matrix, residual)
+            x, weights = x + step[:, :n], weights + step[:, n:].reshape(weights.shape)
+        return x[linear.norm(self._paired(x, weights)[0], axis=1) < _CONVERGED]
+
+    def _paired(self, x: Array, weights: Array) -> tuple[Array, Array]:
+        """The equations of two orthonormal combinations that rest, weights (m, 2, n), and their derivatives."""
+        k, N, n = len(x), len(self.units), len(self.sizes)
+        values, rows = self.equations.relative(x)
+        fields, slopes = self.fields(x), self.slopes(x)
+        products = linear.einsum("mak,mbk->mab", weights, weights) - np.eye(2)
+        combined = linear.einsum("mik,mak->mai", fields, weights)
+        residual = np.concatenate([combined.reshape(k, 2 * N), values, products.reshape(k, 4)], axis=1)
+        matrix = np.zeros((*residual.shape, N + 2 * n))
+        matrix[:, 2 * N : -4, :N] = rows
+        for a in range(2):
+            mine, equations = slice(N + a * n, N + (a + 1) * n), slice(a * N, (a + 1) * N)
+            matrix[:, equations, :N] = linear.einsum("mijk,mk->mij", slopes, weights[:, a])
+            matrix[:, equations, mine] = fields
+            for b in range(2):  # the product of a and b, and that of b and a
+                matrix[:, 2 * a + b - 4, mine] += weights[:, b]
+                matrix[:, 2 * b + a - 4, mine] += weights[:, b]
+        return residual, matrix
+
     def kinds(self, x: Array) -> tuple[NDArray[np.intp], NDArray[np.str_]]:
         """Ranks and types of critical points."""
         ranks, types = np.zeros(len(x), dtype=np.intp), list[str]()
@@ -294,11 +352,12 @@ class Critical:
         return linear.matmul(tangent.T, linear.matmul(slope, tangent)), tangent
 
     def leaving(self, x: Array) -> Array:
-        r"""Unit vectors from a state at which all flows rest, along the families of critical orbits that leave it.
+        r"""Unit vectors from a state of two less than the full rank, along the families of orbits that leave it.
 
         One for each elliptic plane and two for each hyperbolic one [eliasson1990], shape (family, N).
         """
-        matrix, tangent = self._linearised(x, np.sqrt(np.arange(1.0, len(self.sizes) + 1)))
+        rests = np.eye(2) if len(self.sizes) == 2 else linear.svd(self.fields(x[None])[0])[2][-2:]
+        matrix, tangent = self._linearised(x, linear.matmul(np.sqrt(np.arange(1.0, 3.0)), rests))
         rates, unit = linear.eigvals(matrix), np.eye(len(matrix))
         real, imaginary = (np.abs(part) > _ZERO * np.abs(rates).max() for part in (rates.real, rates.imag))
 

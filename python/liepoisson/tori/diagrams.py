@@ -1,14 +1,18 @@
-r"""The bifurcation diagram of an integrable system of two degrees of freedom on a leaf: its critical values, as curves.
+r"""The bifurcation diagram of an integrable system on a leaf, in a plane: its critical values, as curves.
 
-Critical states of rank 1 are orbits of the flows in one-parameter families.  They are found from random states
-(`liepoisson.tori.critical_search`) and followed: the derivatives of the equations for $(x, \lambda)$ have a null vector
-along the orbit and one across it, along the family, which is the direction of the next step.  States of rank 0 are
-equilibria of both flows; families leave them along their elliptic and hyperbolic planes.
+Of two integrals it is all of it, of three the slice where one of them has a value.  Critical states of one less than
+the full rank are orbits of the flows in families, with one parameter in the plane.  They are found from random states
+(`liepoisson.tori.critical_search`) and followed: the derivatives of the equations for $(x, \lambda)$ have null vectors
+along the orbit and one across it, along the family, which is the direction of the next step.  States of two less than
+the full rank are points of the plane: equilibria of both flows; in a slice relative equilibria, whose flows are all
+along one orbit, where an edge or a thread of the diagram of three integrals crosses the plane.  Families leave them
+along their elliptic and hyperbolic planes.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +23,8 @@ from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_posit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
-from liepoisson.inputs.refusals import check_kind
+from liepoisson.inputs.given import by_name
+from liepoisson.inputs.refusals import check_choice, check_kind
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
@@ -39,7 +44,7 @@ _SAME = 1e-9
 _NEW = 0.02
 """Where half of a family is known, the rest is new if it is longer than this, relative to the figure."""
 _REST = 1e-3
-"""Fields of this length, relative to typical ones, are near to rank 0."""
+"""Fields that are dependent but for this length, relative to typical ones, are near to lower rank."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +59,7 @@ class CriticalFamily(ReadOnlyArrays):
 
     Attributes:
         type: "elliptic", "hyperbolic" or "degenerate".
-        values: Shape (point, 2).
+        values: Those of the two integrals of the plane, shape (point, 2).
         states: A critical state for each, shape (point, N).
     """
 
@@ -68,7 +73,7 @@ class CriticalFamily(ReadOnlyArrays):
 
 @dataclass(frozen=True, eq=False)
 class Diagram(SavedWhole):
-    r"""Critical values of a momentum map with two integrals.
+    r"""Critical values of a momentum map with two integrals, or in a slice of one with three.
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
@@ -79,11 +84,12 @@ class Diagram(SavedWhole):
     Attributes:
         momentum: The momentum map.
         leaf: The leaf.
-        families: Curves of rank 1.
-        rest_states: States of rank 0, shape (point, N).
+        families: Curves of one less than the full rank.
+        rest_states: States of two less, shape (point, N): equilibria; in a slice relative ones, of rank 1.
         rest_values: Their values, shape (point, 2).
         rest_types: Their types.
         energy_max: The energy up to which families were followed.
+        at: The value of the integral that is held in a slice, by its name; else empty.
     """
 
     kind = "diagram"
@@ -96,6 +102,13 @@ class Diagram(SavedWhole):
     rest_values: Array
     rest_types: tuple[str, ...]
     energy_max: float
+    at: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The names of the two integrals of the plane."""
+        one, other = (name for name in self.momentum.names if name not in self.at)
+        return one, other
 
     @property
     def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -114,12 +127,13 @@ class Diagram(SavedWhole):
         types = [*(one.type for one in self.families), *self.rest_types]
         rows: dict[str, NDArray[Any]] = {"curve": np.repeat(np.array(curves, dtype=np.intp), lengths)}
         rows["type"] = np.repeat(np.array(types, dtype=np.str_), lengths)
-        return rows | dict(zip(self.momentum.names, values.T, strict=True))
+        return rows | dict(zip(self.names, values.T, strict=True))
 
     def __repr__(self) -> str:
+        held = "".join(f" at {name} = {value:g}" for name, value in self.at.items())
         return (
-            f"<Diagram of ({', '.join(self.momentum.names)}) of {self.leaf.system.name!r}: {len(self.families)} "
-            f"families, {len(self.rest_states)} equilibria>"
+            f"<Diagram of ({', '.join(self.names)}){held} of {self.leaf.system.name!r}: {len(self.families)} "
+            f"families, {len(self.rest_states)} {'relative ' if held else ''}equilibria>"
         )
 
 
@@ -127,6 +141,7 @@ class Diagram(SavedWhole):
 def diagram(
     leaf: Leaf,
     *,
+    at: Mapping[str, float] | None = None,
     momentum: MomentumMap | None = None,
     energy_max: float | None = None,
     n_starts: int = 200,
@@ -134,7 +149,7 @@ def diagram(
     seed: int = 0,
     time_limit: float = TIME_LIMIT,
 ) -> Diagram:
-    r"""The critical values of a system with two commuting integrals on a leaf.
+    r"""The critical values of a system with two commuting integrals on a leaf; of three, where one of them has a value.
 
     Families are followed from equilibria of both flows and from random states.  One that comes to no equilibrium and
     that no start comes to is not in it.  Families whose energy has no lower bound are shown as far below the lowest
@@ -145,9 +160,14 @@ def diagram(
         >>> found = lp.tori.diagram(leaf, energy_max=2)
         >>> found.rest_values.round(9).tolist()  # hanging and upright
         [[-1.0, 0.0], [1.0, 0.0]]
+        >>> leaf = lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 8, "C2": 1, "C3": 1})
+        >>> found = lp.tori.diagram(leaf, at={"l3": 0.3}, energy_max=0, n_starts=20)
+        >>> found.names, found.rest_types
+        (('H', 'P'), ('elliptic, elliptic',))
 
     Args:
-        leaf: A leaf of dimension 4.
+        leaf: A leaf of dimension 4, or of dimension 6 with `at`.
+        at: One of three integrals by its name, with the value that it keeps.
         momentum: The momentum map; by default that of the known integrals of the system.
         energy_max: Families are followed up to this energy; by default the highest one of the random states.
         n_starts: Number of starts.
@@ -156,56 +176,108 @@ def diagram(
         time_limit: Seconds that the call may take.
 
     Raises:
-        ParameterError: there are not two integrals.
+        ParameterError: there are not two integrals beside the one that is held, or it has no such value.
         LeafError: the equations of the leaf are not known.
         TimeLimitError: the time is over.
     """
     deadline = Deadline(as_time_limit(time_limit))
     check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
     momentum = momentum_of(leaf, momentum)
-    if len(momentum.names) != 2:
-        raise ParameterError(
-            f"leaf: wanted one of dimension 4, with two integrals; got {', '.join(momentum.names)}. Take "
-            "lagrange_diagram for the twisted Lagrange top, critical_states for others."
-        )
+    held = _held({} if at is None else by_name(at, "at", "numbers", 'at={"l3": 0.3}'), momentum)
+    if "H" in held and energy_max is not None:
+        raise ParameterError("energy_max: at holds H, so that all states have one energy. Leave one of them out.")
     n = as_count(n_starts, "n_starts")
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
-        critical = Critical.on(leaf, momentum)
+        critical = Critical.on(leaf, momentum, held)
         starts, weights = critical.starts(n, width, as_seed(seed))
+        if held:
+            starts, weights = critical.moved(starts)
         energies = momentum.integrals["H"](starts * critical.units)
         top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
-        rest = critical.resting(starts)
+        rest = critical.doubly_critical(starts) if held else critical.resting(starts)
         lowest = momentum.integrals["H"](rest * critical.units).min(initial=2 * energies.min() - energies.max())
-        search = _Families(critical, float(lowest), top)
-        families = search.above(rest, search.families(rest, *critical.solved(starts, weights)))
+        limits = (-np.inf, np.inf) if "H" in held else (float(lowest), top)
+        search = _Families(critical, held, *limits)
+        rest, critical_starts = search.each_once(rest) if held else rest, critical.solved(starts, weights)
+        families = search.families(rest, *critical_starts)
+        if held:  # families may end at states that no start came to, and others leave these
+            ends = [family.states[k] / critical.units for family in families for k in (0, -1)]
+            more = critical.doubly_critical(np.array(ends).reshape(-1, len(critical.units)))
+            several = search.each_once(np.concatenate([rest, more]))
+            if len(several) > len(rest):
+                rest, families = several, search.families(several, *critical_starts)
+        families = search.above(rest, families)
     states = rest * critical.units
     return Diagram(
         momentum,
         leaf,
         tuple(families),
         states,
-        momentum(states),
+        search.values(rest),
         tuple(map(str, critical.kinds(rest)[1])),
-        top,
+        held.get("H", top),
+        held,
     )
 
 
-class _Families:
-    """Families of critical states between two energies."""
+def _held(at: Mapping[object, object], momentum: MomentumMap) -> dict[str, float]:
+    """The integral that is held, with its value.
 
-    def __init__(self, critical: Critical, energy_min: float, energy_max: float) -> None:
+    Raises:
+        ParameterError: not two integrals are left, or it is none of them.
+    """
+    names = momentum.names
+    for name in at:
+        check_choice(name, "at", names)
+    if len(names) - len(at) != 2:
+        raise ParameterError(
+            f"at: wanted two integrals that are left for the plane; of {', '.join(names)} {len(names) - len(at)} are. "
+            + (f'Hold one of three, such as at={{"{names[1]}": 0.3}}.' if len(names) > 2 else "Leave it out.")
+        )
+    held = {str(name): as_number(value, f"at[{str(name)!r}]", "a finite number") for name, value in at.items()}
+    for name, value in held.items():
+        if not np.isfinite(value):
+            raise ParameterError(f"at: wanted a finite value of {name}; got {value}. Take that of a state.")
+    return held
+
+
+class _Families:
+    """Families of critical states between two energies, where some integrals are held."""
+
+    def __init__(self, critical: Critical, held: Mapping[str, float], energy_min: float, energy_max: float) -> None:
         self.critical = critical
         self.energy_min, self.energy_max = energy_min, energy_max
+        self.n = len(critical.momentum.names)
+        self.free = [k for k, name in enumerate(critical.momentum.names) if name not in held]
+
+    def values(self, x: Array) -> Array:
+        """Values of the integrals that are not held, at states in units."""
+        return self.critical.momentum(x * self.critical.units)[..., self.free]
+
+    def is_within(self, x: Array) -> NDArray[np.bool_]:
+        """Which states in units are between the energies."""
+        energies = self.critical.momentum.integrals["H"](x * self.critical.units)
+        return (energies >= self.energy_min) & (energies <= self.energy_max)
+
+    def each_once(self, x: Array) -> Array:
+        """States between the energies, one for each value and type."""
+        x = x[self.is_within(x)]
+        values, types, found = self.values(x), self.critical.kinds(x)[1], list[int]()
+        for k in range(len(x)):
+            twins = linear.norm(values[found] - values[k], axis=1) <= _SAME * (1 + linear.norm(values[k]))
+            if not (twins & (types[found] == types[k])).any():
+                found.append(k)
+        return x[found]
 
     def families(self, rest: Array, x: Array, weights: Array) -> list[CriticalFamily]:
         """Followed from equilibria, and from starts that are on none yet."""
         critical = self.critical
         near = self._near(rest)
         x, weights = np.concatenate([near[0], x]), np.concatenate([near[1], weights])
-        values = critical.momentum(x * critical.units)
+        values = self.values(x)
         ranks, types = critical.kinds(x)
-        wanted = (ranks == 1) & (values[:, 0] >= self.energy_min) & (values[:, 0] <= self.energy_max)
+        wanted = (ranks == self.n - 1) & self.is_within(x)
         size = np.ptp(values[wanted], axis=0) if wanted.any() else np.ones(2)
         size = np.where(size > 0, size, 1.0)
         found = list[CriticalFamily]()
@@ -249,14 +321,14 @@ class _Families:
     def _near(self, rest: Array) -> tuple[Array, Array]:
         """Critical states near to equilibria on the families that leave them; of twins with one value, of one."""
         critical = self.critical
-        values, types = critical.momentum(rest * critical.units), critical.kinds(rest)[1]
+        values, types = self.values(rest), critical.kinds(rest)[1]
         guesses = [np.zeros((0, rest.shape[1]))]
         for k in range(len(rest)):
             twins = linear.norm(values[:k] - values[k], axis=1) <= _SAME * (1 + linear.norm(values[k]))
             if not (twins & (types[:k] == types[k])).any():
                 guesses.append(rest[k] + _STEP * critical.leaving(rest[k]))
         x = np.concatenate(guesses)
-        return critical.solved(x, linear.svd(critical.fields(x))[2][:, -1]) if len(x) else (x, x[:, :2])
+        return critical.solved(x, linear.svd(critical.fields(x))[2][:, -1]) if len(x) else (x, x[:, : self.n])
 
     def _both_ways(self, x: Array, weights: Array) -> Array:
         back, is_closed = self._followed(x, weights, -1)
@@ -272,7 +344,7 @@ class _Families:
         if direction is None:
             return x[None], False
         direction, step = sign * direction, _STEP / 4
-        points, values = [here], [critical.momentum(x * critical.units)]
+        points, values = [here], [self.values(x)]
         while len(points) < _MOST_POINTS and step > _LEAST:
             checkpoint("following critical states")
             guess = here + step * direction
@@ -283,10 +355,8 @@ class _Families:
                 step /= 2
                 continue
             points.append(there)
-            values.append(critical.momentum(there[:n] * critical.units))
-            # Beyond a state of rank 0 the orbits are the same, with the other phase
-            energy = values[-1][0]
-            if not self.energy_min <= energy <= self.energy_max or (self._orbit(here) * self._orbit(there)).sum() < 0:
+            values.append(self.values(there[:n]))
+            if not self.is_within(there[:n]) or self._is_beyond(here, there):
                 break
             last, first = values[-1] - values[-2], values[1] - values[0]
             if len(points) > 8 and (last * first).sum() > 0 and linear.norm(values[-1] - values[0]) < linear.norm(last):
@@ -294,27 +364,27 @@ class _Families:
             here, direction, step = there, ahead, min(1.5 * step, _STEP)
         return np.array(points)[:, :n], False
 
-    def _orbit(self, place: Array) -> Array:
-        """The flow along the critical orbit: that of the function whose weights are orthogonal to lambda."""
-        n = len(self.critical.units)
-        weights = np.array([-place[n + 1], place[n]])
-        return linear.matmul(self.critical.fields(place[None, :n])[0], weights)
+    def _is_beyond(self, here: Array, there: Array) -> bool:
+        """Whether a state of lower rank lies between two: beyond it orbits are the same, with the other phase."""
+        N = len(self.critical.units)
+        along = linear.complement(here[N:, None] / linear.norm(here[N:]))
+        one, other = (linear.matmul(self.critical.fields(place[None, :N])[0], along) for place in (here, there))
+        return bool(linear.det(linear.matmul(one.T, other)) < 0)
 
     def _direction(self, place: Array, like: Array | None) -> Array | None:
-        """The unit vector along the family, across the orbit; None near to rank 0 and where it is not unique."""
-        n = len(self.critical.units)
-        x, weights = place[None, :n], place[None, n:]
-        fields = self.critical.fields(x)[0]
-        if linear.norm(fields, axis=0).max() < _REST:
+        """The unit vector along the family, across the orbit; None near to lower rank and where it is not unique."""
+        N, n = len(self.critical.units), self.n
+        x, weights = place[None, :N], place[None, N:]
+        orbit, lengths, _ = linear.svd(self.critical.fields(x)[0])
+        if lengths[n - 2] < _REST:
             return None
         sizes, vectors = linear.svd(self.critical.jacobian(x, weights)[0])[1:]
-        orbit = np.append(linear.svd(fields)[0][:, 0], np.zeros(len(place) - n))
-        null = vectors[(len(place) - 2) :]
-        if len(sizes) >= len(place) - 2 and sizes[len(place) - 3] < 1e-6 * sizes[0]:
+        if len(sizes) >= N and sizes[N - 1] < 1e-6 * sizes[0]:
             return None
-        # Of the two null vectors the combination that is orthogonal to the orbit
-        shares = linear.matmul(null, orbit)
-        across = shares[1] * null[0] - shares[0] * null[1]
+        # Of the n null vectors the combination that is orthogonal to the orbit
+        null = vectors[N:]
+        shares = linear.matmul(null[:, :N], orbit[:, : n - 1])
+        across = linear.matmul(linear.svd(shares)[0][:, -1], null)
         across = across / linear.norm(across)
         return across if like is None or (across * like).sum() > 0 else -across
 
@@ -322,7 +392,7 @@ class _Families:
         critical = self.critical
         _, types = critical.kinds(points)
         states = points * critical.units
-        values = critical.momentum(states)
+        values = self.values(points)
         found, begin = list[CriticalFamily](), 0
         for k in range(1, len(points) + 1):
             if k == len(points) or types[k] != types[begin]:

@@ -26,7 +26,7 @@ from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.diagrams import Diagram, apart, are_on
 from liepoisson.tori.fibres import Fibre, fibre
-from liepoisson.tori.momentum_maps import on_leaf
+from liepoisson.tori.momentum_maps import moved_onto, unit_equations
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -47,7 +47,7 @@ class Region(ReadOnlyArrays):
         <Fibre of 'spherical-pendulum': 1 torus by 20 states; one with less than 14% of them may be missed>
 
     Attributes:
-        values: Values of random states in it, shape (m, 2).
+        values: Values of random states in it, of the integrals of the plane, shape (m, 2).
         fibre: The fibre of the value that is furthest from the curves; None if all are too near to them.
     """
 
@@ -67,7 +67,9 @@ class Regions(Found[Region], SavedWhole):
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
-        >>> lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_values=100, n_states=20)
+        >>> found = lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_values=100, n_states=20)
+        >>> found.columns()["n_tori"].tolist()
+        [1]
 
     Attributes:
         diagram: The diagram.
@@ -91,9 +93,10 @@ class Regions(Found[Region], SavedWhole):
 
         These are the share of states that a torus may have and be missed, and how many values were found.
         """
-        none = np.full(2, np.nan)
-        values = np.array([none if one.fibre is None else one.fibre.value for one in self.found]).reshape(-1, 2)
-        rows: dict[str, NDArray[Any]] = dict(zip(self.diagram.momentum.names, values.T, strict=True))
+        names = self.diagram.momentum.names
+        none = np.full(len(names), np.nan)
+        values = np.array([none if one.fibre is None else one.fibre.value for one in self.found])
+        rows: dict[str, NDArray[Any]] = dict(zip(names, values.reshape(-1, len(names)).T, strict=True))
         rows["n_tori"] = np.array([-1 if one.fibre is None else one.fibre.n_tori for one in self.found], dtype=np.intp)
         rows["missed"] = np.array([np.nan if one.fibre is None else one.fibre.missed for one in self.found])
         return rows | {"n_values": np.array([len(one.values) for one in self.found], dtype=np.intp)}
@@ -143,9 +146,12 @@ def regions(
     with deadline.running(), np.errstate(all="ignore"):
         units = found.leaf.in_units().units
         rough = spread * stream(as_seed(seed), Purpose.FIBRES).standard_normal((m, len(units))) * units
-        states = on_leaf(found.leaf, rough)
-        values = found.momentum(states[np.isfinite(states).all(axis=1)])
-        values = values[values[:, 0] <= found.energy_max]
+        names, held = found.momentum.names, found.at
+        functions = ((found.momentum.integrals[name], value) for name, value in held.items())
+        states = moved_onto(*unit_equations(found.leaf, functions), rough)
+        full = found.momentum(states[np.isfinite(states).all(axis=1)])
+        full = full[full[:, names.index("H")] <= (np.inf if "H" in held else found.energy_max)]
+        values = full[:, [names.index(name) for name in found.names]]
         size = np.ptp(values, axis=0) if len(values) else np.ones(2)
         size = np.where(size > 0, size, 1.0)
         curves = [family.values / size for family in found.families]
@@ -156,13 +162,14 @@ def regions(
         result = list[Region]()
         for label in np.unique(labels):
             inside = values[labels == label]
+            its_values = full[labels == label]
             distance = apart(inside[:, None] / size, begins, ends).min(axis=1, initial=np.inf)
             best, counted = int(distance.argmax()), None
             if not any(are_on(inside[[best]] / size, curve)[0] for curve in curves):
                 try:
                     counted = fibre(
                         found.leaf,
-                        inside[best],
+                        its_values[best],
                         momentum=found.momentum,
                         n_states=n_states,
                         spread=spread,

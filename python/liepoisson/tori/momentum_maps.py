@@ -10,7 +10,7 @@ without critical points consist of tori [arnold1989].
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -247,23 +247,28 @@ def momentum_map(system: System, integrals: Sequence[str | Expr | PhaseFunction]
 
 def on_fibre(momentum: MomentumMap, leaf: Leaf, states: Array, value: Array) -> Array:
     """States of a leaf with one value of the integrals, near given ones, shape (m, N); NaN where none was found."""
-    units, equations = leaf.in_units().units, leaf.equations
-    for function, one in zip(momentum.integrals.values(), value, strict=True):
-        equations = equations.with_function(function, float(one))
-    return _near(equations_in_units(equations, units, leaf.system.bracket), units, states)
+    held = zip(momentum.integrals.values(), value.tolist(), strict=True)
+    return moved_onto(*unit_equations(leaf, held), states)
 
 
 def on_leaf(leaf: Leaf, states: Array) -> Array:
     """States of a leaf near given ones, shape (m, N); NaN where none was found."""
-    return _near(*unit_equations(leaf), states)
+    return moved_onto(*unit_equations(leaf), states)
 
 
-def unit_equations(leaf: Leaf) -> tuple[Equations, Array]:
-    """The equations of a leaf in coordinates divided by units, and the units, shape (N,)."""
-    units = leaf.in_units().units
-    return equations_in_units(leaf.equations, units, leaf.system.bracket), units
+def unit_equations(leaf: Leaf, held: Iterable[tuple[PhaseFunction, float]] = ()) -> tuple[Equations, Array]:
+    """The equations of a leaf in coordinates divided by units, and the units, shape (N,).
+
+    Args:
+        held: Functions besides, each with its value.
+    """
+    units, equations = leaf.in_units().units, leaf.equations
+    for function, value in held:
+        equations = equations.with_function(function, value)
+    return equations_in_units(equations, units, leaf.system.bracket), units
 
 
-def _near(equations: Equations, units: Array, states: Array) -> Array:
+def moved_onto(equations: Equations, units: Array, states: Array) -> Array:
+    """States near given ones, shape (m, N), for which equations in units hold; NaN where none was found."""
     found, residual = approach(equations, states / units)
     return np.where((residual <= CONVERGED)[:, None], found * units, np.nan)
