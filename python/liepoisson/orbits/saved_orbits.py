@@ -140,6 +140,7 @@ class _Writer:
 
     def plain(self, value: Any) -> Any:
         """A value as plain data: what JSON does not have is a dictionary that says what it is."""
+        record: Any
         match value:
             case None | bool() | int() | float() | str():
                 record = value
