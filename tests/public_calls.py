@@ -460,6 +460,10 @@ def _of_tori(add):
         add(f"results.LagrangeDiagram.{method}", "values:N", diagram, diagram.integrals, **given)
     for function in ("lagrange_lattice", "lagrange_actions"):
         add(f"tori.{function}", "values:N", None, diagram.integrals, diagram=diagram, **given)
+    thread = diagram.threads[0]
+    add("tori.thread_loop", "base:N", None, diagram.integrals, diagram=diagram, thread=thread, base=given["values"])
+    loop = lp.tori.thread_loop(diagram, thread)
+    add("tori.lagrange_monodromy", "loops:o", None, diagram.integrals, diagram=diagram, loops=[loop])
 
 
 @cache

@@ -79,7 +79,10 @@ from liepoisson.tori.fibre_regions import Region as Region
 from liepoisson.tori.fibre_regions import Regions as Regions
 from liepoisson.tori.fibres import Fibre as Fibre
 from liepoisson.tori.frequencies import FrequencyDrift as FrequencyDrift
+from liepoisson.tori.lagrange_braids import LagrangeMonodromy as LagrangeMonodromy
 from liepoisson.tori.lagrange_diagrams import CriticalCurve as CriticalCurve
 from liepoisson.tori.lagrange_diagrams import LagrangeDiagram as LagrangeDiagram
+from liepoisson.tori.molecules import Atom as Atom
+from liepoisson.tori.molecules import Molecule as Molecule
 from liepoisson.tori.momentum_maps import MomentumMap as MomentumMap
 from liepoisson.tori.period_lattices import PeriodLattice as PeriodLattice

@@ -31,6 +31,7 @@ def lists_of_all_kinds():
         "diagram of the twisted Lagrange top": lambda: lp.tori.lagrange_diagram(
             lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
         ),
+        "molecule": lambda: lp.tori.molecule(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), 0),
         "critical states": lambda: lp.tori.critical_states(
             lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=10
         ),

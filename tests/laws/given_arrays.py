@@ -372,6 +372,13 @@ CASES: dict[str, Case] = {
     ),
     "lagrange_actions": Case(lambda values: lp.tori.lagrange_actions(lagrange_diagram(), values), {"values": TORUS}),
     "lagrange_lattice": Case(lambda values: lp.tori.lagrange_lattice(lagrange_diagram(), values), {"values": TORUS}),
+    "lagrange_monodromy": Case(
+        lambda loop: lp.tori.lagrange_monodromy(lagrange_diagram(), [loop]).periods,
+        {"loop": lambda: lp.tori.thread_loop(lagrange_diagram(), lagrange_diagram().threads[0])},
+    ),
+    "thread_loop": Case(
+        lambda base: lp.tori.thread_loop(lagrange_diagram(), lagrange_diagram().threads[0], base), {"base": TORUS}
+    ),
     "monodromy": Case(
         lambda state, loop: lp.tori.monodromy(SPHERICAL, state, loop).periods,
         {"state": ON_SPHERE, "loop": np.array([[0.0, 0.2], [0.2, 0.2], [0.2, 0.1]])},

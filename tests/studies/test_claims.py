@@ -30,7 +30,7 @@ holds with a condition: bounded-energy-surfaces v-perp-zero-iff-collinear angles
 holds with a condition: twist-in-hamiltonian euler-singularity-inflated leaf-dimension kovalevskaya-integrable
 holds with a condition: homoclinic-orbits chaos-from-bounded-motion
 incomplete: charged-integrable-cases twisted-lagrange-uncharged deformation-breaks-integrability
-incomplete: kovalevskaya-painleve section-surface
+incomplete: kovalevskaya-painleve section-surface lagrange-bifurcations
 underspecified: leaves-cotangent-so3
 not settled: nearby-integrable-case
 """

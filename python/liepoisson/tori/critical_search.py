@@ -273,9 +273,8 @@ class Critical:
     def _type(self, x: Array, null: Array, corank: int) -> str:
         # A combination that is generic: multiples of 1, sqrt(2), sqrt(3), ... have no relation
         weights = linear.matmul(np.sqrt(np.arange(1.0, corank + 1)), null)
-        slope = linear.matmul(self.slopes(x), weights)
-        tangent = linear.qr(self.leaf.tangent_basis(x * self.units) / self.units[:, None]).Q
-        rates = linear.eigvals(linear.matmul(tangent.T, linear.matmul(slope, tangent)))
+        matrix, _ = self._linearised(x, weights)
+        rates = linear.eigvals(matrix)
         rates = rates[np.argsort(-np.abs(rates))][: 2 * corank]
         largest = np.abs(rates).max()
         if not (np.abs(rates) > _ZERO * largest).all() or largest == 0:
@@ -287,6 +286,32 @@ class Critical:
             "focus-focus": int((real & imaginary).sum()) // 4,
         }
         return ", ".join(name for name, count in counts.items() for _ in range(count)) or "degenerate"
+
+    def _linearised(self, x: Array, weights: Array) -> tuple[Array, Array]:
+        """The linearised flow of a combination that rests, in an orthonormal basis of the tangent space; the basis."""
+        tangent = linear.qr(self.leaf.tangent_basis(x * self.units) / self.units[:, None]).Q
+        slope = linear.matmul(self.slopes(x), weights)
+        return linear.matmul(tangent.T, linear.matmul(slope, tangent)), tangent
+
+    def leaving(self, x: Array) -> Array:
+        r"""Unit vectors from a state at which all flows rest, along the families of critical orbits that leave it.
+
+        One for each elliptic plane and two for each hyperbolic one [eliasson1990], shape (family, N).
+        """
+        matrix, tangent = self._linearised(x, np.sqrt(np.arange(1.0, len(self.sizes) + 1)))
+        rates, unit = linear.eigvals(matrix), np.eye(len(matrix))
+        real, imaginary = (np.abs(part) > _ZERO * np.abs(rates).max() for part in (rates.real, rates.imag))
+
+        def null(of: Array) -> Array:
+            return linear.svd(of)[2][-1]
+
+        found = [null(linear.matmul(matrix, matrix) + r**2 * unit) for r in rates.imag[~real & imaginary] if r > 0]
+        for r in rates.real[real & ~imaginary]:
+            if r > 0:
+                out, back = null(matrix - r * unit), null(matrix + r * unit)
+                found += [out + back, out - back]
+        steps = np.array(found).reshape(len(found), len(unit))
+        return linear.matmul(steps / linear.norm(steps, axis=1, keepdims=True), tangent.T)
 
 
 def _least_step(matrix: Array, residual: Array) -> Array:

@@ -132,7 +132,7 @@ def fibre(
     with deadline.running(), np.errstate(all="ignore"):
         draw, units = stream(as_seed(seed), Purpose.FIBRES), leaf.in_units().units
         states = _states(leaf, momentum, wanted, lambda: width * draw.standard_normal((m, len(units))) * units, m)
-        torus = _tori(leaf, momentum, states, as_seed(seed))
+        torus = joined(leaf, momentum, states, as_seed(seed))
     missed = 1 - float(elementary.power(0.05, 1 / len(states)))
     return Fibre(momentum, wanted, states, torus, int(torus.max()) + 1, missed)
 
@@ -157,8 +157,8 @@ def _states(leaf: Leaf, momentum: MomentumMap, value: Array, draw: Callable[[], 
     )
 
 
-def _tori(leaf: Leaf, momentum: MomentumMap, states: Array, seed: int) -> NDArray[Any]:
-    """The number of the torus of each state."""
+def joined(leaf: Leaf, momentum: MomentumMap, states: Array, seed: int) -> NDArray[Any]:
+    """The number of the torus of each of some states of a fibre."""
     units = leaf.in_units().units
     torus = np.full(len(states), -1, dtype=np.intp)
     number = 0

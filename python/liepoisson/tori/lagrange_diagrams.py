@@ -171,7 +171,9 @@ class LagrangeDiagram(SavedWhole):
         inside = np.array([_is_not_negative(row, at) for row, at in zip(sextic, x, strict=True)])
         values = self.scaled.integrals(scaled)[:, [0, 2]]
         cuts = np.flatnonzero(np.diff(inside.astype(int))) + 1
-        parts = [part for part in np.split(np.arange(len(x)), [*cuts, half]) if len(part) > 1 and inside[part[0]]]
+        parts = [
+            part for part in np.split(np.arange(len(x)), sorted({*cuts, half})) if len(part) > 1 and inside[part[0]]
+        ]
         return [values[part] for part in parts]
 
     def __len__(self) -> int:
@@ -234,7 +236,7 @@ def lagrange_diagram(leaf: Leaf) -> LagrangeDiagram:
     )
 
 
-_COUNTS = {"AA": (5, 0), "AU": (5, 1), "UU-": (5, 2), "UU+": (5, 2), "BU": (8, 3), "AB": (8, 2)}
+_COUNTS = {"AA": (5, 0), "AU": (5, 1), "UU-": (5, 2), "UU+": (5, 2), "BU": (7, 3), "AB": (7, 2)}
 """Edges and threads, and Hamiltonian Hopf points, of each class."""
 
 

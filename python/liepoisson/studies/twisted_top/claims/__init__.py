@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from liepoisson.studies.twisted_top import TEXTS
 from liepoisson.studies.twisted_top.claims import (
+    bifurcations,
     canonical,
     charged,
     discussion,
@@ -42,7 +43,7 @@ __all__ = [
     "twisted_bracket",
 ]
 
-MODULES = (canonical, charged, discussion, homoclinic, leaves, nonintegrable, numerics, twisted)
+MODULES = (bifurcations, canonical, charged, discussion, homoclinic, leaves, nonintegrable, numerics, twisted)
 """Where the checks are."""
 
 
