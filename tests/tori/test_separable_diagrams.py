@@ -1,8 +1,6 @@
 """Diagrams of systems with separated equations against polynomials with double roots."""
 
 import numpy as np
-import pytest
-from connected import pieces
 
 import liepoisson as lp
 

@@ -27,20 +27,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError, ShapeError
 from liepoisson.formula.scalars import as_array
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import check_kind
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.tori.lagrange_diagrams import CriticalCurve, LagrangeDiagram
 from liepoisson.tori.lagrange_lattices import lagrange_lattice
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 N_CORNERS = 24
 """Corners of the circle of a loop, and of the way to it."""
@@ -56,7 +60,7 @@ _CIRCLE = np.array([1, -1, 1])
 
 
 @dataclass(frozen=True, eq=False)
-class LagrangeMonodromy(ReadOnlyArrays):
+class LagrangeMonodromy(SavedWhole):
     r"""The monodromy of the twisted Lagrange top along loops that begin at one value.
 
     Example:
@@ -76,12 +80,26 @@ class LagrangeMonodromy(ReadOnlyArrays):
         periods: The basis $\gamma_1, \gamma_2, \gamma_3$ at the base as rows, see `lagrange_lattice`.
     """
 
+    kind = "monodromy of a twisted Lagrange top"
+    row = "loop"
+
     diagram: LagrangeDiagram
     base: Array
     loops: tuple[Array, ...]
     braids: tuple[tuple[int, ...], ...]
     matrices: NDArray[np.int64]
     periods: Array
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.diagram.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each loop the word of its braid, and M, row by row."""
+        words = np.array([" ".join(map(str, braid)) for braid in self.braids], dtype=np.str_)
+        places = [(i, j) for i in range(3) for j in range(3)]
+        return {"braid": words} | {f"M_{i + 1}{j + 1}": self.matrices[:, i, j] for i, j in places}
 
     @property
     def in_plane(self) -> NDArray[np.int64]:
