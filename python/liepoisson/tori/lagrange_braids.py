@@ -108,13 +108,15 @@ class LagrangeMonodromy(SavedWhole):
         The lattice is the sum of this plane and of $\gamma_1 - \gamma_2 + \gamma_3$, which is fixed.
         """
         differences = np.array([[1, -1, 0], [0, 1, -1]])
-        carried = (differences @ self.matrices).reshape(-1, 2, 3)
+        carried = _product(differences, self.matrices).reshape(-1, 2, 3)
         return np.stack([carried[..., 0], -carried[..., 2]], -1)
 
     @property
     def is_abelian(self) -> bool:
         """Whether all matrices commute."""
-        return all((one @ other == other @ one).all() for one in self.in_plane for other in self.in_plane)
+        return all(
+            (_product(one, other) == _product(other, one)).all() for one in self.in_plane for other in self.in_plane
+        )
 
     @property
     def invariant(self) -> NDArray[np.int64]:
@@ -169,7 +171,7 @@ class LagrangeMonodromy(SavedWhole):
 def _direction(plane: NDArray[np.int64]) -> tuple[int, int] | None:
     """The primitive vector along which a matrix moves, if it is unipotent."""
     rest = plane - np.eye(2, dtype=np.int64)
-    if (rest @ rest).any():
+    if _product(rest, rest).any():
         return None
     row = rest[0] if rest[0].any() else rest[1]
     x, y = (row // np.gcd.reduce(row)).tolist()
@@ -256,9 +258,14 @@ def _polygon(diagram: LagrangeDiagram, given: ArrayLike) -> Array:
     return loop
 
 
+def _product(one: NDArray[np.int64], other: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Products of matrices of whole numbers, exactly."""
+    return np.asarray((one[..., None] * other[..., None, :, :]).sum(axis=-2), dtype=np.int64)
+
+
 def _matrix(braid: Sequence[int]) -> NDArray[np.int64]:
     letters = (_SIGMA[i - 1] if i > 0 else _INVERSE[-i - 1] for i in braid)
-    return reduce(lambda one, other: one @ other, letters, np.eye(3, dtype=np.int64))
+    return reduce(_product, letters, np.eye(3, dtype=np.int64))
 
 
 def _base(diagram: LagrangeDiagram, given: ArrayLike | None) -> Array:

@@ -31,7 +31,7 @@ from liepoisson.inputs.refusals import check_kind, counted
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_in_units import equations_in_units
 from liepoisson.orbits.saved_orbits import SavedWhole
-from liepoisson.portable import linear
+from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.critical_search import Critical, momentum_of
 from liepoisson.tori.fibres import joined
@@ -294,7 +294,7 @@ class _Level:
         rows = np.concatenate([self.critical.equations.relative(x[None])[1][0], (along[1:] - along[:1]) / 1e-4])
         across = linear.svd(rows)[2][-2:]
         angles = 2 * np.pi * np.arange(_AROUND) / _AROUND
-        turned = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        turned = np.stack([elementary.cos(angles), elementary.sin(angles)], axis=1)
         beside = self._on_level((x + _BESIDE * linear.matmul(turned, across)) * self.units)
         if len(beside) < _AROUND:
             raise self.refused(f"the states around {(x * self.units).tolist()} are not resolved: take another energy")
