@@ -293,7 +293,8 @@ def _center(diagram: LagrangeDiagram, thread: CriticalCurve) -> tuple[Array, Arr
     angle = (np.arange(_PLACES) + 0.5) * (np.pi / _PLACES) - np.pi / 2
     mu = elementary.tan(angle)
     # R(mu) is affine in l3, h and p: divided by the length of its gradient it is a distance
-    gradient = 2 * np.abs(mu) ** 3 * np.sqrt(mu**4 + mu**2 + 1)
+    square = mu * mu
+    gradient = 2 * np.abs(mu) * square * np.sqrt(square * square + square + 1)
     far = np.array([(np.polyval(row, mu) / gradient).min() for row in diagram.sextic(thread.values)])
     for other in diagram.threads:
         if other is not thread:
