@@ -91,6 +91,7 @@ def kept():
     pendulum, state = lp.catalog.system("spherical-pendulum"), [0.3, 0.8, 0.2, 0.8, 0, 0.6]
     sphere = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
     plane = lp.tori.diagram(sphere, energy_max=2, n_starts=20)
+    curves = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
     found = [
         orbits, orbits[0], orbits[0].polished(), symmetric_orbits, symmetric_orbits[0], symmetric_orbits[0].polished(),
         homoclinic, homoclinic[0], homoclinic[0].polished(digits=16), connecting, connecting[0], connecting[0].unstable,
@@ -99,7 +100,7 @@ def kept():
         lp.tori.critical_states(sphere, n_starts=10), plane, lp.tori.regions(plane, n_values=100, n_states=5),
         lp.tori.fibre(sphere, [0.5, 0.2], n_states=5), lp.tori.period_lattice(pendulum, state, integrals=["l3/2"]),
         lp.tori.monodromy(pendulum, state, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]),
-        lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})),
+        lp.tori.molecule(sphere, 0), curves, lp.tori.lagrange_monodromy(curves),
     ]  # fmt: skip
     return {type(one).kind: one for one in found}
 
@@ -175,6 +176,12 @@ def test_what_is_found_of_tori_shares_its_system(tmp_path):
     regions = lp.load(kept()["regions of a diagram"].save(tmp_path / "regions.nc"))
     assert regions[0].fibre.momentum is regions.diagram.momentum
     assert regions.diagram.momentum.system is regions.diagram.leaf.system
+
+
+def test_no_loops_keep_their_type(tmp_path):
+    whole = kept()["monodromy of a twisted Lagrange top"]
+    none = lp.results.LagrangeMonodromy(whole.diagram, whole.base, (), (), whole.matrices[:0], whole.periods)
+    assert same(none, lp.load(none.save(tmp_path / "none.nc")))
 
 
 def test_empty_arrays_keep_their_type(tmp_path):

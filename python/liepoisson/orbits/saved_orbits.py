@@ -32,6 +32,7 @@ from liepoisson.numeric.methods import METHODS, Method, Taylor, method_of, metho
 T = TypeVar("T")
 
 CLASSES = {
+    "Atom": "tori.molecules",
     "ConnectingOrbit": "orbits.connections",
     "ConnectingOrbits": "orbits.connections",
     "CriticalCurve": "tori.lagrange_diagrams",
@@ -47,8 +48,10 @@ CLASSES = {
     "HomoclinicOrbits": "orbits.homoclinic_orbits",
     "InvariantManifold": "orbits.invariant_manifolds",
     "LagrangeDiagram": "tori.lagrange_diagrams",
+    "LagrangeMonodromy": "tori.lagrange_braids",
     "Level": "orbits.level",
     "Melnikov": "orbits.melnikov_integrals",
+    "Molecule": "tori.molecules",
     "MomentumMap": "tori.momentum_maps",
     "Monodromy": "tori.carried_lattices",
     "OrbitFamily": "orbits.orbit_families",
@@ -140,6 +143,7 @@ class _Writer:
 
     def plain(self, value: Any) -> Any:
         """A value as plain data: what JSON does not have is a dictionary that says what it is."""
+        record: Any
         match value:
             case None | bool() | int() | float() | str():
                 record = value

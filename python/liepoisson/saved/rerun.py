@@ -70,6 +70,8 @@ KEPT = {
     "fibre": ("Fibre", "lp.tori.fibre"),
     "period lattice": ("PeriodLattice", "lp.tori.period_lattice"),
     "monodromy": ("Monodromy", "lp.tori.monodromy"),
+    "molecule": ("Molecule", "lp.tori.molecule"),
+    "monodromy of a twisted Lagrange top": ("LagrangeMonodromy", "lp.tori.lagrange_monodromy"),
     "diagram of a twisted Lagrange top": ("LagrangeDiagram", "lp.tori.lagrange_diagram"),
 }
 """The class of what is loaded and not repeated, since no file says where it was looked for, and what looks again."""

@@ -27,20 +27,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError, ShapeError
 from liepoisson.formula.scalars import as_array
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import check_kind
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.tori.lagrange_diagrams import CriticalCurve, LagrangeDiagram
 from liepoisson.tori.lagrange_lattices import lagrange_lattice
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 N_CORNERS = 24
 """Corners of the circle of a loop, and of the way to it."""
@@ -56,7 +60,7 @@ _CIRCLE = np.array([1, -1, 1])
 
 
 @dataclass(frozen=True, eq=False)
-class LagrangeMonodromy(ReadOnlyArrays):
+class LagrangeMonodromy(SavedWhole):
     r"""The monodromy of the twisted Lagrange top along loops that begin at one value.
 
     Example:
@@ -76,6 +80,9 @@ class LagrangeMonodromy(ReadOnlyArrays):
         periods: The basis $\gamma_1, \gamma_2, \gamma_3$ at the base as rows, see `lagrange_lattice`.
     """
 
+    kind = "monodromy of a twisted Lagrange top"
+    row = "loop"
+
     diagram: LagrangeDiagram
     base: Array
     loops: tuple[Array, ...]
@@ -84,19 +91,32 @@ class LagrangeMonodromy(ReadOnlyArrays):
     periods: Array
 
     @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.diagram.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each loop the word of its braid, and M, row by row."""
+        words = np.array([" ".join(map(str, braid)) for braid in self.braids], dtype=np.str_)
+        places = [(i, j) for i in range(3) for j in range(3)]
+        return {"braid": words} | {f"M_{i + 1}{j + 1}": self.matrices[:, i, j] for i, j in places}
+
+    @property
     def in_plane(self) -> NDArray[np.int64]:
         r"""The matrices on $w_1 = \gamma_1 - \gamma_2$ and $w_2 = \gamma_2 - \gamma_3$, shape (loop, 2, 2).
 
         The lattice is the sum of this plane and of $\gamma_1 - \gamma_2 + \gamma_3$, which is fixed.
         """
         differences = np.array([[1, -1, 0], [0, 1, -1]])
-        carried = (differences @ self.matrices).reshape(-1, 2, 3)
+        carried = _product(differences, self.matrices).reshape(-1, 2, 3)
         return np.stack([carried[..., 0], -carried[..., 2]], -1)
 
     @property
     def is_abelian(self) -> bool:
         """Whether all matrices commute."""
-        return all((one @ other == other @ one).all() for one in self.in_plane for other in self.in_plane)
+        return all(
+            (_product(one, other) == _product(other, one)).all() for one in self.in_plane for other in self.in_plane
+        )
 
     @property
     def invariant(self) -> NDArray[np.int64]:
@@ -151,7 +171,7 @@ class LagrangeMonodromy(ReadOnlyArrays):
 def _direction(plane: NDArray[np.int64]) -> tuple[int, int] | None:
     """The primitive vector along which a matrix moves, if it is unipotent."""
     rest = plane - np.eye(2, dtype=np.int64)
-    if (rest @ rest).any():
+    if _product(rest, rest).any():
         return None
     row = rest[0] if rest[0].any() else rest[1]
     x, y = (row // np.gcd.reduce(row)).tolist()
@@ -238,9 +258,14 @@ def _polygon(diagram: LagrangeDiagram, given: ArrayLike) -> Array:
     return loop
 
 
+def _product(one: NDArray[np.int64], other: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Products of matrices of whole numbers, exactly."""
+    return np.asarray((one[..., None] * other[..., None, :, :]).sum(axis=-2), dtype=np.int64)
+
+
 def _matrix(braid: Sequence[int]) -> NDArray[np.int64]:
     letters = (_SIGMA[i - 1] if i > 0 else _INVERSE[-i - 1] for i in braid)
-    return reduce(lambda one, other: one @ other, letters, np.eye(3, dtype=np.int64))
+    return reduce(_product, letters, np.eye(3, dtype=np.int64))
 
 
 def _base(diagram: LagrangeDiagram, given: ArrayLike | None) -> Array:
@@ -268,7 +293,8 @@ def _center(diagram: LagrangeDiagram, thread: CriticalCurve) -> tuple[Array, Arr
     angle = (np.arange(_PLACES) + 0.5) * (np.pi / _PLACES) - np.pi / 2
     mu = elementary.tan(angle)
     # R(mu) is affine in l3, h and p: divided by the length of its gradient it is a distance
-    gradient = 2 * np.abs(mu) ** 3 * np.sqrt(mu**4 + mu**2 + 1)
+    square = mu * mu
+    gradient = 2 * np.abs(mu) * square * np.sqrt(square * square + square + 1)
     far = np.array([(np.polyval(row, mu) / gradient).min() for row in diagram.sextic(thread.values)])
     for other in diagram.threads:
         if other is not thread:

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +28,17 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind, counted
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_in_units import equations_in_units
-from liepoisson.portable import linear
+from liepoisson.orbits.saved_orbits import SavedWhole
+from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.critical_search import Critical, momentum_of
 from liepoisson.tori.fibres import joined
 from liepoisson.tori.momentum_maps import MomentumMap, on_fibre, on_leaf
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _BESIDE = 0.01
 """Distance from a circle of the states beside it, in units of the leaf."""
@@ -84,7 +87,7 @@ class Atom(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class Molecule(ReadOnlyArrays, Tabular):
+class Molecule(SavedWhole):
     """The graph of the tori of a level of energy.
 
     Example:
@@ -101,11 +104,19 @@ class Molecule(ReadOnlyArrays, Tabular):
         families: The numbers of the lower and of the upper atom of each family of tori, shape (family, 2).
     """
 
+    kind = "molecule"
+    row = "family"
+
     momentum: MomentumMap
     leaf: Leaf
     energy: float
     atoms: tuple[Atom, ...]
     families: NDArray[np.intp]
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     def __len__(self) -> int:
         """How many families of tori it has."""
@@ -283,7 +294,7 @@ class _Level:
         rows = np.concatenate([self.critical.equations.relative(x[None])[1][0], (along[1:] - along[:1]) / 1e-4])
         across = linear.svd(rows)[2][-2:]
         angles = 2 * np.pi * np.arange(_AROUND) / _AROUND
-        turned = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        turned = np.stack([elementary.cos(angles), elementary.sin(angles)], axis=1)
         beside = self._on_level((x + _BESIDE * linear.matmul(turned, across)) * self.units)
         if len(beside) < _AROUND:
             raise self.refused(f"the states around {(x * self.units).tolist()} are not resolved: take another energy")
