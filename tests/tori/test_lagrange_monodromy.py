@@ -66,6 +66,13 @@ def test_beside_the_wall_where_threads_exchange_their_ends_both_braids_occur(sid
     assert (one @ other @ one == other @ one @ other).all()
 
 
+@pytest.mark.parametrize(("c2", "name"), [(0, "UU+"), (0.8, "UU+"), (0.83, "AB"), (-0.99, "AB")])
+def test_classes_of_a_small_twist(c2, name):
+    """UU+ for C2^2 < 2 C1 C3/3 = 0.667, AB beyond."""
+    top = lp.Top.twisted_lagrange(epsilon=Fraction(1, 10**6))
+    assert lp.tori.leaf_class(lp.Leaf(top, {"C1": 1, "C2": c2, "C3": 1})) == name
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("c1", [3.2, 4, 5, 8, 20, 40])
 def test_threads_of_symmetric_leaves_are_threads(c1):
