@@ -445,6 +445,11 @@ def _of_tori(add):
     add("tori.period_lattice", "state:N integrals:o", None, names, **torus)
     loop = [[0.0, 0.2], [0.2, 0.2], [0.2, 0.1]]
     add("tori.monodromy", "state:N loop:N integrals:o", None, names, **torus, loop=loop)
+    run = lp.integrate(pendulum, on["states"], t_end=5)
+    plane = ("alpha1", "alpha2")
+    add("tori.rotation_number", "plane:o center:N", None, plane, orbit=run, plane=plane, center=(0.1, 0.2))
+    square = [[1.0, 0.1], [0.1, 1.0], [-1.0, 0.1], [0.1, -1.0], [1.0, 0.2]]
+    add("tori.rotation_number:of points", "orbit:o", orbit=square, center=(0, 0))
     leaf = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
     add("tori.fibre", "value:N", None, names, leaf=leaf, value=[0.5, 0.2], n_states=5)
     plane = lp.tori.diagram(leaf, energy_max=2, n_starts=20)

@@ -4,6 +4,7 @@ Imports inside functions and those for types count like all others.
 """
 
 import ast
+import re
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -150,6 +151,16 @@ def circles():
 
 def test_every_folder_is_in_a_layer():
     assert sorted({folder(name) for name in modules()}) == sorted(name for layer in LAYERS for name in layer)
+
+
+def test_the_page_of_the_architecture_has_the_same_order():
+    """The folders at the beginnings of the lines of its tree, each no lower than the one before it."""
+    page = (ROOT.parents[1] / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    level = {name: k for k, names in enumerate(LAYERS) for name in names}
+    told = re.findall(r"^  (\w+)/", page.split("python/liepoisson/\n")[1].split("crates/")[0], flags=re.MULTILINE)
+    assert {*told} <= {*level}
+    assert len(told) > 20
+    assert told == sorted(told, key=level.__getitem__)
 
 
 def test_imports_run_down():

@@ -22,7 +22,7 @@ WRITERS = {
     ("continue", "--out"): ("a.csv", ("--period", "6")),
     ("continue", "--figure"): ("a.png", ("--period", "6")),
     ("melnikov", "--out"): ("a.csv", ("l1", "--start", "l1=1", "--origin", "l1=1", "--integral", "l3")),
-    ("diagram", "--out"): ("a.csv", ()),
+    ("diagram", "--out"): ("a.nc", ()),
     ("diagram", "--figure"): ("a.png", ()),
     ("sweep", "--out"): ("a.csv", ()),
     ("sweep", "--figure"): ("a.png", ()),
@@ -105,6 +105,15 @@ def test_a_table_has_the_columns_of_the_result(here, command, name):
         assert code == 0, err
     expected = lp.load(here / "table.nc").to_csv(here / "expected.csv")
     assert (here / "table.csv").read_text() == expected.read_text()
+
+
+def test_a_diagram_is_read_again_with_its_regions(here, command):
+    given = ("diagram", "spherical-pendulum", "--leaf", "C1=0,C2=1", "--energy-max", 2)
+    assert command(*given, "--out", "plane.nc")[0] == 0
+    assert command(*given, "--regions", "--out", "regions.nc")[0] == 0
+    plane, regions = lp.load("plane.nc"), lp.load("regions.nc")
+    assert regions[0].fibre.n_tori == 1
+    assert regions.diagram.to_dataframe().equals(plane.to_dataframe())
 
 
 ESCAPED = "all orbits left every bounded region, or ran into a singularity (step too small): take a lower energy"

@@ -244,6 +244,7 @@ COUNTED = {
     "tori.critical_states": lambda **limit: lp.tori.critical_states(ON_A_SPHERE, n_starts=MANY, **limit),
     "tori.diagram": lambda **limit: lp.tori.diagram(ON_A_SPHERE, n_starts=MANY, **limit),
     "tori.regions": lambda **limit: lp.tori.regions(DIAGRAM, n_states=MANY, **limit),
+    "tori.molecule": lambda **limit: lp.tori.molecule(ON_A_SPHERE, 0.5, n_states=MANY, **limit),
     "tori.fibre": lambda **limit: lp.tori.fibre(ON_A_SPHERE, [0.5, 0.2], n_states=MANY, **limit),
     "sections.section": lambda **limit: lp.section(TWISTED, STARTS, surface="l3", n_crossings=MANY, **LONG, **limit),
 }

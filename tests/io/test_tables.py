@@ -31,8 +31,17 @@ def lists_of_all_kinds():
         "diagram of the twisted Lagrange top": lambda: lp.tori.lagrange_diagram(
             lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
         ),
+        "molecule": lambda: lp.tori.molecule(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), 0),
         "critical states": lambda: lp.tori.critical_states(
             lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=10
+        ),
+        "regions of a diagram": lambda: lp.tori.regions(
+            lp.tori.diagram(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), energy_max=2),
+            n_values=100,
+            n_states=5,
+        ),
+        "rotation numbers": lambda: lp.tori.rotation_number(
+            lp.section(HENON, [[0, 0.1, 0.35, 0], [0, 0.2, 0.3, 0]], surface="x", direction=1, t_end=100), ["y", "p_y"]
         ),
         "connecting orbits": lambda: lp.orbits.connecting_orbits(lp.phase_space.equilibrium(duffing, [0, 0])),
         "a family of orbits": lambda: lp.orbits.orbit_family(

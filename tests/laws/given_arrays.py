@@ -384,5 +384,9 @@ CASES: dict[str, Case] = {
         {"state": ON_SPHERE, "loop": np.array([[0.0, 0.2], [0.2, 0.2], [0.2, 0.1]])},
     ),
     "period_lattice": Case(lambda state: lp.tori.period_lattice(SPHERICAL, state).periods, {"state": ON_SPHERE}),
+    "rotation_number": Case(
+        lambda orbit, center: lp.tori.rotation_number(orbit, center=center),
+        {"orbit": np.stack([np.cos(np.arange(9.0)), np.sin(np.arange(9.0))], axis=1), "center": np.array([0.1, 0.2])},
+    ),
     "view": Case(lambda start: tuple(lp.view(TOP, start=start).start), {"start": STATES[0].copy()}),
 }

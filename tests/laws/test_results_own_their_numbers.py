@@ -152,7 +152,25 @@ def results():
     leaf = lp.Leaf.through(TOP, STATES[0])
     energy, chart = float(TOP.functions.energy(STATES[0])), lp.charts.EulerChart(TOP, state=STATES[0])
     ensemble = np.geomspace(1, 100, 40), np.random.default_rng(1).lognormal(size=(60, 40))
+    pendulum, on_sphere = lp.catalog.system("spherical-pendulum"), [0.3, 0.8, 0.2, 0.8, 0, 0.6]
+    sphere = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
+    round_top = lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
+
+    def plane():
+        return lp.tori.diagram(sphere, energy_max=2, n_starts=20)
+
     return {
+        "CriticalCurve": lambda: lp.tori.lagrange_diagram(round_top).threads[0],
+        "CriticalFamily": lambda: plane().families[0],
+        "CriticalStates": lambda: lp.tori.critical_states(sphere, n_starts=10),
+        "Diagram": plane,
+        "Fibre": lambda: lp.tori.fibre(sphere, [0.5, 0.2], n_states=5),
+        "LagrangeDiagram": lambda: lp.tori.lagrange_diagram(round_top),
+        "Monodromy": lambda: lp.tori.monodromy(pendulum, on_sphere, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]),
+        "PeriodLattice": lambda: lp.tori.period_lattice(pendulum, on_sphere),
+        "Region": lambda: lp.tori.regions(plane(), n_values=100, n_states=5)[0],
+        "Regions": lambda: lp.tori.regions(plane(), n_values=100, n_states=5),
+        "RotationNumbers": lambda: lp.tori.rotation_number(np.stack([np.cos(range(9)), np.sin(range(9))], axis=1)),
         "Agreement": lambda: lp.chaos.agreement(lp.decide(TOP, STATES, t_end=10)),
         "Alignment": lambda: lp.chaos.alignment(TOP, STATES, t_end=2),
         "Attitude": lambda: lp.orbits.attitude(TOP, STATES, times=[0, 1]),

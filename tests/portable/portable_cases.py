@@ -84,6 +84,50 @@ def _factors():
     return np.concatenate([part.ravel() for part in parts])
 
 
+def _on_tori():
+    pendulum, state = lp.catalog.system("spherical-pendulum"), [0.3, 0.8, 0.2, 0.8, 0, 0.6]
+    sphere = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
+    plane = lp.tori.diagram(sphere, energy_max=2, n_starts=20)
+    (region,) = lp.tori.regions(plane, n_values=50, n_states=10)
+    crossings = lp.section(pendulum, state, surface="l1*alpha2 - l2*alpha1", direction=1, t_end=400)
+    turns = lp.tori.rotation_number(crossings, ["alpha1", "alpha2"], center=[0, 0])
+    found = [
+        lp.tori.critical_states(sphere, n_starts=20).states,
+        *(family.states for family in plane.families),
+        plane.rest_states,
+        region.values,
+        region.fibre.states,
+        region.fibre.torus,
+        lp.tori.monodromy(pendulum, state, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]).periods,
+        turns.value,
+        turns.error,
+    ]
+    return np.concatenate([np.ravel(one) for one in found])
+
+
+def _density():
+    system = lp.catalog.system("kovalevskaya")
+    states = lp.sample_states(system, 200, seed=2)
+    return lp.sections.return_map(system, "alpha3", t_end=10).density(states, ["l1", "l2"])
+
+
+def _on_spectral_curves():
+    diagram = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+    some = [[3 + k / 20, 0.5 - k / 77, 0.2 + k / 100] for k in range(25)]
+    top = diagram.leaf.system
+    found = [
+        *(curve.values for curve in diagram.curves),
+        *(curve.states for curve in diagram.curves),
+        diagram.hopf_values,
+        *diagram.boundary(0.3),
+        diagram.depth(some),
+        *(lp.tori.lagrange_lattice(diagram, values) for values in some),
+        *(lp.tori.lagrange_actions(diagram, values) for values in some),
+        *(lp.tori.period_lattice(top, x).periods for x in lp.sample_states(top, 3, seed=1)),
+    ]
+    return np.concatenate([np.ravel(one) for one in found])
+
+
 CASES = {
     "unit vectors": partial(_starts, "kovalevskaya"),
     "cube": partial(_starts, "zeitlin-3", ensemble="cube"),
@@ -97,6 +141,9 @@ CASES = {
     "mean errors": _mean_errors,
     "starts on a section": _section_starts,
     "Euler angles": _angles,
+    "measures of a map of return": _density,
+    "diagrams, fibres and lattices": _on_tori,
+    "diagrams and lattices on spectral curves": _on_spectral_curves,
     "the field of a double pendulum": _vector_field,
     "singular vectors, roots, eigenvectors": _factors,
     **{f"leaf of {name}": partial(_on_leaf, name) for name in ("free-rigid-body", "zeitlin-3", "manakov-so4")},

@@ -36,7 +36,7 @@ TWINS = ("leaf of zeitlin-3", "leaf of manakov-so4", "energy of heavy-top", "ene
     ],
 )
 def test_a_seed_means_the_same_bits_on_every_processor(processor, without):
-    """Starts of eleven systems, fits, frequencies, factors, as on processors without AVX-512 and without AVX."""
+    """Starts of eleven systems, fits, frequencies, factors, tori, as on processors without AVX-512 and without AVX."""
     if processor != "native" and not (sys.platform == "linux" and os.uname().machine == "x86_64"):
         pytest.skip("other processors are imitated on Linux on x86-64")
     program = [sys.executable, "tests/portable/portable_cases.py", *without]

@@ -85,3 +85,22 @@ def test_walls_are_refused():
 def test_other_tops_are_refused(top):
     with pytest.raises((ParameterError, LeafError), match=r"system: wanted|leaf: wanted"):
         lp.tori.leaf_class(lp.Leaf.through(top, [0.1, 0.2, 1, 0, 0.1, 1, 0, 0, 1]))
+
+
+@pytest.mark.parametrize("rest", ["5", "1/4 - dot(beta, beta)^2 - 3*dot(alpha, beta)"])
+def test_constants_and_casimirs_in_the_energy_move_its_values_only(rest):
+    """Values are those of the states, and the quadrature's periods close the flows: an integer change of basis."""
+    bracket = lp.so(3) @ lp.leibniz(3, "epsilon")
+    energy = "dot(l, inv(I)*l)/2 + a*alpha3"
+    top, other = (
+        lp.System(bracket, formula, {"I": [2, 2, 1], "a": 1, "epsilon": 1})
+        for formula in (energy, f"{energy} + {rest}")
+    )
+    x = [0.3, 0.1, 1.2, 0.5, 0.2, 0.4, 0.1, 0.3, 0.9]
+    plain, moved = (lp.tori.lagrange_diagram(lp.Leaf.through(system, x)) for system in (top, other))
+    shift = float(other.functions.energy(x)) - float(top.functions.energy(x))
+    for one, two in zip(plain.curves, moved.curves, strict=True):
+        np.testing.assert_allclose(two.values, one.values + np.array([shift, 0, 0]), rtol=1e-12)
+        np.testing.assert_allclose(moved.momentum(two.states), two.values, rtol=1e-9, atol=1e-9)
+    lattices = [lp.tori.lagrange_lattice(one, one.momentum(x)) for one in (plain, moved)]
+    np.testing.assert_allclose(*lattices, rtol=1e-10)

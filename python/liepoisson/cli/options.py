@@ -50,6 +50,7 @@ _HELP = {
     "leaf": "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf l.alpha=1/5; the others keep theirs.",
     "energy": "Value of the Hamiltonian, as in --energy 1.5 or --energy 3/2.",
     "out": "Also write the result to this file: .nc (which can be rerun) or .csv (a table).",
+    "found": "Also write what is found to this file: .nc, which `liepoisson.load` reads, or .csv, its table.",
     "table": "Also write the table to this file, .csv.",
     "plot": "Draw a figure, a .png file in the working folder.",
     "figure": "Draw the figure into this file: .png, .svg or .pdf; without an ending, all three.",
@@ -69,6 +70,7 @@ SeedOfStartOption: TypeAlias = Annotated[int | None, typer.Option(help="Seed of 
 LevelOption: TypeAlias = Annotated[_Texts, typer.Option(metavar="EQUATION", help=_HELP["on"])]
 LeafOption: TypeAlias = Annotated[_Texts, typer.Option(metavar="C1=VALUE,...", help=_HELP["leaf"])]
 OutOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["out"])]
+FoundOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["found"])]
 TableOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE.csv", help=_HELP["table"])]
 
 

@@ -11,6 +11,7 @@ from liepoisson.cli.options import (
     Common,
     Format,
     FormatOption,
+    FoundOption,
     SeedOption,
     SystemArgument,
     Where,
@@ -43,13 +44,11 @@ ALONG_HELP = 'What varies: "energy" or the name of a Casimir; the others are hel
 UNTIL_HELP = "The value at which the family ends, as in --until 1/6."
 DOWN_HELP = "Begin towards smaller values, where --until does not say the direction."
 BRANCH_HELP = "Print the family that leaves at this branch or double period instead: 1 is the first one of the list."
-OUT_HELP = "Also write what is found to this file: .nc, which `liepoisson.load` reads, or .csv, its table."
 STEP_HELP = "The longest step between starts of orbits, in units of the level.  [default: 0.2]"
 MIDDLE_HELP = "The middle of a homoclinic orbit, written as in `orbit`."
 ORIGIN_HELP = "The equilibrium from which it comes and to which it goes, written as --start."
 INTEGRAL_HELP = "An integral whose values part on the two manifolds: --integral l3.  Repeat it for more."
 MomentaOption = Annotated[list[str] | None, typer.Option("--momentum", metavar="FORMULA", help=MOMENTUM_HELP)]
-FoundOption = Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)]
 PeriodOption = Annotated[float | None, typer.Option(help=PERIOD_HELP)]
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from liepoisson.cli.options import Common, Format, FormatOption, SeedOption, SystemArgument, TableOption, Where, show
-from liepoisson.cli.output import TABLE_ENDINGS, data_file, figure_stem, name_of_files, write_figure, write_result
+from liepoisson.cli.options import Common, Format, FormatOption, FoundOption, SeedOption, SystemArgument, Where, show
+from liepoisson.cli.output import data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
 from liepoisson.cli.starts import find_start, read_numeric_system
 from liepoisson.errors import ParameterError
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from liepoisson.tori.diagrams import Diagram
-    from liepoisson.tori.fibre_regions import Region
+    from liepoisson.tori.fibre_regions import Regions
     from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
 
 INTEGRAL_HELP = "An integral beside H: --integral K. By default the known ones that commute.  Repeat it for more."
 ENERGY_MAX_HELP = "Follow families up to this energy.  [default: the highest of random states]"
 CUT_HELP = "Of the twisted Lagrange top: draw the plane of this l3 instead of the figure in space."
-REGIONS_HELP = "Count the tori over each region of the plane."
+REGIONS_HELP = "Count the tori over each region of the plane; a file .nc has the regions with the diagram."
 
 
 def diagram(
@@ -36,7 +36,7 @@ def diagram(
     regions: Annotated[bool, typer.Option("--regions", help=REGIONS_HELP)] = False,
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = TIME_LIMIT,
-    out: TableOption = None,
+    out: FoundOption = None,
     plot: Annotated[bool, typer.Option("--plot", help="Draw a figure, a .png file in the working folder.")] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help="Draw the figure into this file.")] = None,
     format_: FormatOption = Format.TEXT,
@@ -51,9 +51,9 @@ def diagram(
     check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, common.values)
     stem = f"{name_of_files(chosen, common.values)}-diagram"
-    data, picture = data_file(out, f"{stem}.csv", endings=TABLE_ENDINGS), figure_stem(plot, figure, stem)
+    data, picture = data_file(out, f"{stem}.nc"), figure_stem(plot, figure, stem)
     found: Diagram | LagrangeDiagram
-    counted: tuple[Region, ...] = ()
+    counted: Regions | tuple[()] = ()
     if is_twisted_lagrange(chosen) and not integral:
         from liepoisson.tori.lagrange_diagrams import lagrange_diagram
 
@@ -76,7 +76,9 @@ def diagram(
         with running("looking for critical values", 1.0, quiet=common.quiet):
             found = search(leaf, momentum=momentum, energy_max=limit, seed=seed, time_limit=time_limit)
             counted = count(found, seed=seed, time_limit=time_limit) if regions else ()
-    files = [] if data is None else [write_result(found, data)]
+    # the file of regions has their diagram; its table is that of critical values
+    whole = counted if counted and data is not None and data.suffix == ".nc" else found
+    files = [] if data is None else [write_result(whole, data)]
     if picture is not None:
         from liepoisson.plot.diagrams import diagram as draw
 

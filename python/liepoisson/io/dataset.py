@@ -178,7 +178,10 @@ class _Writer:
         return values
 
     def whole(self, result: Kept) -> None:
-        """The columns of its table, those of a state as one array, and the result itself as plain data."""
+        """The columns of its table, those of a state as one array, and the result itself as plain data.
+
+        HDF5 takes a name with "/" for a path; formulas that are names have "÷" there.
+        """
         self.records |= result.records()
         row, components = result.row, list(result.system.component_names)
         self.coordinates["component"] = components
@@ -189,7 +192,8 @@ class _Writer:
                 vector = np.stack([columns.pop(part) for part in parts], axis=1)
                 self.array(name, vector, ArrayLabel((row, "component"), {"long_name": f"{name}, a state"}))
         for name, column in columns.items():
-            self.array(name, column, ArrayLabel((row,), {"long_name": name.replace("_", " ")}))
+            label = ArrayLabel((row,), {"long_name": name.replace("_", " ")})
+            self.array(name.replace("/", "÷"), column, label)
 
     def array(self, name: str, value: Any, label: ArrayLabel) -> None:
         dims = _written_dims(label.dims, value.ndim)

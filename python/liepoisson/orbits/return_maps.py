@@ -175,7 +175,7 @@ class ReturnMap:
         own, to_s, to_h = brackets[:, :k, :k], brackets[:, :k, k], brackets[:, :k, k + 1]
         rate = brackets[:, k + 1, k][:, None, None]  # {H, s}
         crossed = to_s[:, :, None] * to_h[:, None, :] - to_h[:, :, None] * to_s[:, None, :]
-        return (np.abs(linear.det(own + crossed / rate)) ** -0.5).reshape(given.shape[:-1])
+        return (1 / np.sqrt(np.abs(linear.det(own + crossed / rate)))).reshape(given.shape[:-1])
 
     def exponents(self, states: StartsLike, n_returns: int, *, time_limit: float = TIME_LIMIT) -> MapExponents:
         """The Lyapunov exponents of the map on the level, for one return, the largest first.

@@ -1,4 +1,4 @@
-"""Orbits, and what was found of them, as plain data: written whole, with what they share, and read as the same objects.
+"""Orbits, tori and what was found of them as plain data: written whole, with what they share, and read as the same.
 
 An object is written once, by the names of its fields, whatever refers to it: a homoclinic orbit comes back with one
 manifold of one orbit at both ends.  Only the classes that are listed here are made again.
@@ -34,22 +34,34 @@ T = TypeVar("T")
 CLASSES = {
     "ConnectingOrbit": "orbits.connections",
     "ConnectingOrbits": "orbits.connections",
+    "CriticalCurve": "tori.lagrange_diagrams",
+    "CriticalFamily": "tori.diagrams",
+    "CriticalStates": "tori.critical_search",
     "Cycles": "orbits.return_maps",
+    "Diagram": "tori.diagrams",
     "DiscreteSymmetry": "model.discrete_symmetries",
     "Equilibrium": "equilibrium.stability",
     "FamilyPoint": "orbits.orbit_families",
+    "Fibre": "tori.fibres",
     "HomoclinicOrbit": "orbits.homoclinic_orbits",
     "HomoclinicOrbits": "orbits.homoclinic_orbits",
     "InvariantManifold": "orbits.invariant_manifolds",
+    "LagrangeDiagram": "tori.lagrange_diagrams",
     "Level": "orbits.level",
     "Melnikov": "orbits.melnikov_integrals",
+    "MomentumMap": "tori.momentum_maps",
+    "Monodromy": "tori.carried_lattices",
     "OrbitFamily": "orbits.orbit_families",
+    "PeriodLattice": "tori.period_lattices",
     "PeriodicOrbit": "orbits.closed_orbits",
     "PeriodicOrbits": "orbits.guesses",
     "PreciseMidpoint": "orbits.refine",
     "PreciseOrbit": "orbits.refine",
     "PreciseSegment": "orbits.refine",
+    "Region": "tori.fibre_regions",
+    "Regions": "tori.fibre_regions",
     "ReturnMap": "orbits.return_maps",
+    "ScaledLeaf": "tori.lagrange_leaves",
     "SymmetricOrbit": "orbits.multipliers",
     "SymmetricOrbits": "orbits.multipliers",
     "UnstableSpace": "orbits.unstable_spaces",
@@ -57,19 +69,14 @@ CLASSES = {
 """The dataclasses that are written by their fields, with the modules that have them."""
 
 
-class SavedOrbits(Kept):
-    """A result that is made of orbits and of what belongs to them."""
-
-    @property
-    def method(self) -> Method:
-        """How its orbits were followed."""
-        return Taylor()
+class SavedWhole(Kept):
+    """A result that is made of the classes listed here."""
 
     def records(self) -> dict[str, Any]:
-        """All of it as plain data that JSON can write, and the method."""
+        """All of it as plain data that JSON can write."""
         writer = _Writer(self.system)
         whole = writer.plain(self)
-        return {"record": {"whole": whole, "objects": writer.objects}, "method": method_record(self.method)}
+        return {"record": {"whole": whole, "objects": writer.objects}}
 
     @classmethod
     def of_record(cls, record: Any, system: Any) -> Self:
@@ -82,6 +89,19 @@ class SavedOrbits(Kept):
         if type(found) is not cls:
             raise ValueError(f"record: wanted {cls.__name__}; got {type(found).__name__}")
         return found
+
+
+class SavedOrbits(SavedWhole):
+    """A result that is made of orbits and of what belongs to them."""
+
+    @property
+    def method(self) -> Method:
+        """How its orbits were followed."""
+        return Taylor()
+
+    def records(self) -> dict[str, Any]:
+        """All of it as plain data that JSON can write, and the method."""
+        return super().records() | {"method": method_record(self.method)}
 
 
 class SearchedOrbits(Found[T], SavedOrbits):
@@ -128,6 +148,8 @@ class _Writer:
             case np.ndarray():
                 parts = [value.real, value.imag] if value.dtype.kind == "c" else [value]
                 record = {"array": [part.ravel().tolist() for part in parts], "shape": list(value.shape)}
+                if not value.size and value.dtype.kind not in "fc":
+                    record["dtype"] = value.dtype.str
             case tuple():
                 record = [self.plain(one) for one in value]
             case Mapping():
@@ -198,7 +220,8 @@ class _Reader:
         (kind, content), *rest = record.items()
         match kind:
             case "array":
-                parts = [np.array(part, dtype=None if part else np.float64) for part in content]
+                empty = dict(rest).get("dtype", np.float64)
+                parts = [np.array(part, dtype=None if part else empty) for part in content]
                 whole = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
                 return whole.reshape(rest[0][1])
             case "mapping":

@@ -5,6 +5,7 @@ from liepoisson.plot.diagrams import diagram, leaf_classes
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
 from liepoisson.plot.families import family
 from liepoisson.plot.indicators import indicators, spectrum
+from liepoisson.plot.molecules import molecule
 from liepoisson.plot.orbits import orbit
 from liepoisson.plot.results import draw, profile
 from liepoisson.plot.rigid_body import rod, sleeping_diagram
@@ -21,6 +22,7 @@ __all__ = [
     "house_style",
     "indicators",
     "leaf_classes",
+    "molecule",
     "orbit",
     "profile",
     "rod",

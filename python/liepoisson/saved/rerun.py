@@ -64,6 +64,13 @@ KEPT = {
     "precise segment": ("PreciseSegment", "orbit.polished"),
     "precise midpoint": ("PreciseMidpoint", "orbit.polished"),
     "cycles": ("Cycles", "lp.sections.return_map"),
+    "critical states": ("CriticalStates", "lp.tori.critical_states"),
+    "diagram": ("Diagram", "lp.tori.diagram"),
+    "regions of a diagram": ("Regions", "lp.tori.regions"),
+    "fibre": ("Fibre", "lp.tori.fibre"),
+    "period lattice": ("PeriodLattice", "lp.tori.period_lattice"),
+    "monodromy": ("Monodromy", "lp.tori.monodromy"),
+    "diagram of a twisted Lagrange top": ("LagrangeDiagram", "lp.tori.lagrange_diagram"),
 }
 """The class of what is loaded and not repeated, since no file says where it was looked for, and what looks again."""
 

@@ -14,18 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_fibre
 from liepoisson.tori.period_lattices import Closures
@@ -37,6 +39,9 @@ if TYPE_CHECKING:
 
 _SHARE = 0.25
 """How far a period may move in a step, in lengths of the shortest vector: half of it could be another lattice point."""
+_PARTS, _SMOOTH = 4, 0.05
+"""A step goes in so many parts, between which the periods differ from a straight line by less than this share of the
+shortest vector: beside a critical value they grow like logarithms, and do not, however short the step."""
 _LEAST_STEP = 2.0**-20
 """The shortest step, relative to the loop: below it the path meets a critical value."""
 _INTEGER = 1e-6
@@ -44,7 +49,7 @@ _INTEGER = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Monodromy(ReadOnlyArrays):
+class Monodromy(SavedWhole):
     r"""What becomes of the basis of a period lattice that is carried around a loop.
 
     Example:
@@ -64,12 +69,20 @@ class Monodromy(ReadOnlyArrays):
         n_steps: Values at which the lattice was computed.
     """
 
+    kind = "monodromy"
+    row = "period"
+
     momentum: MomentumMap
     loop: Array
     periods: Array
     matrix: NDArray[np.int64]
     residual: float
     n_steps: int
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.momentum.system
 
     @property
     def trace(self) -> int:
@@ -89,6 +102,11 @@ class Monodromy(ReadOnlyArrays):
         for _ in rest:
             power = linear.matmul(power, rest)
         return not power.any()
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each period of the basis its times, and what it becomes, a row of M."""
+        rows: dict[str, NDArray[Any]] = dict(vector_columns("time", self.periods, self.momentum.names))
+        return rows | {f"M_{k}": column for k, column in enumerate(self.matrix.T, start=1)}
 
     def __repr__(self) -> str:
         return f"<Monodromy {self.matrix.tolist()} of {self.momentum.system.name!r}>"
@@ -182,6 +200,7 @@ class _Carrier:
         self.value = momentum(state)
         self.n_steps = 0
         self._step = 1.0
+        self._to_length, self._shortest = np.eye(len(periods)), 0.0
 
     def go(self, target: Array) -> None:
         """Along a straight line.
@@ -192,9 +211,11 @@ class _Carrier:
         begin, done = self.value, 0.0
         while done < 1:
             step = min(self._step, 1 - done)
-            share = done + step
-            if self._moves(begin + share * (target - begin) if share < 1 else target):
-                done = share
+            ends = [begin + (done + step * k / _PARTS) * (target - begin) for k in range(1, _PARTS + 1)]
+            if done + step >= 1:
+                ends[-1] = target
+            if self._moves(ends):
+                done += step
                 self._step = min(2 * step, 1.0)
             else:
                 self._step = step / 2
@@ -205,18 +226,38 @@ class _Carrier:
                         "critical value, or the fibre ends. Go around it."
                     )
 
-    def _moves(self, value: Array) -> bool:
+    def _moves(self, values: Sequence[Array]) -> bool:
+        """A step in equal parts, along which the periods are smooth."""
+        before = self.state, self.periods, self.value, self.n_steps
+        passed = [self.periods]
+        for value in values:
+            if not self._moves_to(value):
+                break
+            passed.append(self.periods)
+        if len(passed) > len(values):
+            along = np.array(passed)
+            shares = (np.arange(len(along)) / len(values))[:, None, None]
+            bent = along - along[0] - shares * (along[-1] - along[0])
+            if linear.norm(linear.matmul(bent, self._to_length), axis=-1).max() < _SMOOTH * self._shortest:
+                return True
+        self.state, self.periods, self.value, self.n_steps = before
+        return False
+
+    def _moves_to(self, value: Array) -> bool:
         state = on_fibre(self.momentum, self.leaf, self.state[None], value)[0]
         if not np.isfinite(state).all() or self.momentum.rank(state) < len(value):
             return False
-        torus = Closures.at(self.momentum, state, self.leaf.in_units().units)
+        try:
+            torus = Closures.at(self.momentum, state, self.leaf.in_units().units)
+        except OrbitError:  # too thin
+            return False
         found = torus.closed(self.periods)
         if len(found) < len(self.periods):
             return False
-        to_length = linear.inv(torus.scaling).T
-        old, new = linear.matmul(self.periods, to_length), linear.matmul(found, to_length)
-        shortest = linear.norm(new, axis=1).min()
-        if not linear.norm(new - old, axis=1).max() < _SHARE * shortest:
+        self._to_length = linear.inv(torus.scaling).T
+        old, new = linear.matmul(self.periods, self._to_length), linear.matmul(found, self._to_length)
+        self._shortest = linear.norm(new, axis=1).min()
+        if not linear.norm(new - old, axis=1).max() < _SHARE * self._shortest:
             return False
         self.state, self.periods, self.value = state, found, value
         self.n_steps += 1

@@ -17,23 +17,26 @@ for a generic $\lambda$ among those with $\sum_k\lambda_kX_{F_k}(x) = 0$.  Where
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_projection import Equations
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_leaf, unit_equations
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _STEPS, _LONGEST = 60, 0.5
 """Newton's steps, and the longest one in units of the leaf."""
@@ -46,7 +49,7 @@ _ZERO = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalStates(ReadOnlyArrays, Tabular):
+class CriticalStates(SavedWhole):
     r"""Critical points of a momentum map.
 
     Example:
@@ -65,6 +68,9 @@ class CriticalStates(ReadOnlyArrays, Tabular):
         type: The type of each, such as "elliptic" or "elliptic, hyperbolic", shape (point,).
     """
 
+    kind = "critical states"
+    row = "point"
+
     momentum: MomentumMap
     leaf: Leaf
     states: Array
@@ -72,6 +78,11 @@ class CriticalStates(ReadOnlyArrays, Tabular):
     weights: Array
     rank: NDArray[np.intp]
     type: NDArray[np.str_]
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     def __len__(self) -> int:
         return len(self.states)
@@ -262,9 +273,8 @@ class Critical:
     def _type(self, x: Array, null: Array, corank: int) -> str:
         # A combination that is generic: multiples of 1, sqrt(2), sqrt(3), ... have no relation
         weights = linear.matmul(np.sqrt(np.arange(1.0, corank + 1)), null)
-        slope = linear.matmul(self.slopes(x), weights)
-        tangent = linear.qr(self.leaf.tangent_basis(x * self.units) / self.units[:, None]).Q
-        rates = linear.eigvals(linear.matmul(tangent.T, linear.matmul(slope, tangent)))
+        matrix, _ = self._linearised(x, weights)
+        rates = linear.eigvals(matrix)
         rates = rates[np.argsort(-np.abs(rates))][: 2 * corank]
         largest = np.abs(rates).max()
         if not (np.abs(rates) > _ZERO * largest).all() or largest == 0:
@@ -276,6 +286,32 @@ class Critical:
             "focus-focus": int((real & imaginary).sum()) // 4,
         }
         return ", ".join(name for name, count in counts.items() for _ in range(count)) or "degenerate"
+
+    def _linearised(self, x: Array, weights: Array) -> tuple[Array, Array]:
+        """The linearised flow of a combination that rests, in an orthonormal basis of the tangent space; the basis."""
+        tangent = linear.qr(self.leaf.tangent_basis(x * self.units) / self.units[:, None]).Q
+        slope = linear.matmul(self.slopes(x), weights)
+        return linear.matmul(tangent.T, linear.matmul(slope, tangent)), tangent
+
+    def leaving(self, x: Array) -> Array:
+        r"""Unit vectors from a state at which all flows rest, along the families of critical orbits that leave it.
+
+        One for each elliptic plane and two for each hyperbolic one [eliasson1990], shape (family, N).
+        """
+        matrix, tangent = self._linearised(x, np.sqrt(np.arange(1.0, len(self.sizes) + 1)))
+        rates, unit = linear.eigvals(matrix), np.eye(len(matrix))
+        real, imaginary = (np.abs(part) > _ZERO * np.abs(rates).max() for part in (rates.real, rates.imag))
+
+        def null(of: Array) -> Array:
+            return linear.svd(of)[2][-1]
+
+        found = [null(linear.matmul(matrix, matrix) + r**2 * unit) for r in rates.imag[~real & imaginary] if r > 0]
+        for r in rates.real[real & ~imaginary]:
+            if r > 0:
+                out, back = null(matrix - r * unit), null(matrix + r * unit)
+                found += [out + back, out - back]
+        steps = np.array(found).reshape(len(found), len(unit))
+        return linear.matmul(steps / linear.norm(steps, axis=1, keepdims=True), tangent.T)
 
 
 def _least_step(matrix: Array, residual: Array) -> Array:

@@ -3,13 +3,13 @@ r"""The bifurcation diagram of an integrable system of two degrees of freedom on
 Critical states of rank 1 are orbits of the flows in one-parameter families.  They are found from random states
 (`liepoisson.tori.critical_search`) and followed: the derivatives of the equations for $(x, \lambda)$ have a null vector
 along the orbit and one across it, along the family, which is the direction of the next step.  States of rank 0 are
-equilibria of both flows.
+equilibria of both flows; families leave them along their elliptic and hyperbolic planes.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,19 +20,22 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.tori.critical_search import Critical, momentum_of
 from liepoisson.tori.momentum_maps import MomentumMap
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _STEP, _LEAST = 0.05, 1e-4
 """The longest and the shortest step along a family, in units of the leaf and of the weights."""
 _TURN = 0.98
 """Cosine of the angle by which a family may turn in a step."""
 _MOST_POINTS = 4000
-_KNOWN = 0.02
-"""A start nearer than this to a curve of its type, relative to the figure, belongs to it."""
+_SAME = 1e-9
+"""Values that differ by less, relative to the figure, are the same."""
 _REST = 1e-3
 """Fields of this length, relative to typical ones, are near to rank 0."""
 
@@ -62,7 +65,7 @@ class CriticalFamily(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagram(ReadOnlyArrays, Tabular):
+class Diagram(SavedWhole):
     r"""Critical values of a momentum map with two integrals.
 
     Example:
@@ -81,6 +84,9 @@ class Diagram(ReadOnlyArrays, Tabular):
         energy_max: The energy up to which families were followed.
     """
 
+    kind = "diagram"
+    row = "value"
+
     momentum: MomentumMap
     leaf: Leaf
     families: tuple[CriticalFamily, ...]
@@ -88,6 +94,11 @@ class Diagram(ReadOnlyArrays, Tabular):
     rest_values: Array
     rest_types: tuple[str, ...]
     energy_max: float
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     def __len__(self) -> int:
         """How many critical values it has."""
@@ -123,7 +134,9 @@ def diagram(
 ) -> Diagram:
     r"""The critical values of a system with two commuting integrals on a leaf.
 
-    A family that no start comes to is not in it.
+    Families are followed from equilibria of both flows and from random states.  One that comes to no equilibrium and
+    that no start comes to is not in it.  Where the energy has no lower bound they are followed as far below the lowest
+    energy of the random states as the highest one is above it.
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
@@ -160,9 +173,10 @@ def diagram(
         starts, weights = critical.starts(n, width, as_seed(seed))
         energies = momentum.integrals["H"](starts * critical.units)
         top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
-        search = _Families(critical, top)
         rest = critical.resting(starts)
-        families = search.families(*critical.solved(starts, weights))
+        lowest = momentum.integrals["H"](rest * critical.units).min(initial=2 * energies.min() - energies.max())
+        search = _Families(critical, float(lowest), top)
+        families = search.families(rest, *critical.solved(starts, weights))
     states = rest * critical.units
     return Diagram(
         momentum,
@@ -176,31 +190,50 @@ def diagram(
 
 
 class _Families:
-    """Families of critical states up to an energy."""
+    """Families of critical states between two energies."""
 
-    def __init__(self, critical: Critical, energy_max: float) -> None:
+    def __init__(self, critical: Critical, energy_min: float, energy_max: float) -> None:
         self.critical = critical
-        self.energy_max = energy_max
+        self.energy_min, self.energy_max = energy_min, energy_max
 
-    def families(self, x: Array, weights: Array) -> list[CriticalFamily]:
-        """Followed from starts that are on none yet."""
+    def families(self, rest: Array, x: Array, weights: Array) -> list[CriticalFamily]:
+        """Followed from equilibria, and from starts that are on none yet."""
         critical = self.critical
+        near = self._near(rest)
+        x, weights = np.concatenate([near[0], x]), np.concatenate([near[1], weights])
         values = critical.momentum(x * critical.units)
         ranks, types = critical.kinds(x)
-        wanted = (ranks == 1) & (values[:, 0] <= self.energy_max)
-        x, weights, values, types = x[wanted], weights[wanted], values[wanted], types[wanted]
-        size = np.ptp(values, axis=0) if len(values) else np.ones(2)
+        wanted = (ranks == 1) & (values[:, 0] >= self.energy_min) & (values[:, 0] <= self.energy_max)
+        size = np.ptp(values[wanted], axis=0) if wanted.any() else np.ones(2)
         size = np.where(size > 0, size, 1.0)
-        found, places = list[CriticalFamily](), dict[str, list[Array]]()
-        for k in range(len(x)):
-            known = places.get(str(types[k]), [])
-            if any(_distance(values[k] / size, curve / size) < _KNOWN for curve in known):
+        found = list[CriticalFamily]()
+
+        def share_known(values: Array, kind: str) -> float:
+            curves = [one.values / size for one in found if one.type == kind]
+            on = np.zeros(len(values), dtype=bool)
+            for curve in curves:
+                on |= are_on(values / size, curve)
+            return float(on.mean())
+
+        for k in np.flatnonzero(wanted):
+            if share_known(values[k, None], str(types[k])) == 1:
                 continue
-            points = self._both_ways(x[k], weights[k])
-            for family in self._by_type(points):
-                found.append(family)
-                places.setdefault(family.type, []).append(family.values)
+            for family in self._by_type(self._both_ways(x[k], weights[k])):
+                if share_known(family.values, family.type) < 0.5:
+                    found.append(family)
         return found
+
+    def _near(self, rest: Array) -> tuple[Array, Array]:
+        """Critical states near to equilibria on the families that leave them; of twins with one value, of one."""
+        critical = self.critical
+        values, types = critical.momentum(rest * critical.units), critical.kinds(rest)[1]
+        guesses = [np.zeros((0, rest.shape[1]))]
+        for k in range(len(rest)):
+            twins = linear.norm(values[:k] - values[k], axis=1) <= _SAME * (1 + linear.norm(values[k]))
+            if not (twins & (types[:k] == types[k])).any():
+                guesses.append(rest[k] + _STEP * critical.leaving(rest[k]))
+        x = np.concatenate(guesses)
+        return critical.solved(x, linear.svd(critical.fields(x))[2][:, -1]) if len(x) else (x, x[:, :2])
 
     def _both_ways(self, x: Array, weights: Array) -> Array:
         back, is_closed = self._followed(x, weights, -1)
@@ -229,7 +262,8 @@ class _Families:
             points.append(there)
             values.append(critical.momentum(there[:n] * critical.units))
             # Beyond a state of rank 0 the orbits are the same, with the other phase
-            if values[-1][0] > self.energy_max or (self._orbit(here) * self._orbit(there)).sum() < 0:
+            energy = values[-1][0]
+            if not self.energy_min <= energy <= self.energy_max or (self._orbit(here) * self._orbit(there)).sum() < 0:
                 break
             last, first = values[-1] - values[-2], values[1] - values[0]
             if len(points) > 8 and (last * first).sum() > 0 and linear.norm(values[-1] - values[0]) < linear.norm(last):
@@ -276,5 +310,17 @@ class _Families:
         return found
 
 
-def _distance(value: Array, curve: Array) -> float:
-    return float(linear.norm(curve - value, axis=1).min())
+def are_on(values: Array, curve: Array) -> NDArray[np.bool_]:
+    """Which values are on a curve, nearer to a segment than the curve bends there; shape (m,)."""
+    bends = apart(curve[1:-1], curve[:-2], curve[2:])
+    bends = np.pad(bends, 1, mode="edge") if len(bends) else np.zeros(2)
+    near = apart(values[:, None], curve[:-1], curve[1:]) <= np.maximum(bends[:-1], bends[1:]) + _SAME
+    return np.asarray(near.any(axis=1))
+
+
+def apart(values: Array, begins: Array, ends: Array) -> Array:
+    """The distances of values from segments."""
+    along, offset = ends - begins, values - begins
+    square = (along**2).sum(axis=-1)
+    share = np.clip((offset * along).sum(axis=-1) / np.where(square > 0, square, 1.0), 0.0, 1.0)
+    return linear.norm(offset - share[..., None] * along, axis=-1)

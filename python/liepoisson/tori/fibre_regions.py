@@ -2,31 +2,39 @@ r"""The regions of a bifurcation diagram in the plane, and the number of tori ov
 
 Values of random states are joined to their neighbours where the straight line between them crosses no critical curve:
 the parts that are joined are regions.  Over each the fibres have as many tori, counted at the value that is furthest
-from the curves.  A region that no random state has its values in is not found.
+from the curves, unless it is as near to one as this bends between its points.  A region that no random state has its
+values in is not found.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.errors import OrbitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import check_kind, counted
+from liepoisson.io.display import Found
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, stream
-from liepoisson.tori.diagrams import Diagram
+from liepoisson.tori.diagrams import Diagram, apart, are_on
 from liepoisson.tori.fibres import Fibre, fibre
 from liepoisson.tori.momentum_maps import on_leaf
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 _NEIGHBOURS = 12
 """Each value is joined to so many of the nearest ones; values of one region that are not are two regions."""
 _WALL = 0.02
-"""Values nearer than this to a critical one, relative to the figure, are not asked for the number of tori."""
+"""Over values nearer than this to a curve, relative to the figure, flows may close too late to be counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +61,54 @@ class Region(ReadOnlyArrays):
         return f"<Region around ({at}): {counted(self.fibre.n_tori, 'torus', 'tori')}>"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class Regions(Found[Region], SavedWhole):
+    """The regions of a diagram, those with most values first.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
+        >>> lp.tori.regions(lp.tori.diagram(leaf, energy_max=2), n_values=100, n_states=20)
+
+    Attributes:
+        diagram: The diagram.
+        found: The regions.
+    """
+
+    kind = "regions of a diagram"
+    row = "region"
+    titles = ("around", "tori", "a torus may be missed with", "values")
+
+    diagram: Diagram
+    found: tuple[Region, ...]
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.diagram.system
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each region a value in it, its number of tori (-1: not counted), and more.
+
+        These are the share of states that a torus may have and be missed, and how many values were found.
+        """
+        none = np.full(2, np.nan)
+        values = np.array([none if one.fibre is None else one.fibre.value for one in self.found]).reshape(-1, 2)
+        rows: dict[str, NDArray[Any]] = dict(zip(self.diagram.momentum.names, values.T, strict=True))
+        rows["n_tori"] = np.array([-1 if one.fibre is None else one.fibre.n_tori for one in self.found], dtype=np.intp)
+        rows["missed"] = np.array([np.nan if one.fibre is None else one.fibre.missed for one in self.found])
+        return rows | {"n_values": np.array([len(one.values) for one in self.found], dtype=np.intp)}
+
+    def _head(self) -> str:
+        names = ", ".join(self.diagram.momentum.names)
+        return f"{counted(len(self), 'region')} of ({names}) of {self.system.name!r}, met by values of random states:"
+
+    def _row(self, one: Region, /) -> tuple[str, ...]:
+        if one.fibre is None:
+            return "too near to critical values", "not counted", "", str(len(one.values))
+        at = ", ".join(f"{value:.6g}" for value in one.fibre.value)
+        return at, str(one.fibre.n_tori), f"{100 * one.fibre.missed:.2g}% of the states", str(len(one.values))
+
+
 @explains_its_arguments
 def regions(
     found: Diagram,
@@ -62,7 +118,7 @@ def regions(
     spread: float = 1.0,
     seed: int = 0,
     time_limit: float = TIME_LIMIT,
-) -> tuple[Region, ...]:
+) -> Regions:
     r"""The regions of a diagram and the number of tori over each.
 
     Example:
@@ -93,36 +149,39 @@ def regions(
         size = np.ptp(values, axis=0) if len(values) else np.ones(2)
         size = np.where(size > 0, size, 1.0)
         curves = [family.values / size for family in found.families]
-        labels = _joined(values / size, curves)
+        rest = found.rest_values / size
+        begins = np.concatenate([np.zeros((0, 2)), *(curve[:-1] for curve in curves), rest])
+        ends = np.concatenate([np.zeros((0, 2)), *(curve[1:] for curve in curves), rest])
+        labels = _joined(values / size, begins, ends)
         result = list[Region]()
         for label in np.unique(labels):
             inside = values[labels == label]
-            walls = np.concatenate([*curves, found.rest_values / size])
-            distance = linear.norm(inside[:, None] / size - walls, axis=2).min(axis=1)
-            best = int(distance.argmax())
-            counted = None
-            if distance[best] > _WALL:
-                counted = fibre(
-                    found.leaf,
-                    inside[best],
-                    momentum=found.momentum,
-                    n_states=n_states,
-                    spread=spread,
-                    seed=seed,
-                    time_limit=max(deadline.left, 1e-3),
-                )
+            distance = apart(inside[:, None] / size, begins, ends).min(axis=1, initial=np.inf)
+            best, counted = int(distance.argmax()), None
+            if not any(are_on(inside[[best]] / size, curve)[0] for curve in curves):
+                try:
+                    counted = fibre(
+                        found.leaf,
+                        inside[best],
+                        momentum=found.momentum,
+                        n_states=n_states,
+                        spread=spread,
+                        seed=seed,
+                        time_limit=max(deadline.left, 1e-3),
+                    )
+                except OrbitError:
+                    if distance[best] > _WALL:
+                        raise
             result.append(Region(inside, counted))
-    return tuple(sorted(result, key=lambda region: -len(region.values)))
+    return Regions(found, tuple(sorted(result, key=lambda region: -len(region.values))))
 
 
-def _joined(values: Array, curves: list[Array]) -> NDArray[np.intp]:
+def _joined(values: Array, begins: Array, ends: Array) -> NDArray[np.intp]:
     """The number of the part of each value, of those that are joined."""
     m = len(values)
     labels = np.arange(m)
     if m < 2:
         return labels
-    begins = np.concatenate([np.zeros((0, 2)), *(curve[:-1] for curve in curves)])
-    ends = np.concatenate([np.zeros((0, 2)), *(curve[1:] for curve in curves)])
     distance = linear.norm(values[:, None] - values[None], axis=2)
     nearest = np.argsort(distance, axis=1, kind="stable")[:, 1 : _NEIGHBOURS + 1]
     for k in range(m):

@@ -325,7 +325,7 @@ def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Arr
     if all(why_constant(system, text) for text in texts):
         check_that_it_varies(system, texts[0], "observable")
     names = component_names(system, n)
-    parts = [_real_part(system, names, text) for text in texts]
+    parts = [component_or_formula(system, names, text, "observable", "a function of states") for text in texts]
 
     def values(states: Array) -> tuple[Signal, bool]:
         signal = parts[0](states).astype(np.complex128)
@@ -336,15 +336,20 @@ def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Arr
     return values
 
 
-def _real_part(system: Any, names: tuple[str, ...], text: str) -> Callable[[Array], Array]:
+def component_or_formula(
+    system: Any, names: Sequence[str], text: str, what: str, instead: str
+) -> Callable[[Array], Array]:
+    """One of the components of states, by name, or a formula in them as a function of states.
+
+    Raises:
+        ParameterError: it is neither, or the system has no formulas.
+    """
     if text in names:
         index = names.index(text)
         return lambda states: states[..., index]
     if has_functions(system):
         return system.functions.of(text)
-    raise ParameterError(
-        f"observable: wanted one of {', '.join(names)}; got {shown(text)}; or give a function of states"
-    )
+    raise ParameterError(f"{what}: wanted one of {', '.join(names)}; got {shown(text)}; or give {instead}")
 
 
 def _from_function(function: Callable[[Array], ArrayLike]) -> Callable[[Array], tuple[Signal, bool]]:

@@ -32,7 +32,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,11 +42,14 @@ from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
-from liepoisson.io.tables import Tabular
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.tori.lagrange_leaves import ScaledLeaf, class_of
 from liepoisson.tori.momentum_maps import MomentumMap
+
+if TYPE_CHECKING:
+    from liepoisson.model.system import System
 
 N_POINTS = 200
 """Points of a curve between two special ones."""
@@ -79,7 +82,7 @@ class CriticalCurve(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, eq=False)
-class LagrangeDiagram(ReadOnlyArrays, Tabular):
+class LagrangeDiagram(SavedWhole):
     r"""The bifurcation diagram of a twisted Lagrange top on a leaf.
 
     Example:
@@ -100,6 +103,9 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
         scaled: The numbers of the leaf.
     """
 
+    kind = "diagram of a twisted Lagrange top"
+    row = "value"
+
     leaf: Leaf
     integrals: tuple[str, str, str]
     leaf_class: str
@@ -107,6 +113,11 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
     sleeping_tops: dict[str, Array]
     hopf_values: Array
     scaled: ScaledLeaf = field(repr=False)
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.leaf.system
 
     @cached_property
     def momentum(self) -> MomentumMap:
@@ -150,16 +161,19 @@ class LagrangeDiagram(ReadOnlyArrays, Tabular):
         c1, c2 = self.scaled.normal
         x, s = places, l3 / unit
         # R = R' = 0 at x, linear in h and p: 2 x^4 h + 2 x^3 p = -r, 8 x^3 h + 6 x^2 p = -r'.
-        r = x**6 + 2 * s * x**5 + c1 * x**2 + 2 * c2 * x + 1
-        slope = 6 * x**5 + 10 * s * x**4 + 2 * c1 * x + 2 * c2
-        h = (3 * r - x * slope) / (2 * x**4)
-        p = (x * slope - 4 * r) / (2 * x**3)
+        third, fourth = elementary.power(x, 3), elementary.power(x, 4)
+        r = (x + 2 * s) * x * fourth + c1 * x * x + 2 * c2 * x + 1
+        slope = (6 * x + 10 * s) * fourth + 2 * c1 * x + 2 * c2
+        h = (3 * r - x * slope) / (2 * fourth)
+        p = (x * slope - 4 * r) / (2 * third)
         scaled = np.stack([np.full_like(x, s), h, p], -1)
         sextic = _sextic(c1, c2, scaled)
         inside = np.array([_is_not_negative(row, at) for row, at in zip(sextic, x, strict=True)])
         values = self.scaled.integrals(scaled)[:, [0, 2]]
         cuts = np.flatnonzero(np.diff(inside.astype(int))) + 1
-        parts = [part for part in np.split(np.arange(len(x)), [*cuts, half]) if len(part) > 1 and inside[part[0]]]
+        parts = [
+            part for part in np.split(np.arange(len(x)), sorted({*cuts, half})) if len(part) > 1 and inside[part[0]]
+        ]
         return [values[part] for part in parts]
 
     def __len__(self) -> int:
@@ -247,7 +261,7 @@ class _Curve:
 
     def __init__(self, c1: float, c2: float) -> None:
         self.c1, self.c2 = c1, c2
-        self.e = (c1 - c2**2) / 2
+        self.e = (c1 - c2 * c2) / 2
         self.special = [*self._ends(), *self._hopf(), *(_Special("infinity", 0.0, s / 3**0.5) for s in (1, -1))]
 
     def _ends(self) -> Iterator[_Special]:
@@ -257,15 +271,15 @@ class _Curve:
 
     def _hopf(self) -> Iterator[_Special]:
         for mu in _real_roots([1, 0, 0, 0, -self.c1, -8 * self.c2, -10]):
-            cosine = (self.c2 + 2 / mu) / mu**2
+            cosine = (self.c2 + 2 / mu) / (mu * mu)
             if abs(cosine) <= 1:
-                yield _Special("HH", mu**-2, cosine)
+                yield _Special("HH", 1 / (mu * mu), cosine)
 
     def cosine(self, g: Array, sign: int) -> Array:
         return (self.c2 * g + sign * np.sqrt(np.maximum(self._square(g), 0))) / 3
 
     def _square(self, g: Any) -> Any:
-        return (self.c2 * g) ** 2 + 3 * (2 * g**3 - 2 * self.e * g**2 + 1)
+        return (self.c2 * self.c2 + 6 * (g - self.e)) * g * g + 3
 
     def chains(self) -> list[list[tuple[_Arc, bool]]]:
         """Arcs that follow one another from a special point to another, each with whether g grows along it."""
@@ -293,7 +307,7 @@ class _Curve:
         return found
 
     def _arcs(self) -> list[_Arc]:
-        turns = _real_roots([6, self.c2**2 - 6 * self.e, 0, 3])
+        turns = _real_roots([6, self.c2 * self.c2 - 6 * self.e, 0, 3])
         places = sorted({*turns, *(point.g for point in self.special)})
         named = {(p.g, min((1, -1), key=lambda s: abs(self.cosine(np.array(p.g), s) - p.c))): p for p in self.special}
         arcs = list[_Arc]()
@@ -303,7 +317,8 @@ class _Curve:
                 cosine = float(self.cosine(np.array(middle), sign))
                 if self._square(middle) <= 0 or abs(cosine) >= 1:
                     continue
-                kind = "thread" if ((self.c2 - cosine / middle) ** 2 < 4 * middle) else "edge"
+                twice = self.c2 - cosine / middle
+                kind = "thread" if twice * twice < 4 * middle else "edge"
                 nodes = [(g, 0) if g in turns else named.get((g, sign), (g, sign)) for g in (low, high)]
                 arcs.append(_Arc(kind, sign, (low, high), (nodes[0], nodes[1])))
         return arcs
@@ -321,16 +336,16 @@ class _Curve:
     def values(self, g: Array, c: Array) -> Array:
         """l3, h, p: half of the coefficients of the fifth to the third power in q^2 Q2."""
         q0, q1 = 1 / g, (self.c2 - c / g) / g
-        square = q1**2 + 2 * q0
+        square = q1 * q1 + 2 * q0
         l3 = q1 + g * c
-        h = (square + 4 * q1 * g * c + g**2) / 2
-        p = q0 * q1 + square * g * c + q1 * g**2
+        h = (square + 4 * q1 * g * c + g * g) / 2
+        p = q0 * q1 + square * g * c + q1 * g * g
         return np.stack([l3, h, p], -1)
 
     def states(self, g: Array, c: Array) -> Array:
         """l, A and B of M = q (lambda e3 + n), shape (..., 3, 3)."""
         q0, q1 = 1 / g, (self.c2 - c / g) / g
-        n = np.stack([np.abs(g) * np.sqrt(1 - c**2), np.zeros_like(g), g * c], -1)
+        n = np.stack([np.abs(g) * np.sqrt(1 - c * c), np.zeros_like(g), g * c], -1)
         axis = np.array([0.0, 0.0, 1.0])
         return np.stack([n + q1[..., None] * axis, q1[..., None] * n + q0[..., None] * axis, q0[..., None] * n], -2)
 
@@ -381,12 +396,12 @@ def _depth(sextic: Array) -> float:
         np.polymul(np.polyder(sextic), [1.0, 0.0, 1.0]) - np.polymul([6.0, 0.0], sextic), dtype=np.float64
     )
     places = [root.real for root in linear.roots(slope) if abs(root.imag) <= 1e-6 * (1 + abs(root))]
-    return min([1.0, *(float(np.polyval(sextic, x) / (1 + x**2) ** 3) for x in places)])
+    return min([1.0, *(float(np.polyval(sextic, x) / elementary.power(1 + x * x, 3)) for x in places)])
 
 
 def _is_not_negative(sextic: Array, double: float) -> bool:
     """Whether a sextic with a double real root is nowhere negative: by its other factor."""
-    quartic = np.asarray(np.polydiv(sextic, [1.0, -2 * double, double**2])[0], dtype=np.float64)
+    quartic = np.asarray(np.polydiv(sextic, [1.0, -2 * double, double * double])[0], dtype=np.float64)
     slope = np.asarray(np.polyder(quartic), dtype=np.float64)
     places = [root.real for root in linear.roots(slope) if abs(root.imag) <= 1e-9 * (1 + abs(root))]
     return all(float(np.polyval(quartic, x)) >= 0 for x in places)

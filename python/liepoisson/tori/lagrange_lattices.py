@@ -82,13 +82,26 @@ def lagrange_actions(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
     return _integrals(diagram, _given(diagram, values), _action)[:, 0] * scaled.unit
 
 
-def _period(x: Array, rest: Any, height: float) -> Any:
-    return 2 * np.pi * np.stack([x**2, x, np.ones_like(x)], -1) / rest[..., None]
+def _period(x: Any, rest: Any, height: float) -> Array:
+    return 2 * np.pi * np.stack([_quotient(top, rest) for top in (linear.times(x, x), x, np.ones_like(x))], -1)
 
 
-def _action(x: Any, rest: Any, height: float) -> Any:
-    square = height**2 + 0 * x.imag**2 - x.imag**2  # b^2 cos^2
-    return (square * rest / x**3)[..., None]
+def _action(x: Any, rest: Any, height: float) -> Array:
+    square = height * height - x.imag * x.imag  # b^2 cos^2
+    return (square * _quotient(rest, linear.times(linear.times(x, x), x)))[..., None]
+
+
+def _quotient(top: Any, bottom: Any) -> Array:
+    """The real part of a quotient."""
+    return (top.real * bottom.real + top.imag * bottom.imag) / (bottom.real**2 + bottom.imag**2)
+
+
+def _root(real: Array, imaginary: Array) -> Any:
+    """The square root whose real part is not negative, of numbers different from zero."""
+    large = np.sqrt((elementary.hypot(real, imaginary) + np.abs(real)) / 2)
+    small = np.abs(imaginary) / (2 * large)
+    right = real >= 0
+    return elementary.of_parts(np.where(right, large, small), np.copysign(np.where(right, small, large), imaginary))
 
 
 def _given(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
@@ -114,20 +127,23 @@ def _integrals(diagram: LagrangeDiagram, given: Array, integrand: Callable[[Any,
         angle = (np.arange(n) + 0.5) * (np.pi / n) - np.pi / 2
         rows = list[Array]()
         for j in range(3):
-            x = upper[j].real + 1j * upper[j].imag * elementary.sin(angle)
+            height = upper[j].imag * elementary.sin(angle)
+            x = elementary.of_parts(np.full(n, upper[j].real), height)
             rest = np.ones(n, dtype=np.complex128)
             for k in range(3):
                 if k != j:
                     # off the real line its square is real only where it is positive: the root is continuous
-                    rest = rest * np.sqrt((x - upper[k].real) ** 2 + upper[k].imag ** 2)
-            rows.append(integrand(x, rest, float(upper[j].imag)).mean(axis=0).real)
+                    side, other = upper[j].real - upper[k].real, upper[k].imag
+                    real = side * side - height * height + other * other
+                    rest = linear.times(rest, _root(real, 2 * side * height))
+            rows.append(integrand(x, rest, float(upper[j].imag)).mean(axis=0))
         found = np.array(rows)
         if last is not None and np.abs(found - last).max() <= _SAME * np.abs(found).max():
             return found
         last, n = found, 2 * n
     raise OrbitError(
         f"values: the quadrature at {given.tolist()} does not converge: two zeros of R have nearly the same real "
-        "part, or the values are nearly critical. Change them a little."
+        "part, of actions one nearly the real part 0, or the values are nearly critical. Change them a little."
     )
 
 
@@ -136,6 +152,6 @@ def _by_flows(diagram: LagrangeDiagram, given: Array, scaled_periods: Array) -> 
     scaled = diagram.scaled
     unit, first, third = scaled.unit, float(scaled.first), float(scaled.third)
     l3 = float(given[1])
-    spin, energy, last = (scaled_periods / np.array([1.0, unit, unit**2])).T
+    spin, energy, last = (scaled_periods / np.array([1.0, unit, unit * unit])).T
     spin = spin - first * (1 / third - 1 / first) * l3 * energy
     return np.stack([first * energy, spin, last * (first if scaled.charge else float(scaled.field))], -1)

@@ -56,6 +56,7 @@ class ScaledLeaf:
         twist: $u = \epsilon s^2$.
         charge: $b_3/a_3$.
         casimirs: $c_1, c_2, c_3$.
+        rest: What the Hamiltonian has beside that of the top, a constant or Casimirs: a number on the leaf.
     """
 
     first: Fraction
@@ -64,6 +65,7 @@ class ScaledLeaf:
     twist: Fraction
     charge: Fraction
     casimirs: tuple[Fraction, Fraction, Fraction]
+    rest: float
 
     @classmethod
     def of(cls, leaf: Leaf) -> ScaledLeaf:
@@ -87,7 +89,7 @@ class ScaledLeaf:
         ratio, s = b3 / a3, a3 * first
         one, two = one + 2 * ratio * two + ratio**2 * three, two + ratio * three
         u = epsilon * s**2
-        return cls(first, third, s, u, ratio, (s**2 * one, s * u * two, u**2 * three))
+        return cls(first, third, s, u, ratio, (s**2 * one, s * u * two, u**2 * three), _rest(leaf, top))
 
     @property
     def unit(self) -> float:
@@ -98,28 +100,29 @@ class ScaledLeaf:
     def normal(self) -> tuple[float, float]:
         """$C_1 = c_1/c_3^{2/3}$ and $C_2 = c_2/c_3^{5/6}$."""
         unit, (one, two, _) = self.unit, self.casimirs
-        return float(one) / unit**4, float(two) / unit**5
+        return float(one) / elementary.power(unit, 4), float(two) / elementary.power(unit, 5)
 
     def integrals(self, scaled: Array) -> Array:
         """Values of H, l3 and the third integral from those of l3, h, p in units of the leaf, shape (..., 3)."""
         unit, first, third = self.unit, float(self.first), float(self.third)
-        l3, h, p = np.moveaxis(scaled, -1, 0) * np.array([unit, unit**2, unit**3])[(...,) + (None,) * (scaled.ndim - 1)]
-        energy = h / first + (1 / third - 1 / first) * l3**2 / 2
+        powers = np.array([unit, unit * unit, elementary.power(unit, 3)])
+        l3, h, p = np.moveaxis(scaled, -1, 0) * powers[(...,) + (None,) * (scaled.ndim - 1)]
+        energy = h / first + (1 / third - 1 / first) * l3 * l3 / 2 + self.rest
         return np.stack([energy, l3, p / (first if self.charge else float(self.field))], -1)
 
     def scaled(self, values: Array) -> Array:
         """l3, h and p in units of the leaf from values of H, l3 and the third integral, shape (..., 3)."""
         unit, first, third = self.unit, float(self.first), float(self.third)
         energy, l3, third_value = np.moveaxis(values, -1, 0)
-        h = first * (energy - (1 / third - 1 / first) * l3**2 / 2)
+        h = first * (energy - self.rest - (1 / third - 1 / first) * l3 * l3 / 2)
         p = third_value * (first if self.charge else float(self.field))
-        return np.stack([l3 / unit, h / unit**2, p / unit**3], -1)
+        return np.stack([l3 / unit, h / (unit * unit), p / elementary.power(unit, 3)], -1)
 
     def states(self, scaled: Array) -> Array:
         """States of the top from l, A and B in units of the leaf, shape (..., 3, 3), as shape (..., 9)."""
         unit = self.unit
-        beta = scaled[..., 2, :] * unit**3 / float(self.twist)
-        alpha = scaled[..., 1, :] * unit**2 / float(self.field) - float(self.charge) * beta
+        beta = scaled[..., 2, :] * elementary.power(unit, 3) / float(self.twist)
+        alpha = scaled[..., 1, :] * (unit * unit) / float(self.field) - float(self.charge) * beta
         return np.concatenate([scaled[..., 0, :] * unit, alpha, beta], -1)
 
 
@@ -188,6 +191,16 @@ def _sign(whole: Fraction, part: Fraction, square: Fraction) -> int:
         return one or other
     difference = whole**2 - part**2 * square
     return one * ((difference > 0) - (difference < 0))
+
+
+def _rest(leaf: Leaf, top: TopParameters) -> float:
+    """The Hamiltonian less that of the top, which commutes with all, on a leaf."""
+    from sympy import expand
+
+    l1, l2, l3, _, _, alpha3, _, _, beta3 = leaf.system.variables
+    kinetic = (l1**2 + l2**2) / top.inertia[0] + l3**2 / top.inertia[2]
+    difference = expand(leaf.system.hamiltonian - kinetic / 2 - top.a[2] * alpha3 - top.b[2] * beta3)
+    return float(leaf.system.functions.of(difference)(leaf.state))
 
 
 def is_twisted_lagrange(system: System) -> bool:

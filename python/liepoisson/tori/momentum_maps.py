@@ -156,17 +156,21 @@ class MomentumMap:
         x, t = self._states(states), as_array(times, "times", self.names)
         check_shape(t.shape[-1:] == (len(self.names),), "times", f"(..., {len(self.names)})", t)
         m = np.broadcast_shapes(x.shape[:-1], t.shape[:-1])
-        rows = np.concatenate([np.broadcast_to(x, (*m, x.shape[-1])), np.broadcast_to(t, (*m, t.shape[-1]))], -1)
+        starts = np.broadcast_to(x, (*m, x.shape[-1])).reshape(-1, x.shape[-1])
+        rates = np.broadcast_to(t, (*m, t.shape[-1])).reshape(-1, t.shape[-1])
         system, method = self._flows
-        flat = rows.reshape(-1, rows.shape[-1])
-        ends = np.full((len(flat), x.shape[-1]), np.nan)
-        moves = np.isfinite(flat).all(axis=1)
+        ends = np.full(starts.shape, np.nan)
+        moves = np.isfinite(starts).all(axis=1) & np.isfinite(rates).all(axis=1)
         if moves.any():
+            starts, rates = starts[moves], rates[moves]
+            # Errors of steps are relative to the whole of (x, t): t is made no larger than x, by a longer run
+            sizes = np.abs(starts).max(axis=1), np.abs(rates).max(axis=1)
+            duration = float(sizes[1].max() / min(sizes[0][sizes[0] > 0], default=1.0)) or 1.0
             checkpoint("following commuting flows")
             orbit = integrate(
                 system,
-                flat[moves],
-                times=[0.0, 1.0],
+                np.concatenate([starts, rates / duration], axis=1),
+                times=[0.0, duration],
                 method=method,
                 kernel="lanes",
                 time_limit=seconds_left(TIME_LIMIT),

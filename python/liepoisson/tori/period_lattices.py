@@ -6,7 +6,7 @@ $\sum_kc_kF_k$ has the angular frequencies $\omega = 2\pi\,c\,P^{-1}$, those of 
 
 Closing flows are found by Newton's method: the derivative of $\Phi^t(x)$ along $t_k$ is the field $X_{F_k}$ there.
 It starts from random t, of lengths that double until n independent periods are found and their lattice is the same
-twice.  That it is not a part of a finer one is seen by trying the points of (1/p) times it for the primes p up to 7.
+twice.  That it is not a part of a finer one is seen by trying the points of (1/p) times it for the primes p up to 13.
 """
 
 from __future__ import annotations
@@ -14,19 +14,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
+from math import frexp
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_seed, as_time_limit
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
+from liepoisson.io.tables import vector_columns
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
-from liepoisson.portable import linear
+from liepoisson.orbits.saved_orbits import SavedWhole
+from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.momentum_maps import MomentumMap, momentum_map
 
@@ -37,17 +40,25 @@ if TYPE_CHECKING:
 
 _GUESSES = 64
 """Guesses of one length, for each integral."""
-_LENGTHS = (4.0, 8.0, 16.0, 32.0, 64.0, 128.0)
-"""How far the flows go at most from the state, in units of the leaf, one length after the other."""
-_STEPS, _LONGEST = 14, 0.5
-"""Steps of Newton's method, and the longest one, in units of the leaf: beyond it the fields have turned."""
+_LENGTHS = (4.0, 8.0, 16.0, 32.0, 64.0)
+"""How far the flows go at most, in half turns of the torus, one length after the other: a period has some two."""
+_STEPS, _LONGEST = 16, 0.25
+"""Steps of Newton's method, and the longest one, in half turns: beyond it the fields have turned."""
 _CLOSES = 1e-10
-"""The distance, in units of the leaf, to which Newton's method must come for a period."""
-_PRIMES = (2, 3, 5, 7)
+"""The distance, in units of the state, to which Newton's method must come for a period."""
+_THINNEST = 1e-5
+"""The least extent of a torus, in units of the state: a distance of 1e-13, which flows have, is 1e-8 of a turn."""
+_SAME = 1e-6
+"""Times that differ by less, in half turns, are the same."""
+_WINDOW = 16
+"""So many times the first half turn a longer one is looked for."""
+_PRIMES = (2, 3, 5, 7, 11, 13)
+_SAMPLES, _DOUBLINGS = 48, 24
+"""Times at which the extent of a flow is looked at, and how often they are doubled until it turns back."""
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodLattice(ReadOnlyArrays):
+class PeriodLattice(SavedWhole):
     r"""The periods of the commuting flows on a torus.
 
     Example:
@@ -63,10 +74,18 @@ class PeriodLattice(ReadOnlyArrays):
         residual: The largest distance from the state after a period of the basis, in units of the leaf.
     """
 
+    kind = "period lattice"
+    row = "period"
+
     momentum: MomentumMap
     state: Array
     periods: Array
     residual: float
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.momentum.system
 
     @property
     def integrals(self) -> tuple[str, ...]:
@@ -85,6 +104,10 @@ class PeriodLattice(ReadOnlyArrays):
         Another basis gives other ones, integer combinations of these.
         """
         return 2 * np.pi * linear.inv(self.periods)[0]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each period of the basis its times, and the frequency of its angle."""
+        return vector_columns("time", self.periods, self.integrals) | {"frequency": self.frequencies}
 
     def __repr__(self) -> str:
         rates = ", ".join(f"{rate:.6g}" for rate in self.frequencies)
@@ -129,21 +152,21 @@ def period_lattice(
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
     if x.ndim != 1:
         raise ShapeError(f"state: wanted one state, shape ({x.shape[-1]},); got shape {x.shape}")
-    torus = Closures.at(momentum, x, Leaf.through(momentum.system, x).in_units().units)
     with deadline.running(), np.errstate(all="ignore"):
+        torus = Closures.at(momentum, x, Leaf.through(momentum.system, x).in_units().units)
         periods = torus.lattice(as_seed(seed))
         return PeriodLattice(momentum, x, periods, float(torus.distances(periods).max()))
 
 
 @dataclass(frozen=True, eq=False)
 class Closures:
-    """The flows through one state, with times measured by how far they go from it, in units of the leaf.
+    """The flows through one state, with times measured by half turns of the torus.
 
     Attributes:
         momentum: The momentum map.
         state: Shape (N,).
-        units: Units of the coordinates, shape (N,).
-        scaling: Takes lengths to times, shape (n, n).
+        units: Units of the coordinates, those of the leaf times a number that makes the state of order 1, shape (N,).
+        scaling: Takes half turns to times, shape (n, n).
     """
 
     momentum: MomentumMap
@@ -155,21 +178,72 @@ class Closures:
     def at(cls, momentum: MomentumMap, state: Array, units: Array) -> Closures:
         """The flows through a state, with units of the leaf.
 
+        Combinations of the flows that are orthogonal at the state are each followed until they turn back: to the
+        largest distance from the state before it gets smaller again.
+
         Raises:
-            OrbitError: they are dependent there.
+            OrbitError: they are dependent there, or the torus is too thin.
         """
+        units = units * 2.0 ** max(0, frexp(float(np.abs(state / units).max()))[1])
         fields = momentum.fields(state) / units[:, None]
         if momentum.rank(state) < len(momentum.names):
             raise OrbitError(
                 f"state: wanted one with independent flows of {', '.join(momentum.names)}; got a critical one, "
                 f"{state.tolist()}. Take another."
             )
-        return cls(momentum, state, units, linear.inv(linear.qr(fields).R))
+        lengths = linear.norm(fields, axis=0)
+        _, _, combinations = linear.svd(fields / lengths)
+        found = [cls._half_turn(momentum, state, units, one / lengths) for one in combinations]
+        if min(extent for extent, _ in found) < _THINNEST:
+            raise OrbitError(
+                f"state: wanted one on a torus that doubles resolve; the one through {state.tolist()} has the extent "
+                f"{min(extent for extent, _ in found):.1g} in one direction, relative to the state: it is near to a "
+                "critical one. Take another."
+            )
+        return cls(momentum, state, units, np.array([times for _, times in found]).T)
+
+    @staticmethod
+    def _whole(momentum: MomentumMap, state: Array, units: Array, times: Array, extent: float) -> tuple[float, Array]:
+        """The half turn, if the first one was a small part of a longer one, as beside a well."""
+        later = np.arange(1, 16 * _WINDOW + 1)[:, None] / 16 * times
+        distance = linear.norm((momentum.flow(state, later) - state) / units, axis=1)
+        if distance.max() < 2 * extent:
+            return extent, times
+        return extent, later[int(np.flatnonzero(distance >= distance.max() / 2)[0])]
+
+    @classmethod
+    def _half_turn(cls, momentum: MomentumMap, state: Array, units: Array, rates: Array) -> tuple[float, Array]:
+        """The extent of a combination of the flows, in units, and the times after which it is reached."""
+        speed = float(linear.norm(linear.matmul(momentum.fields(state) / units[:, None], rates)))
+        # In a thousandth of the time in which the state would go its own size
+        step = 1e-3 / speed
+        times, distance = step * rates[None], np.ones(1)
+        for _ in range(_DOUBLINGS):
+            times = step * np.arange(1, _SAMPLES + 1)[:, None] * rates
+            distance = linear.norm((momentum.flow(state, times) - state) / units, axis=1)
+            falls = np.flatnonzero(distance[1:] < 0.999 * np.maximum.accumulate(distance)[:-1])
+            if len(falls):
+                top = int(distance[: falls[0] + 1].argmax())
+                if top >= _SAMPLES // 8:
+                    return cls._whole(momentum, state, units, times[top], float(distance[top]))
+                step /= _SAMPLES / 2
+                continue
+            if not np.isfinite(distance).all():
+                break
+            step *= _SAMPLES / 4
+        return float(distance[0]) if np.isfinite(distance[0]) else 1.0, times[0]
 
     def distances(self, times: Array) -> Array:
         """How far the flows are from closing, shape (m,), for times of shape (m, n)."""
         ends = self.momentum.flow(self.state, times)
         return linear.norm((ends - self.state) / self.units, axis=-1)
+
+    def closes(self, times: Array) -> NDArray[np.bool_]:
+        """Whether flows close, in distance and in turns, for times of shape (m, n)."""
+        ends = self.momentum.flow(self.state, times)
+        near = linear.norm((ends - self.state) / self.units, axis=-1) < _CLOSES
+        turns = linear.norm(linear.matmul(self._step(ends, self.state), linear.inv(self.scaling).T), axis=-1)
+        return near & (turns < _SAME)
 
     def closed(self, times: Array) -> Array:
         """What Newton's method makes of times of shape (m, n): those that close, in order, the time 0 among them."""
@@ -180,7 +254,7 @@ class Closures:
             if len(t):
                 t = t + self._step(self.momentum.flow(self.state, t), self.state)
                 t = t[np.isfinite(t).all(axis=1)]
-        return t[self.distances(t) < _CLOSES] if len(t) else t
+        return t[self.closes(t)] if len(t) else t
 
     def arriving(self, times: Array, targets: Array) -> tuple[Array, NDArray[np.intp]]:
         """Times after which the flows come from the state to targets, and whose, of guesses of shape (m, n)."""
@@ -228,18 +302,19 @@ class Closures:
             m = _GUESSES * n
             directions = draw.standard_normal((m, n))
             directions /= linear.norm(directions, axis=1, keepdims=True)
-            sizes = length * draw.uniform(size=(m, 1)) ** (1 / n)
+            sizes = length * elementary.power(draw.uniform(size=(m, 1)), 1 / n)
             found = linear.matmul(self.closed(linear.matmul(directions * sizes, self.scaling.T)), to_length)
             known = generated(np.concatenate([known, found]))
             if len(known) == n:
                 if last is not None and abs(abs(linear.det(known)) - last) < 1e-6 * last:
-                    known = self._finest(known)
-                    return linear.matmul(known, self.scaling.T)
+                    periods = linear.matmul(self._finest(known), self.scaling.T)
+                    if self.closes(periods).all():
+                        return periods
                 last = float(abs(linear.det(known)))
         raise OrbitError(
             f"state: wanted one on a torus of dimension {n}; of the flows of {', '.join(self.momentum.names)} only "
-            f"{len(known)} independent combinations close within {_LENGTHS[-1]:g} units of the leaf. The fibre is not "
-            "compact, or the state is near to a critical one."
+            f"{len(known)} independent combinations were found to close within {_LENGTHS[-1]:g} half turns. The "
+            "fibre is not compact, or the state is near to a critical one."
         )
 
     def _finest(self, basis: Array) -> Array:
@@ -249,7 +324,7 @@ class Closures:
             while True:
                 shares = np.array([s for s in product(range(p), repeat=n) if _first(s) == 1]) / p
                 tried = linear.matmul(shares, basis)
-                closes = self.distances(linear.matmul(tried, self.scaling.T)) < _CLOSES
+                closes = self.closes(linear.matmul(tried, self.scaling.T))
                 if not closes.any():
                     break
                 basis = generated(np.concatenate([basis, tried[closes]]))
@@ -261,12 +336,12 @@ def _first(shares: Sequence[int]) -> int:
 
 
 def generated(vectors: Array) -> Array:
-    """A reduced basis of the lattice that vectors generate, as rows; differences below 1e-7 are errors."""
+    """A reduced basis of the lattice that vectors generate, as rows; differences below `_SAME` are errors."""
     rows = list[Array]()
     pending = sorted(vectors, key=lambda v: float((v * v).sum()))
     while pending:
         v = _remainder(pending.pop(0), rows)
-        if linear.norm(v) < 1e-7:
+        if linear.norm(v) < _SAME:
             continue
         rank = _rank([*rows, v])
         if rank > len(rows):
