@@ -36,22 +36,24 @@ def refined(loop, n=40):
 def main(folder: Path) -> None:
     """Draw it."""
     top = lp.Top.twisted_lagrange()
-    diagram = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 8, "C2": 1, "C3": 1}))
+    diagram = lp.tori.lagrange_diagram(lp.Leaf(top, {"C1": 0.5, "C2": 0.2, "C3": 1}))
     found = lp.tori.lagrange_monodromy(diagram)
     with house_style():
         figure = new_figure(10.5, 4.0)
-        lp.plot.leaf_classes(ax=figure.add_subplot(1, 3, 1))
-        space = figure.add_subplot(1, 3, 2, projection="3d")
+        figure.set_layout_engine("none")
+        plane = figure.add_axes((0.06, 0.13, 0.3, 0.82))
+        lp.plot.leaf_classes(ax=plane)
+        plane.get_legend().remove()
+        space = figure.add_axes((0.38, 0.03, 0.32, 0.9), projection="3d")
         lp.plot.diagram(diagram, ax=space)
-        space.set_title("class UU+", fontsize=9)
-        space.legend(loc="upper left", fontsize=6)
+        space.get_legend().remove()
         for k, loop in enumerate(found.loops):
-            ax = figure.add_subplot(2, 3, 3 * (k + 1))
+            ax = figure.add_axes((0.77, 0.62 - 0.5 * k, 0.22, 0.31))
             for path, colour in zip(zeros(diagram, refined(loop)).T, (ANGULAR_MOMENTUM, FIRST_FIELD, INK), strict=True):
                 ax.plot(path.real, path.imag, color=colour, linewidth=1)
                 ax.plot(path.real[0], path.imag[0], "o", color=colour, markersize=4)
             ax.axhline(0, color=MUTED, linewidth=0.6)
-            ax.set_title(rf"zeros of $R$, $\sigma_{found.braids[k][0]}$", fontsize=9)
+            ax.set(title=rf"$\sigma_{found.braids[k][0]}$", xlabel=r"$\mathrm{Re}\,z$", ylabel=r"$\mathrm{Im}\,z$")
         figure.savefig(folder / "lagrange-bifurcations.png", dpi=110)
 
 

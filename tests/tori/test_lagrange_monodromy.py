@@ -54,6 +54,52 @@ def test_around_one_thread_the_lattice_is_sheared(name):
     assert len(found.invariant) == {"trivial": 3, "Z": 2, "SL(2, Z)": 1}[found.group]
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize(("side", "name"), [(-1, "UU-"), (1, "UU+")])
+@pytest.mark.parametrize("c2", [0.0, 0.4, -2.0])
+def test_beside_the_wall_where_threads_exchange_their_ends_both_braids_occur(side, name, c2):
+    leaf = lp.Leaf(TOP, {"C1": 3 + 4 * c2**2 / 3 + 0.2 * side, "C2": c2, "C3": 1})
+    found = lp.tori.lagrange_monodromy(lp.tori.lagrange_diagram(leaf))
+    assert found.diagram.leaf_class == name
+    assert found.group == "SL(2, Z)"
+    one, other = found.matrices
+    assert (one @ other @ one == other @ one @ other).all()
+
+
+@pytest.mark.parametrize(("c2", "name"), [(0, "UU+"), (0.8, "UU+"), (0.83, "AB"), (-0.99, "AB")])
+def test_classes_of_a_small_twist(c2, name):
+    """UU+ for C2^2 < 2 C1 C3/3 = 0.667, AB beyond."""
+    top = lp.Top.twisted_lagrange(epsilon=Fraction(1, 10**6))
+    assert lp.tori.leaf_class(lp.Leaf(top, {"C1": 1, "C2": c2, "C3": 1})) == name
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("c1", [3.2, 4, 5, 8, 20, 40])
+def test_threads_of_symmetric_leaves_are_threads(c1):
+    """C2 = 0: both Hopf points are at one g but for round-off."""
+    found = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": c1, "C2": 0, "C3": 1}))
+    assert {curve.ends for curve in found.threads} == {("HH", "HH"), ("S+", "S-")}
+    assert lp.tori.lagrange_monodromy(found).group == "SL(2, Z)"
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2, 3])
+def test_the_rank_is_three_less_the_degree_of_the_common_divisor(degree):
+    """Of the gradients of C1, C2, C3, H, l3 and P, written by hand, at M = q N with random q and N."""
+    draw = np.random.default_rng(degree)
+    for _ in range(20):
+        q = np.concatenate([[1], draw.normal(size=degree)])
+        rest = np.zeros((3, 4 - degree))
+        rest[2, 0], rest[:, 1:] = 1, draw.normal(size=(3, 3 - degree))
+        l, alpha, beta = np.array([np.convolve(q, row) for row in rest])[:, 1:].T
+        zero, axis = np.zeros(3), np.array([0, 0, 1.0])
+        gradients = [
+            (2 * beta, 2 * alpha, 2 * l), (zero, beta, alpha), (zero, zero, 2 * beta),
+            (l * [1, 1, 1 / 0.6], axis, zero), (axis, zero, zero), (alpha, l, axis),
+        ]  # fmt: skip
+        sizes = np.linalg.svd(np.reshape(gradients, (6, 9)))[1]
+        assert (sizes > 1e-9).sum() == 6 - degree
+
+
 @pytest.mark.parametrize("name", ["UU-", "UU+", "BU"])
 def test_two_threads_obey_the_relation_of_braids(name):
     one, other = around_threads(name).matrices
@@ -110,6 +156,7 @@ def refined(found, loop, n):
     return fine
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["UU-", pytest.param("UU+", marks=pytest.mark.slow)])
 def test_quadratures_along_a_loop_are_carried_by_the_same_matrix(name):
     """P(k) is nearly an integer matrix times P(k + 1); the product of these matrices is M."""

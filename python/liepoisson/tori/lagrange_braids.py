@@ -282,9 +282,12 @@ def _base(diagram: LagrangeDiagram, given: ArrayLike | None) -> Array:
     top, height = max((float(values[:, 1].max()) for values in threads), default=0.0), 1.0
     while True:
         found[1] = top + height
-        if diagram.depth(diagram.scaled.integrals(found)) > 0:
+        try:
+            lagrange_lattice(diagram, diagram.scaled.integrals(found))
+        except OrbitError:  # outside, or two zeros have one real part: not so where h is great
+            height *= 2
+        else:
             return found
-        height *= 2
 
 
 def _center(diagram: LagrangeDiagram, thread: CriticalCurve) -> tuple[Array, Array, float]:
@@ -300,9 +303,18 @@ def _center(diagram: LagrangeDiagram, thread: CriticalCurve) -> tuple[Array, Arr
         if other is not thread:
             gaps = values[:, None] - diagram.scaled.scaled(other.values)
             far = np.minimum(far, linear.norm(gaps, axis=2).min(axis=1))
-    best = int(far[1:-1].argmax()) + 1
-    tangent = values[best + 1] - values[best - 1]
+    best = int(far.argmax())
+    # Along the thread R keeps its double zero: mu^2 dl3 + mu dh + dp = 0
+    zeros = _upper(diagram, values[best])
+    i, j = min(((0, 1), (0, 2), (1, 2)), key=lambda pair: abs(zeros[pair[0]] - zeros[pair[1]]))
+    double = (zeros[i] + zeros[j]) / 2
+    powers = np.array([double**2, double, 1])
+    tangent = _cross(powers.real, powers.imag)
     return values[best], tangent / linear.norm(tangent), float(far[best]) / 2
+
+
+def _cross(one: Array, other: Array) -> Array:
+    return np.array([one[i - 2] * other[i - 1] - one[i - 1] * other[i - 2] for i in range(3)])
 
 
 def _around(diagram: LagrangeDiagram, thread: CriticalCurve, base: Array) -> Array:
@@ -310,7 +322,7 @@ def _around(diagram: LagrangeDiagram, thread: CriticalCurve, base: Array) -> Arr
     towards = base - center
     towards = towards - tangent * (tangent * towards).sum()
     towards = towards / linear.norm(towards)
-    across = np.array([tangent[i - 2] * towards[i - 1] - tangent[i - 1] * towards[i - 2] for i in range(3)])
+    across = _cross(tangent, towards)
     angle = np.arange(N_CORNERS + 1) * (2 * np.pi / N_CORNERS)
     circle = center + radius * (elementary.cos(angle)[:, None] * towards + elementary.sin(angle)[:, None] * across)
     circle[-1] = circle[0]

@@ -362,8 +362,10 @@ def _critical_curve(curve: _Curve, chain: list[tuple[_Arc, bool]], scaled: Scale
     (first, begins), (last, goes_on) = chain[0], chain[-1]
     ends = [first.nodes[0 if begins else 1], last.nodes[1 if goes_on else 0]]
     names = tuple(end.name if isinstance(end, _Special) else "turn" for end in ends)
+    # One kind along the chain; where special points differ by round-off an arc is too short to tell it
+    widest = max((arc for arc, _ in chain), key=lambda arc: arc.ends[1] - arc.ends[0])
     return CriticalCurve(
-        first.kind,
+        widest.kind,
         (names[0], names[1]),
         scaled.integrals(curve.values(g, c)),
         scaled.states(curve.states(g, c)),
