@@ -54,6 +54,23 @@ def test_a_fold_where_the_state_is_zero(longest):
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("hamiltonian", "state"),
+    [
+        ("p1^2/2 + (q1 - 1)^4/4 - (m - 2)*(q1 - 1)^2/2", 2),
+        ("p1^2/2 - (q1 - 1)^4/4 + (m - 2)*(q1 - 1)^2/2", 2),
+        ("p1^2/2 - cos(q1) - (m - 1)*sin(q1)^2/2", np.arccos(1 / 2)),
+    ],
+)
+def test_a_pitchfork_is_a_branch_from_its_side_branch(hamiltonian, state):
+    """The parameter turns on the side branch at m = 2, where the middle one crosses it: (q - q0)^2 ~ m - 2."""
+    system = lp.System(lp.canonical(1), hamiltonian, {"m": 3})
+    rest = equilibrium(system, [state, 0])
+    family = follow(system, rest, along="m", increasing=False, max_equilibria=14)
+    assert located(family) == [("branch", 2)]
+
+
+@pytest.mark.thorough
 def test_a_cusp_is_a_branch_where_it_is_symmetric():
     family = follow(CUSP, equilibrium(CUSP, [0, 0]), along="m", increasing=False, until=-1)
     assert located(family) == [("branch", 0)]

@@ -43,7 +43,7 @@ class Plane(Curve[Point]):
             z = z - linear.pinv(np.array([self.gradient(*z), row]), rcond=1e-11) @ [self.function(*z), off]
         return self.point(*z)
 
-    def null_space(self, point, n):
+    def null_space(self, point, n, *, least=1):
         x, y = point.unknowns / self.units
         if y > self.wall:
             raise linear.LinAlgError

@@ -234,6 +234,37 @@ def test_what_is_refused(given, words):
         lp.orbits.orbit_family(PENDULUM, **({"start": rest} | given))
 
 
+@pytest.mark.parametrize("along", ["energy", "C1"])
+@pytest.mark.parametrize("mode", [0, 1])
+def test_orbits_of_a_sleeping_top_that_only_turn_are_no_relative_orbits(along, mode):
+    """Its normal modes are circles, about the axis whose momentum is held: steady precessions."""
+    top = lp.catalog.system("lagrange")
+    asleep = lp.phase_space.equilibrium(top, [0, 0, 3, 0, 0, 1])
+    with pytest.raises(lp.errors.OrbitError, match=r"only turn, by the flows of l3.*Leave out the momenta"):
+        lp.orbits.orbit_family(top, asleep, along=along, momenta=["l3"], mode=mode)
+    assert len(lp.orbits.orbit_family(top, asleep, along=along, mode=mode, max_orbits=2)) == 2
+
+
+@pytest.mark.parametrize("mode", [0, 1])
+@pytest.mark.parametrize("length", ["10^-6", "1", "10^6"])
+def test_a_family_from_rest_at_zero_in_other_units(length, mode):
+    """Nothing at zero says how large an orbit is but the nonlinear terms: p^2/2 - L^2 cos(q/L) + q^2 y/(3 L)."""
+    text = "(p1^2 + p2^2)/2 - L^2*cos(q1/L) + q2^2 + q1^2*q2/(3*L)"
+    system = lp.System(lp.canonical(2), text, {"L": length})
+    rest = lp.phase_space.equilibrium(system, [0, 0, 0, 0])
+    size = float(system.parameters["L"]) ** 2
+    family = lp.orbits.orbit_family(system, rest, mode=mode, until=-0.9 * size, longest_step=0.1)
+    assert family.end == "the wanted value"
+    assert len(family) < 12
+    assert family[-1].period == pytest.approx([np.pi * np.sqrt(2), 6.3812212580489][mode], rel=1e-11)
+    x, y, p, q = family[-1].start / np.sqrt(size)
+    end = solve_ivp(
+        lambda _, z: [z[2], z[3], -np.sin(z[0]) - 2 * z[0] * z[1] / 3, -2 * z[1] - z[0] ** 2 / 3],
+        (0, family[-1].period), [x, y, p, q], method="DOP853", rtol=1e-12, atol=1e-14,
+    )  # fmt: skip
+    np.testing.assert_allclose(end.y[:, -1], [x, y, p, q], atol=1e-10)
+
+
 def test_a_saddle_has_no_orbits_around_it():
     top = lp.phase_space.equilibrium(PENDULUM, [np.pi, 0])
     with pytest.raises(lp.errors.ParameterError, match="around which orbits oscillate; this one has none"):

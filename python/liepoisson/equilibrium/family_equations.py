@@ -223,11 +223,11 @@ class FamilyEquations(Curve[Place]):
             unknowns = unknowns - linear.matmul(linear.pinv(rows, rcond=_RANK), values) * near.units
         return self.place(best, least)
 
-    def null_space(self, point: Place, n: int = 1) -> Array:
+    def null_space(self, point: Place, n: int = 1, /, *, least: int = 1) -> Array:
         """Orthonormal directions in which the equations hold to first order, the curve's among them, shape (k, ...)."""
         del n
         _, sizes, rows = linear.svd(self.linearised(point.unknowns, point)[0])
-        return rows[min(int((sizes > SAME * sizes[0]).sum()), len(rows) - 1) :] * point.units
+        return rows[min(int((sizes > SAME * sizes[0]).sum()), len(rows) - least) :] * point.units
 
     def _flows(self, place: Place) -> tuple[LinearFlow, LinearFlow]:
         """The linearised flow modulo symmetries, and with the second variation on the level of what is held.

@@ -72,8 +72,11 @@ class Curve(Protocol[P]):
         """What Newton's method makes of a guess: across a direction in units, or where the value is a wanted one."""
         ...
 
-    def null_space(self, point: P, n: int, /) -> Array:
+    def null_space(self, point: P, n: int, /, *, least: int = 1) -> Array:
         """Orthonormal directions in which the equations hold to first order; n, where the point does not say how many.
+
+        Args:
+            least: How many there are at least; the point may be so far from an exact one that it does not say so.
 
         Raises:
             LinAlgError: the equations have no finite derivatives there.
@@ -337,12 +340,13 @@ class Follower(Generic[P]):
         return nearest
 
     def _crossed(self, fold: Zero[P]) -> Zero[P]:
-        """Where the value turns but nothing else passes zero another curve crosses: the point, located along it."""
+        r"""Where the value turns but nothing else passes zero another curve crosses: the point, located along it.
+
+        The side branch of a pitchfork arrives so, as $x^2 \sim c$: a residual r leaves an error of $r^{1/3}$ in x, too
+        much to see in the equations that they are singular there.
+        """
         point, near = fold.point, fold._replace(kind="branch", is_located=False)
-        directions = self._across(point, fold.tangent)
-        if not len(directions):
-            return fold
-        other = directions[0]
+        other = self._across(point, fold.tangent)[0]
         ends = [self._moved((point, other), way * self._piece.length / 4) for way in (-1, 1)]
         if not all(one.residual <= HOLDS for one in ends):
             return near
@@ -356,7 +360,7 @@ class Follower(Generic[P]):
 
     def _across(self, point: P, tangent: Array) -> Array:
         """Directions in the null space of a point where curves cross, orthogonal to a tangent."""
-        space = self.curve.null_space(point, 2)
+        space = self.curve.null_space(point, 2, least=2)
         share = linear.matmul(np.array([_tangent((point, one)) for one in space]), tangent)[:, None]
         sign = -1.0 if share[0] < 0 else 1.0  # in a plane the direction is the tangent, turned by a right angle
         return sign * linear.matmul(linear.complement(share / linear.norm(share)).T, space)

@@ -157,8 +157,9 @@ class LoopCurve(Curve[FamilyLoop]):
         closing = replace(self.held, held={**self.held.held, self.name: (function, aim + rest)})
         return FamilyLoop(self, closing.solved(loops))
 
-    def null_space(self, point: FamilyLoop, n: int) -> Array:
+    def null_space(self, point: FamilyLoop, n: int, /, *, least: int = 1) -> Array:
         """The n directions in which it moves most nearly along loops."""
+        del least
         closed = replace(point.linearised, gaps=np.zeros_like(point.linearised.gaps))
         found: list[Array] = []
         for tangent in self.closing.null_space(point.loops, point.linearised, n):

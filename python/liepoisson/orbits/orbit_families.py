@@ -31,16 +31,19 @@ from liepoisson.numeric.curves import FIRST, LONGEST, TRIALS, Follower
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, SAME, Momenta, PeriodicOrbit
 from liepoisson.orbits.family_loops import FamilyLoop, LoopCurve
-from liepoisson.orbits.level import level_of
+from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit, orbit_columns
 from liepoisson.orbits.saved_orbits import SavedOrbits
-from liepoisson.portable import linear
+from liepoisson.portable import elementary, linear
+from liepoisson.structure.casimir_part import ORDINARY
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 _NEAR = 0.1
 """How near the period of a small orbit must be to that of the linear equations."""
+_RANGE = 332
+"""Powers of two that are tried as a length, with squares and cubes in the range of doubles."""
 _LEAVES = ("branch", "double period")
 """Points at which another family begins."""
 
@@ -302,8 +305,9 @@ class _Family:
         k = chosen[mode]
         direction = vectors[:, k].real / linear.norm(vectors[:, k].real)
         ellipse = vectors[:, k].imag / linear.norm(vectors[:, k].real)
-        length, time, residual = float(np.abs(rest.state).max()) or 1.0, 2 * np.pi / values[k].imag, np.inf
+        time, residual, only_turns = 2 * np.pi / values[k].imag, np.inf, False
         level = level_of(self.system, Leaf.through(self.system, rest.state), rest.energy)
+        length = _length(level, rest.state, np.array([direction, ellipse]))
         units = level.in_units_of(rest.state + length * np.array([direction, ellipse])).units
         for n in range(TRIALS):  # how small the orbits must be, only the nonlinear terms know
             state = rest.state + FIRST * 10.0**-n * length * direction
@@ -314,9 +318,39 @@ class _Family:
                 loops = curve.closing.solved(curve.first(state, time), extra=extra / linear.norm(extra))
             residual = loops.residual[0]
             if residual <= CLOSES and abs(loops.time[0] / time - 1) < _NEAR:
-                return curve, FamilyLoop(curve, loops)
+                size = linear.norm((loops.state[0, 0] - rest.state) / units)
+                if curve.closing.extent(loops)[0] > _NEAR * size:
+                    return curve, FamilyLoop(curve, loops)
+                only_turns = True
+        if only_turns:
+            raise OrbitError(
+                f"an orbit must move; those of the frequency {values[k].imag:.6g} around the equilibrium only turn, by "
+                f"the flows of {', '.join(map(str, self.momenta))}: they are relative equilibria. Leave out the momenta"
+            )
         raise OrbitError(
             f"an orbit around the equilibrium must close to {CLOSES:g}; those of the frequency {values[k].imag:.6g} do "
             f"to {residual:.1e}. Another frequency may be a multiple of it: the eigenvalues are "
             f"{np.round(values, 6).tolist()}"
         )
+
+
+@np.errstate(all="ignore")  # the equations need not exist far off
+def _length(level: Level, rest: Array, axes: Array) -> float:
+    """About the distance from an equilibrium at which the linear equations are no longer those of the system.
+
+    The size of its state, or 1 at zero; where that is too far from it by a factor of `ORDINARY`, the power of two up to
+    which Df changes by no more than its own size along the axes of the linear orbits, shape (2, N).
+    """
+    given = float(np.abs(rest).max()) or 1.0
+    tried = elementary.exp2(np.arange(-_RANGE, _RANGE + 1.0))
+    units = level.in_units_of(rest + tried[0] * axes).units
+    slope, slopes = (
+        level.system.functions.jacobian(x) * (units / units[:, None])
+        for x in (rest, rest + tried[:, None, None] * axes)
+    )
+    change = np.abs(slopes - slope).max(axis=(1, 2, 3))
+    far = np.nonzero(~(change <= np.abs(slope).max()))[0]
+    if not len(far) or far[0] == 0:
+        return given
+    found = float(tried[far[0] - 1])
+    return found if max(found / given, given / found) > ORDINARY else given
