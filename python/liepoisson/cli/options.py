@@ -72,6 +72,8 @@ LeafOption: TypeAlias = Annotated[_Texts, typer.Option(metavar="C1=VALUE,...", h
 OutOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["out"])]
 FoundOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["found"])]
 TableOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE.csv", help=_HELP["table"])]
+PlotOption: TypeAlias = Annotated[bool, typer.Option("--plot", help=_HELP["plot"])]
+FigureOption: TypeAlias = Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["figure"])]
 
 
 @dataclass(frozen=True)
@@ -94,8 +96,8 @@ class Files:
     """What is written beside what is printed: the result, and figures."""
 
     out: OutOption = None
-    plot: Annotated[bool, typer.Option("--plot", help=_HELP["plot"])] = False
-    figure: Annotated[_MaybeText, typer.Option(metavar="FILE", help=_HELP["figure"])] = None
+    plot: PlotOption = False
+    figure: FigureOption = None
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,11 @@ import typer
 
 from liepoisson.cli.options import (
     Common,
+    FigureOption,
     Format,
     FormatOption,
     FoundOption,
+    PlotOption,
     SeedOption,
     SystemArgument,
     Where,
@@ -117,8 +119,8 @@ def continue_(
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = TIME_LIMIT,
     out: FoundOption = None,
-    plot: Annotated[bool, typer.Option("--plot", help="Draw a figure, a .png file in the working folder.")] = False,
-    figure: Annotated[str | None, typer.Option(metavar="FILE", help="Draw the figure into this file.")] = None,
+    plot: PlotOption = False,
+    figure: FigureOption = None,
     format_: FormatOption = Format.TEXT,
     common: Common,
 ) -> None:

@@ -6,7 +6,18 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from liepoisson.cli.options import Common, Format, FormatOption, FoundOption, SeedOption, SystemArgument, Where, show
+from liepoisson.cli.options import (
+    Common,
+    FigureOption,
+    Format,
+    FormatOption,
+    FoundOption,
+    PlotOption,
+    SeedOption,
+    SystemArgument,
+    Where,
+    show,
+)
 from liepoisson.cli.output import data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
 from liepoisson.cli.starts import assignments, find_start, read_numeric_system
@@ -39,8 +50,8 @@ def diagram(
     seed: SeedOption = 0,
     time_limit: TimeLimitOption = TIME_LIMIT,
     out: FoundOption = None,
-    plot: Annotated[bool, typer.Option("--plot", help="Draw a figure, a .png file in the working folder.")] = False,
-    figure: Annotated[str | None, typer.Option(metavar="FILE", help="Draw the figure into this file.")] = None,
+    plot: PlotOption = False,
+    figure: FigureOption = None,
     format_: FormatOption = Format.TEXT,
     common: Common,
 ) -> None:

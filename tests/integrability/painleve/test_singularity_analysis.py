@@ -2,6 +2,7 @@
 
 import warnings
 from collections import Counter
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import count
@@ -78,6 +79,18 @@ def test_eulers_top():
     (balance,) = found.balances
     assert (exponents(found), found.verdict) == ([[-1, 2, 2]], "passes")
     assert (balance.n_conjugates, balance.n_constants, balance.is_principal) == (4, 3, True)
+
+
+def test_solutions_without_logarithms_are_as_many_as_the_kernels_have_dimensions():
+    """Not as the multiplicities: a Jordan block has a logarithm. With irrational exponents there is no number."""
+    (balance,) = painleve_test(entry("free-rigid-body")).balances
+    assert balance.kernels == {-1: (1, 1), 2: (2, 2)}
+    assert balance.n_log_free == 3
+    block = [replace(one, kernel=1) for one in balance.resonances]
+    assert replace(balance, resonances=tuple(block)).n_log_free == 2
+    for irrational in painleve_test(entry("henon-heiles")).balances:
+        assert len(irrational.exponents) == 2
+        assert irrational.n_log_free is None
 
 
 @pytest.mark.parametrize("name", ["lagrange", "so21-heavy-top"])
