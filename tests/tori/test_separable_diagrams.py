@@ -1,6 +1,8 @@
 """Diagrams of systems with separated equations: critical values are those of polynomials with a double root."""
 
 import numpy as np
+import pytest
+from connected import pieces
 
 import liepoisson as lp
 from liepoisson.errors import OrbitError

@@ -235,7 +235,7 @@ def _space(found: LagrangeDiagram, ax: Any) -> Any:
 
 
 def _heading(leaf: Leaf, at: Mapping[str, float] | None = None) -> str:
-    held = leaf.casimirs | (at or {})
+    held = {**leaf.casimirs, **(at or {})}
     values = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in held.items())
     return "\n".join(filter(None, [plain(leaf.system.name), values]))
 

@@ -307,9 +307,8 @@ def _center(diagram: LagrangeDiagram, thread: CriticalCurve) -> tuple[Array, Arr
     # Along the thread R keeps its double zero: mu^2 dl3 + mu dh + dp = 0
     zeros = _upper(diagram, values[best])
     i, j = min(((0, 1), (0, 2), (1, 2)), key=lambda pair: abs(zeros[pair[0]] - zeros[pair[1]]))
-    double = (zeros[i] + zeros[j]) / 2
-    powers = np.array([double**2, double, 1])
-    tangent = _cross(powers.real, powers.imag)
+    a, b = float(zeros[i].real + zeros[j].real) / 2, float(zeros[i].imag + zeros[j].imag) / 2
+    tangent = _cross(np.array([a * a - b * b, a, 1.0]), np.array([2 * a * b, b, 0.0]))
     return values[best], tangent / linear.norm(tangent), float(far[best]) / 2
 
 
