@@ -453,7 +453,9 @@ def _of_tori(add):
     leaf = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
     add("tori.fibre", "value:N", None, names, leaf=leaf, value=[0.5, 0.2], n_states=5)
     plane = lp.tori.diagram(leaf, energy_max=2, n_starts=20)
-    add("plot.diagram", "regions:o", found=plane, regions=list(lp.tori.regions(plane, n_values=50, n_states=5)))
+    toda = lp.Leaf(lp.catalog.system("toda"), {})
+    add("tori.diagram", "at:v", leaf=toda, at={"P": 0}, energy_max=6, n_starts=5)
+    add("plot.diagram", "found:1 regions:o", found=plane, regions=list(lp.tori.regions(plane, n_values=50, n_states=5)))
     diagram = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
     given = {"values": [3.0, 0.5, 0.2]}
     for method in ("depth", "sextic"):

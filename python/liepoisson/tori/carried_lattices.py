@@ -152,7 +152,7 @@ def monodromy(
     momentum = system if isinstance(system, MomentumMap) else momentum_map(system, integrals)
     bracket = momentum.system.bracket
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
-    corners = _corners(loop, momentum.names)
+    corners, number = _corners(loop, momentum.names), as_seed(seed)
     with deadline.running(), np.errstate(all="ignore"):
         leaf = Leaf.through(momentum.system, x)
         first = on_fibre(momentum, leaf, x[None], corners[0])[0]
@@ -161,7 +161,7 @@ def monodromy(
                 f"loop: Newton's method did not come from the state, with the values {momentum(x).tolist()}, to the "
                 f"first value {corners[0].tolist()}. Give a state nearer to it."
             )
-        periods = Closures.at(momentum, first, leaf.in_units().units).lattice(as_seed(seed))
+        periods = Closures.at(momentum, first, leaf.in_units().units).lattice(number)
         forth = _Carrier(momentum, leaf, first, periods)
         for corner in corners[1:]:
             forth.go(corner)

@@ -152,9 +152,10 @@ def period_lattice(
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
     if x.ndim != 1:
         raise ShapeError(f"state: wanted one state, shape ({x.shape[-1]},); got shape {x.shape}")
+    number = as_seed(seed)
     with deadline.running(), np.errstate(all="ignore"):
         torus = Closures.at(momentum, x, Leaf.through(momentum.system, x).in_units().units)
-        periods = torus.lattice(as_seed(seed))
+        periods = torus.lattice(number)
         return PeriodLattice(momentum, x, periods, float(torus.distances(periods).max()))
 
 
