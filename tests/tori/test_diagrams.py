@@ -114,7 +114,7 @@ def test_regions_of_a_slice_have_as_many_tori_as_the_well():
         ({"H": 1, FIRST: 0.2}, "two integrals that are left.* 1 are"),
         ({FIRST: -1}, "inside of its range.*no random state was moved to it"),
         ({FIRST: 0}, "inside of its range.*its flow rests"),
-        ({FIRST: float("nan")}, "finite value"),
+        ({FIRST: float("nan")}, "a finite number"),
         ({FIRST: "x"}, "number"),
         ([0.5], "mapping"),
     ],

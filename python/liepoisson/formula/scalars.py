@@ -144,6 +144,14 @@ def as_number(value: Any, name: str, wanted: str) -> float:
     raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; give a plain number")
 
 
+def as_finite(value: Any, name: str) -> float:
+    """A finite number as a plain float."""
+    number = as_number(value, name, "a finite number")
+    if not math.isfinite(number):
+        raise ParameterError(f"{name}: wanted a finite number; got {shown(value)}; give one")
+    return number
+
+
 def as_positive(value: Any, name: str, wanted: str, *, example: float, zero: bool = False) -> float:
     """A finite number above 0 as a plain float; 0, too, if it may be."""
     number = as_number(value, name, wanted)

@@ -29,7 +29,7 @@ from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
-from liepoisson.tori.momentum_maps import MomentumMap, momentum_map, on_fibre
+from liepoisson.tori.momentum_maps import MomentumMap, map_of, on_fibre
 from liepoisson.tori.period_lattices import Closures
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def monodromy(
     References: [duistermaat1980], [cushman2015].
     """
     deadline = Deadline(as_time_limit(time_limit))
-    momentum = system if isinstance(system, MomentumMap) else momentum_map(system, integrals)
+    momentum = map_of(system, integrals)
     bracket = momentum.system.bracket
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
     corners, number = _corners(loop, momentum.names), as_seed(seed)

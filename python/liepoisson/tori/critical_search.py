@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
@@ -136,7 +136,7 @@ def critical_states(
     deadline = Deadline(as_time_limit(time_limit))
     check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(system, {...})")
     momentum = momentum_of(leaf, momentum)
-    n = as_count(n_starts, "n_starts")
+    n = as_count(n_starts, "n_starts", least=1)
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         search = Critical.on(leaf, momentum)
@@ -150,14 +150,20 @@ def momentum_of(leaf: Leaf, momentum: MomentumMap | None) -> MomentumMap:
 
     Raises:
         ParameterError: the one given is of another system.
+        LeafError: the leaf has not twice as many dimensions as there are integrals.
     """
     if momentum is None:
-        return momentum_map(leaf.system)
+        momentum = momentum_map(leaf.system)
     check_kind(momentum, MomentumMap, "momentum", "what momentum_map returns", "call it first")
     if momentum.system is not leaf.system and momentum.system != leaf.system:
         raise ParameterError(
             f"momentum: wanted that of the system of the leaf, {leaf.system.name!r}; got {momentum!r}. Make both of "
             "one system."
+        )
+    if leaf.rank != 2 * len(momentum.names):
+        raise LeafError(
+            f"leaf: wanted one of dimension {2 * len(momentum.names)}, as there are {len(momentum.names)} integrals; "
+            f"got {leaf!r}. On it they are dependent everywhere, or more than it needs."
         )
     return momentum
 

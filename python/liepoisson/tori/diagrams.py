@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_positive, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_finite, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
@@ -186,7 +186,8 @@ def diagram(
     held = _held({} if at is None else by_name(at, "at", "numbers", 'at={"l3": 0.3}'), momentum)
     if "H" in held and energy_max is not None:
         raise ParameterError("energy_max: at holds H, so that all states have one energy. Leave one of them out.")
-    n = as_count(n_starts, "n_starts")
+    n = as_count(n_starts, "n_starts", least=1)
+    highest = None if energy_max is None else as_finite(energy_max, "energy_max")
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         critical = Critical.on(leaf, momentum, held)
@@ -194,7 +195,7 @@ def diagram(
         if held:
             starts, weights = critical.moved(starts)
         energies = momentum.integrals["H"](starts * critical.units)
-        top = float(energies.max()) if energy_max is None else as_number(energy_max, "energy_max", "a number")
+        top = float(energies.max()) if highest is None else highest
         rest = critical.doubly_critical(starts) if held else critical.resting(starts)
         lowest = momentum.integrals["H"](rest * critical.units).min(initial=2 * energies.min() - energies.max())
         limits = (-np.inf, np.inf) if "H" in held else (float(lowest), top)
@@ -235,11 +236,7 @@ def _held(at: Mapping[object, object], momentum: MomentumMap) -> dict[str, float
             f"at: wanted two integrals that are left for the plane; of {', '.join(names)} {len(names) - len(at)} are. "
             + (f'Hold one of three, such as at={{"{names[1]}": 0.3}}.' if len(names) > 2 else "Leave it out.")
         )
-    held = {str(name): as_number(value, f"at[{str(name)!r}]", "a finite number") for name, value in at.items()}
-    for name, value in held.items():
-        if not np.isfinite(value):
-            raise ParameterError(f"at: wanted a finite value of {name}; got {value}. Take that of a state.")
-    return held
+    return {str(name): as_finite(value, f"at[{str(name)!r}]") for name, value in at.items()}
 
 
 class _Families:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import OrbitError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
@@ -142,10 +142,10 @@ def regions(
     """
     deadline = Deadline(as_time_limit(time_limit))
     check_kind(found, Diagram, "found", "what diagram returns", "call it first")
-    m = as_count(n_values, "n_values")
+    m, width = as_count(n_values, "n_values", least=1), as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         units = found.leaf.in_units().units
-        rough = spread * stream(as_seed(seed), Purpose.FIBRES).standard_normal((m, len(units))) * units
+        rough = width * stream(as_seed(seed), Purpose.FIBRES).standard_normal((m, len(units))) * units
         names, held = found.momentum.names, found.at
         functions = ((found.momentum.integrals[name], value) for name, value in held.items())
         states = moved_onto(*unit_equations(found.leaf, functions), rough)

@@ -37,8 +37,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import LeafError, ShapeError
-from liepoisson.formula.scalars import as_array
+from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.formula.scalars import as_array, as_count, as_finite
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
@@ -51,6 +51,7 @@ from liepoisson.tori.momentum_maps import MomentumMap
 if TYPE_CHECKING:
     from liepoisson.model.system import System
 
+_LARGEST = 1e40
 N_POINTS = 200
 """Points of a curve between two special ones."""
 
@@ -137,7 +138,7 @@ class LagrangeDiagram(SavedWhole):
 
     def sextic(self, values: ArrayLike) -> Array:
         r"""The coefficients of R in units of the leaf, from that of $\lambda^6$ = 1 down, shape (..., 7)."""
-        return _sextic(*self.scaled.normal, self.scaled.scaled(_values(values, self.integrals)))
+        return _sextic(*self.scaled.normal, self.scaled.scaled(values_of(values, self.integrals)))
 
     def depth(self, values: ArrayLike) -> Array:
         r"""The least value of $R/(1 + \lambda^2)^3$ on the real line, shape (...).
@@ -154,12 +155,12 @@ class LagrangeDiagram(SavedWhole):
 
         Where R has a double root $\mu$ and is not negative.
         """
-        unit = self.scaled.unit
-        half = n_points // 2
+        spin, unit = as_finite(l3, "l3"), self.scaled.unit
+        half = as_count(n_points, "n_points", least=4) // 2
         angle = (np.arange(half) + 0.5) * (np.pi / 2 / half)
         places = np.concatenate([-elementary.tan(angle)[::-1], elementary.tan(angle)])
         c1, c2 = self.scaled.normal
-        x, s = places, l3 / unit
+        x, s = places, spin / unit
         # R = R' = 0 at x, linear in h and p: 2 x^4 h + 2 x^3 p = -r, 8 x^3 h + 6 x^2 p = -r'.
         third, fourth = elementary.power(x, 3), elementary.power(x, 4)
         r = (x + 2 * s) * x * fourth + c1 * x * x + 2 * c2 * x + 1
@@ -377,10 +378,13 @@ def _real_roots(coefficients: Sequence[float]) -> list[float]:
     return [float(root.real) for root in linear.roots(coefficients) if abs(root.imag) <= 1e-9 * abs(root)]
 
 
-def _values(given: ArrayLike, names: Sequence[str]) -> Array:
+def values_of(given: ArrayLike, names: Sequence[str]) -> Array:
+    """Values of the three integrals, in order."""
     values = as_array(given, "values", names)
     if values.shape[-1:] != (3,):
         raise ShapeError(f"values: wanted H, l3 and the third integral, shape (..., 3); got shape {values.shape}.")
+    if not (np.abs(values) < _LARGEST).all():
+        raise ParameterError(f"values: wanted finite ones below {_LARGEST:g}, whose powers are numbers")
     return values
 
 

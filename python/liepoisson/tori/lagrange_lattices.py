@@ -22,11 +22,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.errors import OrbitError, ShapeError
-from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.portable import elementary, linear
-from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
+from liepoisson.tori.lagrange_diagrams import LagrangeDiagram, values_of
 
 _FEWEST, _MOST = 2**5, 2**16
 """Places on one line, doubled until the integrals stay the same to round-off."""
@@ -105,7 +104,7 @@ def _root(real: Array, imaginary: Array) -> Any:
 
 
 def _given(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
-    given = as_array(values, "values", diagram.integrals)
+    given = values_of(values, diagram.integrals)
     if given.shape != (3,):
         raise ShapeError(f"values: wanted H, l3 and the third integral, shape (3,); got shape {given.shape}")
     return given

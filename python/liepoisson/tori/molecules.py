@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import OrbitError, ParameterError
-from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_number, as_positive, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_finite, as_positive, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
@@ -188,8 +188,8 @@ def molecule(
     momentum = momentum_of(leaf, momentum)
     if len(momentum.names) != 2:
         raise ParameterError(f"leaf: wanted one of dimension 4, with two integrals; got {', '.join(momentum.names)}")
-    value = as_number(energy, "energy", "a number")
-    n, m = as_count(n_starts, "n_starts"), as_count(n_states, "n_states")
+    value = as_finite(energy, "energy")
+    n, m = as_count(n_starts, "n_starts", least=1), as_count(n_states, "n_states", least=1)
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
         level = _Level(leaf, momentum, value, width, as_seed(seed))

@@ -245,6 +245,21 @@ def momentum_map(system: System, integrals: Sequence[str | Expr | PhaseFunction]
     return MomentumMap(system, chosen)
 
 
+def map_of(given: System | MomentumMap, integrals: Sequence[str | Expr | PhaseFunction] | None) -> MomentumMap:
+    """The momentum map of a system, or the one given.
+
+    Raises:
+        ParameterError: both a map and integrals are given.
+    """
+    if not isinstance(given, MomentumMap):
+        return momentum_map(given, integrals)
+    if integrals is not None:
+        raise ParameterError(
+            f"integrals: the map has its own, {', '.join(given.names)}. Leave them out, or give a system."
+        )
+    return given
+
+
 def on_fibre(momentum: MomentumMap, leaf: Leaf, states: Array, value: Array) -> Array:
     """States of a leaf with one value of the integrals, near given ones, shape (m, N); NaN where none was found."""
     held = zip(momentum.integrals.values(), value.tolist(), strict=True)

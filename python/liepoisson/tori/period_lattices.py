@@ -31,7 +31,7 @@ from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
-from liepoisson.tori.momentum_maps import MomentumMap, momentum_map
+from liepoisson.tori.momentum_maps import MomentumMap, map_of
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -147,7 +147,7 @@ def period_lattice(
         TimeLimitError: the time is over.
     """
     deadline = Deadline(as_time_limit(time_limit))
-    momentum = system if isinstance(system, MomentumMap) else momentum_map(system, integrals)
+    momentum = map_of(system, integrals)
     bracket = momentum.system.bracket
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
     if x.ndim != 1:

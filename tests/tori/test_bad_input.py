@@ -1,0 +1,61 @@
+"""What `lp.tori` refuses, by name: numbers, shapes, leaves of other dimensions, integrals beside a map."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import LeafError, LiePoissonError, ParameterError
+
+PENDULUM = lp.catalog.system("spherical-pendulum")
+LEAF = lp.Leaf(PENDULUM, {"C1": 0, "C2": 1})
+TOP = lp.Top.twisted_lagrange()
+DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1}))
+
+
+@pytest.mark.parametrize(
+    ("call", "argument"),
+    [
+        (lambda: lp.tori.diagram(LEAF, energy_max=np.nan), "energy_max"),
+        (lambda: lp.tori.diagram(LEAF, n_starts=0), "n_starts"),
+        (lambda: lp.tori.molecule(LEAF, np.nan), "energy"),
+        (lambda: lp.tori.regions(lp.tori.diagram(LEAF, energy_max=2, n_starts=5), spread=np.nan), "spread"),
+        (lambda: lp.tori.regions(lp.tori.diagram(LEAF, energy_max=2, n_starts=5), spread="x"), "spread"),
+        (lambda: DIAGRAM.boundary(0.5, 1), "n_points"),
+        (lambda: DIAGRAM.boundary(np.nan), "l3"),
+        (lambda: DIAGRAM.boundary("a"), "l3"),
+        (lambda: DIAGRAM.depth([np.nan, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_lattice(DIAGRAM, [np.nan, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e200, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_actions(DIAGRAM, [np.inf, 0, 0]), "values"),
+    ],
+)
+def test_a_wrong_number_is_refused_by_name(call, argument):
+    with pytest.raises(LiePoissonError, match=f"^{argument}: "):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("system", "state"),
+    [(lp.catalog.system("lagrange"), [0.3, 0.4, 1, 0, 0, 0]), (TOP, [0.3, 0.4, 1, 0.1, 0.2, 1, 0, 0, 0])],
+)
+def test_a_singular_leaf_is_refused(system, state):
+    """alpha = 0 has the dimension 2, beta = 0 of the twisted top 4."""
+    leaf = lp.Leaf.through(system, state)
+    for call in (
+        lp.tori.critical_states,
+        lp.tori.diagram,
+        lambda one: lp.tori.fibre(one, [1.0] * (leaf.rank // 2 + 1)),
+    ):
+        with pytest.raises(LeafError, match="wanted one of dimension"):
+            call(leaf)
+
+
+def test_a_map_has_its_own_integrals():
+    momentum = lp.tori.momentum_map(PENDULUM)
+    loop = [[0, 0.2], [0.5, 0.2], [0.5, -0.2]]
+    for call in (
+        lambda: lp.tori.period_lattice(momentum, [0, 1.3, 0, 0.8, 0, 0.6], integrals=["l3^2"]),
+        lambda: lp.tori.monodromy(momentum, [0, 1.3, 0, 0.8, 0, 0.6], loop, integrals=["l3^2"]),
+    ):
+        with pytest.raises(ParameterError, match="has its own"):
+            call()
