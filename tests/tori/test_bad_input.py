@@ -59,3 +59,15 @@ def test_a_map_has_its_own_integrals():
     ):
         with pytest.raises(ParameterError, match="has its own"):
             call()
+
+
+def test_names_of_users_replace_no_column():
+    """Coordinates and integrals may be called as the columns are."""
+    system = lp.System(lp.canonical(names=["rank", "type"]), "(p_rank^2 + rank^2)/2 + (p_type^2 + 2*type^2)/2")
+    momentum = lp.tori.momentum_map(system, ["(p_rank^2 + rank^2)/2"])
+    found = lp.tori.critical_states(lp.Leaf(system, {}), momentum=momentum, n_starts=5)
+    table = found.to_dataframe()
+    assert table["rank"].tolist() == found.rank.tolist()
+    assert table["type"].tolist() == found.type.tolist()
+    np.testing.assert_array_equal(table["x_rank"], found.states[:, 0])
+    assert len(table.columns) == 2 + 2 + 4

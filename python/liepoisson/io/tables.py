@@ -62,6 +62,16 @@ def vector_columns(
     return {f"{name}_{label}": column for label, column in zip(labels, rows.T, strict=True)}
 
 
+def beside(rows: dict[str, NDArray[Any]], names: Sequence[str], values: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    """Columns with more of them, which users named; a name that is taken gets an underscore."""
+    found = dict(rows)
+    for name, column in zip(names, values.T, strict=True):
+        while name in found:
+            name += "_"  # noqa: PLW2901
+        found[name] = column
+    return found
+
+
 def write_csv(path: str | Path, columns: Mapping[str, NDArray[Any]]) -> Path:
     """Writes columns of equal length under their names.
 

@@ -29,6 +29,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind
+from liepoisson.io.tables import beside, vector_columns
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_projection import Equations
 from liepoisson.orbits.saved_orbits import SavedWhole
@@ -90,9 +91,11 @@ class CriticalStates(SavedWhole):
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """The columns of the table: of each point the integrals, rank, type and state."""
-        rows: dict[str, NDArray[Any]] = dict(zip(self.momentum.names, self.values.T, strict=True))
-        states = dict(zip(self.leaf.system.component_names, self.states.T, strict=True))
-        return rows | {"rank": self.rank, "type": self.type} | {n: v for n, v in states.items() if n not in rows}
+        rows = vector_columns("x", self.states, self.leaf.system.component_names) | {
+            "rank": self.rank,
+            "type": self.type,
+        }
+        return beside(rows, self.momentum.names, self.values)
 
     def __repr__(self) -> str:
         return f"<{len(self)} critical points of ({', '.join(self.momentum.names)}) on {self.leaf!r}>"
@@ -116,7 +119,7 @@ def critical_states(
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("lagrange"), {"C1": 1, "C2": 1})
         >>> len(lp.tori.critical_states(leaf, n_starts=20).to_dataframe().columns)
-        9
+        10
 
     Args:
         leaf: The leaf.

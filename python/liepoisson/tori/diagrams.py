@@ -25,6 +25,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.given import by_name
 from liepoisson.inputs.refusals import check_choice, check_kind
+from liepoisson.io.tables import beside
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
@@ -127,7 +128,7 @@ class Diagram(SavedWhole):
         types = [*(one.type for one in self.families), *self.rest_types]
         rows: dict[str, NDArray[Any]] = {"curve": np.repeat(np.array(curves, dtype=np.intp), lengths)}
         rows["type"] = np.repeat(np.array(types, dtype=np.str_), lengths)
-        return rows | dict(zip(self.names, values.T, strict=True))
+        return beside(rows, self.names, values)
 
     def __repr__(self) -> str:
         held = "".join(f" at {name} = {value:g}" for name, value in self.at.items())
