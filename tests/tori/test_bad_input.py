@@ -71,3 +71,21 @@ def test_names_of_users_replace_no_column():
     assert table["type"].tolist() == found.type.tolist()
     np.testing.assert_array_equal(table["x_rank"], found.states[:, 0])
     assert len(table.columns) == 2 + 2 + 4
+
+
+@pytest.mark.parametrize("size", [1e3, 1e5, 1e7])
+def test_values_that_doubles_do_not_resolve_are_refused(size):
+    """A Casimir in H leaves 1e-16 of its size of each value: one torus, or a refusal."""
+    system = lp.System(lp.so(3) @ lp.semidirect(2), f"dot(l, l)/2 + alpha3 + {size:.0f}*dot(alpha, alpha)")
+    leaf, momentum = lp.Leaf(system, {"C1": 0, "C2": 1}), lp.tori.momentum_map(system, ["l3"])
+    if size < 1e4:
+        assert lp.tori.fibre(leaf, [size + 0.5, 0.3], momentum=momentum, n_states=20).n_tori == 1
+        assert lp.tori.molecule(leaf, size + 0.5, momentum=momentum).families.tolist() == [[0, 1]]
+        return
+    for call in (
+        lambda: lp.tori.fibre(leaf, [size + 0.5, 0.3], momentum=momentum),
+        lambda: lp.tori.diagram(leaf, momentum=momentum),
+        lambda: lp.tori.molecule(leaf, size + 0.5, momentum=momentum),
+    ):
+        with pytest.raises(ParameterError, match="doubles do not resolve"):
+            call()

@@ -171,6 +171,26 @@ def momentum_of(leaf: Leaf, momentum: MomentumMap | None) -> MomentumMap:
     return momentum
 
 
+def check_resolved(leaf: Leaf, momentum: MomentumMap) -> None:
+    """That equations for values of the integrals can be solved to `_CONVERGED` beside constants that they have.
+
+    Raises:
+        ParameterError: an integral varies so little beside its size that round-off is more.
+    """
+    equations, units = unit_equations(leaf)
+    rough = stream(0, Purpose.CRITICAL_POINTS).standard_normal((64, len(units))) * units
+    states = moved_onto(equations, units, rough)
+    values = momentum(states[np.isfinite(states).all(axis=1)])
+    if not len(values):
+        return
+    for name, size, width in zip(momentum.names, np.abs(values).max(axis=0), np.ptp(values, axis=0), strict=True):
+        if width > 0 and np.finfo(np.float64).eps * size > _CONVERGED * width:
+            raise ParameterError(
+                f"momentum: {name} is of the size {size:.1g} and varies by {width:.1g} on the leaf: doubles do not "
+                "resolve its values. Leave constants and Casimirs out of it."
+            )
+
+
 @dataclass(frozen=True, eq=False)
 class Critical:
     r"""The equations of critical points, in coordinates divided by units of the leaf.

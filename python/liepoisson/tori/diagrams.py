@@ -29,7 +29,7 @@ from liepoisson.io.tables import beside
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import linear
-from liepoisson.tori.critical_search import Critical, momentum_of
+from liepoisson.tori.critical_search import Critical, check_resolved, momentum_of
 from liepoisson.tori.momentum_maps import MomentumMap
 
 if TYPE_CHECKING:
@@ -191,6 +191,7 @@ def diagram(
     highest = None if energy_max is None else as_finite(energy_max, "energy_max")
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
+        check_resolved(leaf, momentum)
         critical = Critical.on(leaf, momentum, held)
         starts, weights = critical.starts(n, width, as_seed(seed))
         if held:

@@ -29,7 +29,7 @@ from liepoisson.leaf.leaf import Leaf
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
-from liepoisson.tori.critical_search import momentum_of
+from liepoisson.tori.critical_search import check_resolved, momentum_of
 from liepoisson.tori.momentum_maps import MomentumMap, on_fibre
 from liepoisson.tori.period_lattices import Closures
 
@@ -133,6 +133,7 @@ def fibre(
     m = as_count(n_states, "n_states", least=1)
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
+        check_resolved(leaf, momentum)
         draw, units = stream(as_seed(seed), Purpose.FIBRES), leaf.in_units().units
         states = _states(leaf, momentum, wanted, lambda: width * draw.standard_normal((m, len(units))) * units, m)
         torus = joined(leaf, momentum, states, as_seed(seed))

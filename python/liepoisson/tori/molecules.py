@@ -33,7 +33,7 @@ from liepoisson.leaf.leaf_in_units import equations_in_units
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
-from liepoisson.tori.critical_search import Critical, momentum_of
+from liepoisson.tori.critical_search import Critical, check_resolved, momentum_of
 from liepoisson.tori.fibres import joined
 from liepoisson.tori.momentum_maps import MomentumMap, on_fibre, on_leaf
 
@@ -192,6 +192,7 @@ def molecule(
     n, m = as_count(n_starts, "n_starts", least=1), as_count(n_states, "n_states", least=1)
     width = as_positive(spread, "spread", "a positive number", example=1)
     with deadline.running(), np.errstate(all="ignore"):
+        check_resolved(leaf, momentum)
         level = _Level(leaf, momentum, value, width, as_seed(seed))
         return _Graph(level, level.circles(n), m).molecule()
 
