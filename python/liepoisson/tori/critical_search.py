@@ -10,8 +10,8 @@ bolsinov2004]
 - a pair $\pm\nu$ a *hyperbolic* one,
 - four $\pm\mu\pm i\nu$ are *focus-focus*,
 
-for a generic $\lambda$ among those with $\sum_k\lambda_kX_{F_k}(x) = 0$.  Where another one vanishes the point is
-*degenerate*.
+for a generic $\lambda$ among those with $\sum_k\lambda_kX_{F_k}(x) = 0$.  Where another one vanishes, or the linearised
+flows are dependent, the point is *degenerate*.
 """
 
 from __future__ import annotations
@@ -46,6 +46,10 @@ _CONVERGED = 1e-12
 """Residual relative to the fields."""
 _DEPENDENT = 1e-7
 """Fields of length 1 whose least singular value is below this are dependent: the square root of the residual."""
+_KNOWN = 0.01
+"""A square of a rate that one more step of Newton's method changes by more than this share is not known."""
+_ROUND_OFF = 1e-13
+"""Singular values of derivatives that are smaller, relative to the largest, are round-off."""
 _ZERO = 1e-5
 """Eigenvalues that are smaller, relative to the largest, are zero: double ones are known to the root of round-off."""
 
@@ -358,14 +362,18 @@ class Critical:
         return ranks, np.array(types, dtype=np.str_)
 
     def _type(self, x: Array, null: Array, corank: int) -> str:
-        # A combination that is generic: multiples of 1, sqrt(2), sqrt(3), ... have no relation
-        weights = linear.matmul(np.sqrt(np.arange(1.0, corank + 1)), null)
-        matrix, _ = self._linearised(x, weights)
-        rates = linear.eigvals(matrix)
-        rates = rates[np.argsort(-np.abs(rates))][: 2 * corank]
+        rates = self._rates(x, null)
         largest = np.abs(rates).max()
         if not (np.abs(rates) > _ZERO * largest).all() or largest == 0:
             return "degenerate"
+        again = self._again(x, null)
+        if again is not None and (np.abs(np.abs(self._rates(*again)) ** 2 / np.abs(rates) ** 2 - 1) > _KNOWN).any():
+            return "degenerate"
+        if corank > 1:
+            flows = np.array([self._linearised(x, one)[0].ravel() for one in null])
+            sizes = linear.svd(flows, compute_uv=False)
+            if sizes[-1] < _ZERO * sizes[0]:
+                return "degenerate"
         real, imaginary = np.abs(rates.real) > _ZERO * np.abs(rates), np.abs(rates.imag) > _ZERO * np.abs(rates)
         counts = {
             "elliptic": int((imaginary & ~real).sum()) // 2,
@@ -373,6 +381,25 @@ class Critical:
             "focus-focus": int((real & imaginary).sum()) // 4,
         }
         return ", ".join(name for name, count in counts.items() for _ in range(count)) or "degenerate"
+
+    def _rates(self, x: Array, null: Array) -> Array:
+        """The eigenvalues of a generic combination of those that rest, which are not zero, the largest first."""
+        # Multiples of 1, sqrt(2), sqrt(3), ... have no relation
+        weights = linear.matmul(np.sqrt(np.arange(1.0, len(null) + 1)), null)
+        rates = linear.eigvals(self._linearised(x, weights)[0])
+        return rates[np.argsort(-np.abs(rates), kind="stable")][: 2 * len(null)]
+
+    def _again(self, x: Array, null: Array) -> tuple[Array, Array] | None:
+        """Where one more step leads: at degenerate points Newton's method converges slowly, and rates change."""
+        N = len(x)
+        if len(null) == 1:
+            step = _least_step(self.jacobian(x[None], null), self.residual(x[None], null), _ROUND_OFF)[0]
+        elif len(null) == 2:
+            residual, matrix = self._paired(x[None], null[None])
+            step = _least_step(matrix, residual, _ROUND_OFF)[0]
+        else:
+            return None
+        return x + step[:N], null + step[N:].reshape(null.shape)
 
     def _linearised(self, x: Array, weights: Array) -> tuple[Array, Array]:
         """The linearised flow of a combination that rests, in an orthonormal basis of the tangent space; the basis."""
@@ -402,8 +429,8 @@ class Critical:
         return linear.matmul(steps / linear.norm(steps, axis=1, keepdims=True), tangent.T)
 
 
-def _least_step(matrix: Array, residual: Array) -> Array:
+def _least_step(matrix: Array, residual: Array, zero: float = 1e-9) -> Array:
     """Steps of least norm, no longer than they may be."""
-    step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=1e-9), residual)
+    step = -linear.einsum("mij,mj->mi", linear.pinv(matrix, rcond=zero), residual)
     length = linear.norm(step, axis=1, keepdims=True)
     return step * np.minimum(1.0, _LONGEST / np.maximum(length, 1e-300))
