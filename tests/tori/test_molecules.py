@@ -72,8 +72,7 @@ REGIONS = {
     (1.2, 1.5): ["A", "A", "A*", "A*", "B", "A"],
 }
 """By l.alpha and H, in the order of K.  With l = (l.alpha)/2 the critical values are K = 0, (H - 2 l^2)^2, and
-1 - 2 l^2/s + l^4/s^4 where H = s + l^2/s^2 (Kharlamov 1988); the atoms are those of Bolsinov, Richter and Fomenko
-(2000), where the one with two circles is C2."""
+1 - 2 l^2/s + l^4/s^4 where H = s + l^2/s^2 (Kharlamov 1988)."""
 
 
 def critical_values(constant, energy):

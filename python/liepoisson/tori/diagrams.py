@@ -59,7 +59,7 @@ class CriticalFamily(ReadOnlyArrays):
         ('elliptic', True)
 
     Attributes:
-        type: "elliptic", "hyperbolic" or "degenerate".
+        type: "elliptic" or "hyperbolic"; parts that are degenerate are in no family.
         values: Those of the two integrals of the plane, shape (point, 2).
         states: A critical state for each, shape (point, N).
     """

@@ -40,7 +40,7 @@ from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
-from liepoisson.tori.lagrange_diagrams import CriticalCurve, LagrangeDiagram
+from liepoisson.tori.lagrange_diagrams import CriticalCurve, LagrangeDiagram, one_value_of
 from liepoisson.tori.lagrange_lattices import lagrange_lattice
 
 if TYPE_CHECKING:
@@ -271,9 +271,7 @@ def _matrix(braid: Sequence[int]) -> NDArray[np.int64]:
 def _base(diagram: LagrangeDiagram, given: ArrayLike | None) -> Array:
     """The first value of loops, scaled."""
     if given is not None:
-        base = as_array(given, "base", diagram.integrals)
-        if base.shape != (3,):
-            raise ShapeError(f"base: wanted H, l3 and the third integral, shape (3,); got shape {base.shape}")
+        base = one_value_of(given, diagram.integrals, "base")
         if not diagram.depth(base) > 0:
             raise OrbitError(f"base: wanted a value inside of the image; got {base.tolist()}. See diagram.depth.")
         return diagram.scaled.scaled(base)

@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 _LARGEST = 1e40
+"""Values below this have seventh powers within the range of doubles."""
 N_POINTS = 200
 """Points of a curve between two special ones."""
 
@@ -378,13 +379,21 @@ def _real_roots(coefficients: Sequence[float]) -> list[float]:
     return [float(root.real) for root in linear.roots(coefficients) if abs(root.imag) <= 1e-9 * abs(root)]
 
 
-def values_of(given: ArrayLike, names: Sequence[str]) -> Array:
-    """Values of the three integrals, in order."""
-    values = as_array(given, "values", names)
+def values_of(given: ArrayLike, names: Sequence[str], what: str = "values") -> Array:
+    """Values of the three integrals, in order, shape (..., 3)."""
+    values = as_array(given, what, names)
     if values.shape[-1:] != (3,):
-        raise ShapeError(f"values: wanted H, l3 and the third integral, shape (..., 3); got shape {values.shape}.")
+        raise ShapeError(f"{what}: wanted H, l3 and the third integral, shape (..., 3); got shape {values.shape}.")
     if not (np.abs(values) < _LARGEST).all():
-        raise ParameterError(f"values: wanted finite ones below {_LARGEST:g}, whose powers are numbers")
+        raise ParameterError(f"{what}: wanted finite ones below {_LARGEST:g}, whose powers are numbers")
+    return values
+
+
+def one_value_of(given: ArrayLike, names: Sequence[str], what: str = "values") -> Array:
+    """Values of the three integrals at one place, shape (3,)."""
+    values = values_of(given, names, what)
+    if values.shape != (3,):
+        raise ShapeError(f"{what}: wanted H, l3 and the third integral, shape (3,); got shape {values.shape}")
     return values
 
 

@@ -21,11 +21,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.errors import OrbitError, ShapeError
+from liepoisson.errors import OrbitError
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.portable import elementary, linear
-from liepoisson.tori.lagrange_diagrams import LagrangeDiagram, values_of
+from liepoisson.tori.lagrange_diagrams import LagrangeDiagram, one_value_of
 
 _FEWEST, _MOST = 2**5, 2**16
 """Places on one line, doubled until the integrals stay the same to round-off."""
@@ -54,7 +54,7 @@ def lagrange_lattice(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
         OrbitError: the values are not inside of the image, or so near to a critical value, or to one where two zeros of
             R have the same real part, that the quadrature does not converge.
     """
-    given = _given(diagram, values)
+    given = one_value_of(values, diagram.integrals)
     return _by_flows(diagram, given, _integrals(diagram, given, _period))
 
 
@@ -78,7 +78,7 @@ def lagrange_actions(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
     """
     scaled = diagram.scaled
     # The bracket of scaled fields is that of the top: J has the unit of l
-    return _integrals(diagram, _given(diagram, values), _action)[:, 0] * scaled.unit
+    return _integrals(diagram, one_value_of(values, diagram.integrals), _action)[:, 0] * scaled.unit
 
 
 def _period(x: Any, rest: Any, height: float) -> Array:
@@ -101,13 +101,6 @@ def _root(real: Array, imaginary: Array) -> Any:
     small = np.abs(imaginary) / (2 * large)
     right = real >= 0
     return elementary.of_parts(np.where(right, large, small), np.copysign(np.where(right, small, large), imaginary))
-
-
-def _given(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
-    given = values_of(values, diagram.integrals)
-    if given.shape != (3,):
-        raise ShapeError(f"values: wanted H, l3 and the third integral, shape (3,); got shape {given.shape}")
-    return given
 
 
 def _integrals(diagram: LagrangeDiagram, given: Array, integrand: Callable[[Any, Any, float], Any]) -> Array:

@@ -29,13 +29,12 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.refusals import check_kind, counted
 from liepoisson.leaf.leaf import Leaf
-from liepoisson.leaf.leaf_in_units import equations_in_units
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream
 from liepoisson.tori.critical_search import Critical, check_resolved, momentum_of
 from liepoisson.tori.fibres import joined
-from liepoisson.tori.momentum_maps import MomentumMap, on_fibre, on_leaf
+from liepoisson.tori.momentum_maps import MomentumMap, moved_onto, on_fibre, on_leaf, unit_equations
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
@@ -213,10 +212,8 @@ class _Level:
 
     def __init__(self, leaf: Leaf, momentum: MomentumMap, energy: float, spread: float, seed: int) -> None:
         self.leaf, self.momentum, self.energy, self.spread, self.seed = leaf, momentum, energy, spread, seed
-        critical = Critical.on(leaf, momentum)
-        self.units = critical.units
-        equations = leaf.equations.with_function(momentum.integrals["H"], energy)
-        self.critical = replace(critical, equations=equations_in_units(equations, self.units, leaf.system.bracket))
+        equations, self.units = unit_equations(leaf, [(momentum.integrals["H"], energy)])
+        self.critical = replace(Critical.on(leaf, momentum), equations=equations)
         self.name = momentum.names[1]
         self.integral = momentum.integrals[self.name]
 
@@ -227,11 +224,9 @@ class _Level:
         return self._on_level(on_leaf(self.leaf, rough))
 
     def _on_level(self, states: Array) -> Array:
-        from liepoisson.leaf.leaf_projection import CONVERGED, approach
-
-        states = states[np.isfinite(states).all(axis=1)]
-        found, residual = approach(self.critical.equations, states / self.units)
-        return found[residual <= CONVERGED] * self.units
+        """States of the level near given ones, those that were found."""
+        found = moved_onto(self.critical.equations, self.units, states[np.isfinite(states).all(axis=1)])
+        return found[np.isfinite(found).all(axis=1)]
 
     def circles(self, n: int) -> list[_Circle]:
         """Critical circles of K, each once."""
@@ -257,13 +252,22 @@ class _Level:
         return circles
 
     def refused(self, why: str) -> OrbitError:
+        """What says that there is no answer."""
         return OrbitError(f"energy: wanted a regular one of a compact level; at H = {self.energy:.9g} {why}")
+
+    def _rates(self, weights: Array) -> Array:
+        """Of the flows, the combination along the circle: that of the function whose weights are orthogonal."""
+        return np.array([-weights[1], weights[0]]) / self.critical.sizes
+
+    def _velocity(self, x: Array, weights: Array) -> Array:
+        """That of a state in units, along the circle."""
+        fields = self.momentum.fields(x * self.units) / self.units[:, None]
+        return linear.matmul(fields, self._rates(weights))
 
     def _orbit(self, x: Array, weights: Array, lengths: Array) -> Array:
         """States along the circle, in units, at given lengths of the way."""
-        rates = np.array([-weights[1], weights[0]]) / self.critical.sizes
-        speed = linear.norm(linear.matmul(self.critical.momentum.fields(x * self.units) / self.units[:, None], rates))
-        return self.momentum.flow(x * self.units, (lengths / speed)[:, None] * rates) / self.units
+        times = lengths / linear.norm(self._velocity(x, weights))
+        return self.momentum.flow(x * self.units, times[:, None] * self._rates(weights)) / self.units
 
     def _points(self, x: Array, weights: Array) -> Array:
         """Points of a circle, in units, once around or farther."""
@@ -282,17 +286,16 @@ class _Level:
         place = points[int(nearest.argmin())]
         if nearest.min() > linear.norm(points[1:] - points[:-1], axis=1).max():
             return False
-        way = 0.0
+        speed, way = linear.norm(self._velocity(x, weights)), 0.0
         for _ in range(8):
-            here = self._orbit(x, weights, np.array([way, way + 1e-4]))
-            tangent = (here[1] - here[0]) / 1e-4
-            way += float(((place - here[0]) * tangent).sum() / (tangent * tangent).sum())
+            here = self._orbit(x, weights, np.array([way]))[0]
+            tangent = self._velocity(here, weights) / speed
+            way += float(((place - here) * tangent).sum() / (tangent * tangent).sum())
         return bool(linear.norm(self._orbit(x, weights, np.array([way]))[0] - place) < _ON)
 
     def _circle(self, x: Array, weights: Array, value: float, is_elliptic: bool) -> _Circle:
         """A circle with the states beside it."""
-        along = self._orbit(x, weights, np.array([0.0, 1e-4]))
-        rows = np.concatenate([self.critical.equations.relative(x[None])[1][0], (along[1:] - along[:1]) / 1e-4])
+        rows = np.concatenate([self.critical.equations.relative(x[None])[1][0], self._velocity(x, weights)[None]])
         across = linear.svd(rows)[2][-2:]
         angles = 2 * np.pi * np.arange(_AROUND) / _AROUND
         turned = np.stack([elementary.cos(angles), elementary.sin(angles)], axis=1)
@@ -346,7 +349,10 @@ class _Graph:
         self.middles = (self.values[1:] + self.values[:-1]) / 2
         self.n_states = n_states
         self.random = level.random(4 * n_states)
-        self.number = 0
+        self.tori = list[dict[int, Array]]()
+        """Of each gap between critical values a state on each torus, by its label."""
+        self.below, self.above = ([set[tuple[int, int]]() for _ in circles] for _ in range(2))
+        """The tori beside each circle, by gap and label."""
         self.parent = dict[tuple[int, int], tuple[int, int]]()
 
     def molecule(self) -> Molecule:
@@ -355,9 +361,6 @@ class _Graph:
         slack = _SAME * np.abs(self.values).max()
         if ((beyond < self.values[0] - slack) | (beyond > self.values[-1] + slack)).any():
             raise level.refused("states lie beyond all critical values found: take more n_starts")
-        below = [set[tuple[int, int]]() for _ in self.circles]
-        above = [set[tuple[int, int]]() for _ in self.circles]
-        tori = list[dict[int, Array]]()
         for gap, middle in enumerate(self.middles):
             states, owners = self._beside(gap, float(middle))
             random = on_fibre(
@@ -368,11 +371,11 @@ class _Graph:
             if not len(states):
                 raise level.refused(f"no state has {level.name} = {middle:.9g}: the level is not connected as assumed")
             labels = joined(level.leaf, level.momentum, states, level.seed)
-            tori.append({int(label): states[k] for k, label in reversed(list(enumerate(labels)))})
+            self.tori.append({int(label): states[k] for k, label in reversed(list(enumerate(labels)))})
             for (circle, is_above), label in zip(owners, labels, strict=False):
-                (above if is_above else below)[circle].add((gap, int(label)))
-        self._pass(tori, below, above)
-        return self._assembled(tori, below, above)
+                (self.above if is_above else self.below)[circle].add((gap, int(label)))
+        self._pass()
+        return self._assembled()
 
     def _beside(self, gap: int, middle: float) -> tuple[list[Array], list[tuple[int, bool]]]:
         """States beside the circles at both ends of a gap, carried to its middle, and whose they are."""
@@ -389,16 +392,11 @@ class _Graph:
             torus = self.parent[torus]
         return torus
 
-    def _pass(
-        self,
-        tori: list[dict[int, Array]],
-        below: list[set[tuple[int, int]]],
-        above: list[set[tuple[int, int]]],
-    ) -> None:
+    def _pass(self) -> None:
         """Tori that a critical value does not concern are one family on both sides of it."""
-        level = self.level
-        begun = set[tuple[int, int]]().union(*above)
-        ended = set[tuple[int, int]]().union(*below)
+        level, tori = self.level, self.tori
+        begun = set[tuple[int, int]]().union(*self.above)
+        ended = set[tuple[int, int]]().union(*self.below)
         for gap in range(len(tori) - 1):
             passing = [(gap, label) for label in tori[gap] if (gap, label) not in ended]
             entering = [(gap + 1, label) for label in tori[gap + 1] if (gap + 1, label) not in begun]
@@ -419,17 +417,13 @@ class _Graph:
         if first or last:
             raise level.refused("a family of tori has no end: take more n_starts")
 
-    def _assembled(
-        self,
-        tori: list[dict[int, Array]],
-        below: list[set[tuple[int, int]]],
-        above: list[set[tuple[int, int]]],
-    ) -> Molecule:
+    def _assembled(self) -> Molecule:
+        """Circles beside one torus are one atom."""
         level = self.level
-        roots = sorted({self._root((gap, label)) for gap, some in enumerate(tori) for label in some})
+        roots = sorted({self._root((gap, label)) for gap, some in enumerate(self.tori) for label in some})
         number = {root: k for k, root in enumerate(roots)}
-        down = [{number[self._root(torus)] for torus in some} for some in below]
-        up = [{number[self._root(torus)] for torus in some} for some in above]
+        down = [{number[self._root(torus)] for torus in some} for some in self.below]
+        up = [{number[self._root(torus)] for torus in some} for some in self.above]
         groups = list[list[int]]()
         for k in range(len(self.circles)):
             mine = [

@@ -5,6 +5,7 @@ $\Lambda$, the same on the whole torus: $\Phi^T(x) = x$.  With a basis of $\Lamb
 $\sum_kc_kF_k$ has the angular frequencies $\omega = 2\pi\,c\,P^{-1}$, those of H the first row of $2\pi P^{-1}$.
 
 Closing flows are found by Newton's method: the derivative of $\Phi^t(x)$ along $t_k$ is the field $X_{F_k}$ there.
+Times are measured by half turns, how long combinations of flows go away from the state before they come nearer again.
 It starts from random t, of lengths that double until n independent periods are found and their lattice is the same
 twice.  That it is not a part of a finer one is seen by trying the points of (1/p) times it for the primes p up to 13.
 """
@@ -71,7 +72,8 @@ class PeriodLattice(SavedWhole):
         momentum: The momentum map.
         state: A state on the torus, shape (N,).
         periods: A basis of the lattice as rows, times of the flows of the integrals, shape (n, n).
-        residual: The largest distance from the state after a period of the basis, in units of the leaf.
+        residual: The largest distance from the state after a period of the basis, in units of the leaf times
+            the power of two that makes the state of order 1.
     """
 
     kind = "period lattice"
@@ -125,7 +127,7 @@ def period_lattice(
 ) -> PeriodLattice:
     r"""The periods of the commuting flows of an integrable system on the torus through a state, by closing flows.
 
-    The basis is reduced: no sum of two of its vectors is shorter, in units of the leaf.
+    The basis is reduced: no sum of two of its vectors is shorter, in half turns of the torus.
 
     Example:
         >>> pendulum = lp.System(lp.canonical(names=["q"]), "p_q^2/2 + q^2/2 + q^4/4")
