@@ -25,7 +25,7 @@ from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_positive
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.inputs.deadline import checkpoint, seconds_left
+from liepoisson.inputs.deadline import BLOCK, checkpoint, seconds_left
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import as_system
@@ -285,5 +285,9 @@ def unit_equations(leaf: Leaf, held: Iterable[tuple[PhaseFunction, float]] = ())
 
 def moved_onto(equations: Equations, units: Array, states: Array) -> Array:
     """States near given ones, shape (m, N), for which equations in units hold; NaN where none was found."""
-    found, residual = approach(equations, states / units)
+    found, residual = states / units, np.full(len(states), np.inf)
+    for first in range(0, len(states), BLOCK):
+        checkpoint("looking for states on a leaf or fibre")
+        block = slice(first, first + BLOCK)
+        found[block], residual[block] = approach(equations, found[block])
     return np.where((residual <= CONVERGED)[:, None], found * units, np.nan)
