@@ -436,6 +436,7 @@ def _of_tori(add):
     coordinates = pendulum.bracket.coordinate_names_in_order
     names = {"state": coordinates, "states": coordinates, "value": ("H", "l3"), "loop": ("H", "l3")}
     add("tori.momentum_map", "integrals:o", system=pendulum, integrals=["l3"])
+    add("tori.critical_equations", "casimirs:v integrals:o", system=pendulum, casimirs={"C1": 0}, integrals=["l3"])
     for method in ("fields", "derivatives", "rank"):
         add(f"results.MomentumMap.{method}", "states:N", momentum, names, **on)
     add(

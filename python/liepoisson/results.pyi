@@ -72,6 +72,7 @@ from liepoisson.saved.rerun import rerun as rerun
 from liepoisson.sweeps.result import Sweep as Sweep
 from liepoisson.tori.birkhoff_averages import RotationNumbers as RotationNumbers
 from liepoisson.tori.carried_lattices import Monodromy as Monodromy
+from liepoisson.tori.critical_polynomials import CriticalEquations as CriticalEquations
 from liepoisson.tori.critical_search import CriticalStates as CriticalStates
 from liepoisson.tori.diagrams import CriticalFamily as CriticalFamily
 from liepoisson.tori.diagrams import Diagram as Diagram

@@ -59,6 +59,9 @@ PRINTED = {
     "integrals kovalevskaya --weight 4": (
         lambda: OF.first_integrals(SYSTEM("kovalevskaya"), weight=4), "proved over the complex numbers",
     ),
+    "critical kovalevskaya --leaf C1=0,|alpha|^2=1": (
+        lambda: lp.tori.critical_equations(SYSTEM("kovalevskaya"), {"C1": 0, "C2": 1}), "\n1 + H^2 - K = 0\n",
+    ),
     "painleve lagrange": (lambda: OF.painleve_test(SYSTEM("lagrange")), "exponents -1, 0, 1, 2, 3, 4"),
     "families top.toml --degree 1 --positive J1,J2 --positive J3": (top_families, "  if a2 = 0, a3 = 0, J2 - J3 = 0\n"),
     "integrable henon-heiles --degree 3 --save henon.json": (

@@ -64,6 +64,7 @@ COMMANDS = {
     "continue": "periodic",
     "melnikov": "periodic",
     "diagram": "tori",
+    "critical": "tori",
     "sweep": "sweep",
     "lab": "lab",
     "cite": "literature",

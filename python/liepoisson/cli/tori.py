@@ -1,4 +1,4 @@
-"""The command `diagram`: the critical values of the integrals of a system on a leaf."""
+"""The commands `diagram` and `critical`: the critical values of the integrals of a system on a leaf."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from liepoisson.cli.options import (
     FormatOption,
     FoundOption,
     PlotOption,
+    ReportFormat,
+    ReportFormatOption,
     SeedOption,
     SystemArgument,
     Where,
@@ -20,13 +22,15 @@ from liepoisson.cli.options import (
 )
 from liepoisson.cli.output import data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
-from liepoisson.cli.starts import assignments, find_start, read_numeric_system
+from liepoisson.cli.starts import assignments, find_start, read_numeric_system, split_at_commas
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_double
+from liepoisson.inputs.deadline import SEARCH_LIMIT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from liepoisson.tori.critical_polynomials import CriticalEquations
     from liepoisson.tori.diagrams import Diagram
     from liepoisson.tori.fibre_regions import Regions
     from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
@@ -35,6 +39,7 @@ INTEGRAL_HELP = "An integral beside H: --integral K. By default the known ones t
 ENERGY_MAX_HELP = "Follow families up to this energy.  [default: the highest of random states]"
 AT_HELP = "Of three integrals: keep one at a value, --at l3=0.3, and look for the critical values of the other two."
 CUT_HELP = "Of the twisted Lagrange top: draw the plane of this l3 instead of the figure in space."
+VALUES_HELP = "Rational values of Casimirs, as in --leaf C1=3/5,C2=1; the others are variables of the equations."
 REGIONS_HELP = "Count the tori over each region of the plane; a file .nc has the regions with the diagram."
 
 
@@ -129,3 +134,43 @@ def diagram_record(found: Diagram | LagrangeDiagram) -> dict[str, Any]:
     rows = {name: column.tolist() for name, column in found.columns().items()}
     kind = {"class": found.leaf_class} if not isinstance(found, Diagram) else {"at": found.at} if found.at else {}
     return {"casimirs": found.leaf.casimirs, **kind, "critical_values": rows}
+
+
+def critical(
+    system: SystemArgument,
+    *,
+    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=VALUES_HELP)] = None,
+    integral: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=INTEGRAL_HELP)] = None,
+    time_limit: TimeLimitOption = SEARCH_LIMIT,
+    format_: ReportFormatOption = ReportFormat.TEXT,
+    common: Common,
+) -> None:
+    """Print polynomials, exactly, of one of which each critical value of the integrals is a zero.
+
+    For Hamiltonians and integrals that are polynomials with rational coefficients.
+    """
+    from liepoisson.tori.critical_polynomials import critical_equations
+
+    check_limits(time_limit=time_limit)
+    chosen = read_numeric_system(system, common.values)
+    values = assignments(split_at_commas(leaf or ()), "--leaf", "--leaf C1=3/5,C2=1", "Casimir") if leaf else {}
+    with running("eliminating", 1.0, quiet=common.quiet):
+        found = critical_equations(chosen, values, integrals=integral or None, time_limit=time_limit)
+    show(found, format_, critical_record, critical_in_latex)
+
+
+def critical_in_latex(found: CriticalEquations) -> list[str]:
+    """A displayed line for each curve."""
+    from liepoisson.report.printing import Formula
+
+    return [rf"\[ {', '.join(f'{Formula(p).latex} = 0' for p in one)} \]" for one in found.equations()]
+
+
+def critical_record(found: CriticalEquations) -> dict[str, Any]:
+    """The equations as data that JSON can write."""
+    return {
+        "system": found.momentum.system.name,
+        "casimirs": {name: str(value) for name, value in found.casimirs.items()},
+        "curves": [str(p) for p in found.curves],
+        "others": [[str(p) for p in one] for one in found.others],
+    }

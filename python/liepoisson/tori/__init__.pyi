@@ -1,6 +1,7 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
 from liepoisson.tori.birkhoff_averages import rotation_number as rotation_number
 from liepoisson.tori.carried_lattices import monodromy as monodromy
+from liepoisson.tori.critical_polynomials import critical_equations as critical_equations
 from liepoisson.tori.critical_search import critical_states as critical_states
 from liepoisson.tori.diagrams import diagram as diagram
 from liepoisson.tori.fibre_regions import regions as regions
