@@ -3,6 +3,7 @@
 Annotations say which arguments these are: a new one without a row here fails `test_given.py`.
 """
 
+import functools
 import importlib.util
 import inspect
 import re
@@ -17,6 +18,7 @@ import matplotlib.figure
 import numpy as np
 import pytest
 import sympy
+from numpy.typing import ArrayLike
 
 import liepoisson as lp
 
@@ -74,6 +76,7 @@ RIGID = lp.Top.twisted(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 0.5, 0), epsilon=1)
 Y = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.25, 0.75, 1.0]
 E3 = lp.so(3) @ lp.semidirect(2)
 FREE = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
+HENON = lp.catalog.system("henon-heiles")
 SPHERICAL = lp.System(E3, "dot(l, l)/2 + alpha3 + alpha1^2/4", name="a pendulum in a plane")
 TIMES = [0.0, 0.25, 0.5]
 CURVE = np.linspace(1, 100, 40)
@@ -106,12 +109,25 @@ def panels():
     return mpl.figure.Figure().subplots(3)
 
 
+def in_bounds(lower: ArrayLike, upper: ArrayLike):
+    return lp.proofs.enclose_equilibria(HENON, (lower, upper))
+
+
+def around_a_loop(loop: ArrayLike):
+    return lp.tori.lagrange_monodromy(round_diagram(), [loop])
+
+
+def with_an_invariant(values: ArrayLike):
+    return lp.plot.orbit(lp.integrate(TOP, X, times=TIMES), invariants={"K": values})
+
+
 def into_clear_axes(**arguments):
     for axes in panels():
         axes.clear()
     return lp.plot.indicators(**arguments)
 
 
+@functools.wraps(lp.view)
 def view(**arguments):
     pytest.importorskip("anywidget")
     return lp.view(**arguments)
@@ -153,7 +169,12 @@ def _of_algebras(add):
     )  # fmt: skip
     matrices = [[[0, 1], [0, 0]], [[1, 0], [0, -1]]]
     add("algebras.LieAlgebra.from_matrices", "matrices:o basis_names:o", matrices=matrices, basis_names=["a", "b"])
-    add("algebras.LieAlgebra.substitute", "values:v", so3, values={"epsilon": 1})
+    add(
+        "algebras.LieAlgebra.substitute",
+        "values:v",
+        lp.LieAlgebra.from_brackets(2, {(0, 1): {1: "k"}}),
+        values={"k": 1},
+    )
     turn = [[[0, 1], [-1, 0]]]
     add(
         "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
@@ -166,7 +187,7 @@ def _of_algebras(add):
     )  # fmt: skip
     for name in ("corank", "frozen", "rank", "translated"):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
-    add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(2, "epsilon"), values={"epsilon": 2})
+    add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(3, "epsilon"), values={"epsilon": 2})
     add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
     add("extensions.Extension", "tensor:o field_names:o", tensor=lp.semidirect(2).tensor, field_names=["u", "v"])
@@ -174,7 +195,7 @@ def _of_algebras(add):
         "extensions.Extension.from_products", "products:v field_names:o", n=1, products={(0, 0): {0: 1}},
         field_names=["u"],
     )  # fmt: skip
-    add("extensions.Extension.substitute", "values:v", lp.leibniz(2, "epsilon"), values={"epsilon": sympy.Integer(2)})
+    add("extensions.Extension.substitute", "values:v", lp.leibniz(3, "epsilon"), values={"epsilon": sympy.Integer(2)})
 
 
 def _of_systems(add):
@@ -274,12 +295,12 @@ def _of_orbits_and_sections(add):
     add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
     add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
-    back, pendulum = (lp.sections.return_map(one, "l1", t_end=50) for one in (TOP, SPHERICAL))
-    point, given = {"states": X}, {"coordinates": ["l2", "l3", "alpha1", "beta1"]}
-    add("results.ReturnMap.orbit", "states:S", back, **point, n_returns=2)
-    add("results.ReturnMap.derivative", "states:S coordinates:o", back, **point, **given)
-    add("results.ReturnMap.density", "states:S coordinates:o", back, **point, **given)
-    add("results.ReturnMap.exponents", "states:S", back, **point, n_returns=2)
+    back, pendulum = lp.sections.return_map(HENON, "x", t_end=100), lp.sections.return_map(SPHERICAL, "l1", t_end=50)
+    inside, point, given = HENON.component_names, {"states": [0.0, 0.1, 0.3, 0.1]}, {"coordinates": ["y", "p_y"]}
+    add("results.ReturnMap.orbit", "states:S", back, inside, **point, n_returns=2)
+    add("results.ReturnMap.derivative", "states:S coordinates:o", back, inside, **point, **given)
+    add("results.ReturnMap.density", "states:S coordinates:o", back, inside, **point, **given)
+    add("results.ReturnMap.exponents", "states:S", back, inside, **point, n_returns=2)
     add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
     keep = ["l1", "alpha2"]
@@ -355,12 +376,12 @@ def _of_integrals(add):
     add("integrability.linear_system", "matrix:o names:o", **airy, names=["u", "v"])
     add("integrability.monodromy", "corners:o", system=of.linear_system(**airy), corners=[1, 1j, -1, -1j])
     add("integrability.painleve_test", "weights:w", system=FREE, weights={"l1": 1, "l2": 1, "l3": 1})
-    s, free = sympy.Symbol("s"), FREE.component_names
-    particular = {"system": FREE, "state": [s, 0, 0], "variable": s, "rate": 1}
-    add("integrability.particular_solution", "state:S", None, free, **particular)
-    nowhere = "/nowhere/at/all.txt"
+    x, free, saddle = sympy.Symbol("x"), FREE.component_names, lp.System(lp.canonical(1), "(p1^2 - q1^2)/2")
+    along = {"system": saddle, "state": [x, x], "variable": x, "rate": x}  # where x is exp(t)
+    add("integrability.particular_solution", "state:S", None, ("q1", "p1"), **along)
+    file = Path(tempfile.mkdtemp()) / "certificate.json"
     add(
-        "integrability.save_certificate", "data:v", None, (), lambda data: of.save_certificate(data, nowhere),
+        "integrability.save_certificate", "data:v", None, (), lambda data: of.save_certificate(data, file),
         data=of.certificate(axial, commuting),
     )  # fmt: skip
     add("integrability.scan_integrals", "axes:v on:e", **family, axes={"J": [1, 2], "a": [1]}, on=["C1 = 0"])
@@ -371,14 +392,23 @@ def _of_integrals(add):
     add("proofs.Box.contains", "values:o", cube, values=box)
     add("proofs.Box.overlaps", "other:o", cube, other=box)
     add("proofs.enclose_equilibria", "level:v", system=FREE, box=around, level=point)
-    add("proofs.enclose_equilibria:box", "box:N", None, free, system=FREE, box=(0.0, 0.0, 1.0))
+    add("proofs.enclose_equilibria:box", "box:N", None, free, system=FREE, box=(0.0, 0.0, 1.0), level=point)
+    add("proofs.enclose_equilibria:bounds", "", None, (), in_bounds, lower=[-2.0] * 4, upper=[2.0] * 4)
     add("proofs.enclose_flow", "box:N", None, free, system=FREE, box=box, time=0.1)
-    add("proofs.enclose_section_map", "box:N", None, free, system=FREE, box=[0.0, 1, 0.5], surface="l1", time=5)
+    add("proofs.enclose_section_map", "box:N", None, free, system=FREE, box=[0.0, 1, 0.5], surface="l1")
     add("proofs.prove_chaos", "arithmetics:o", system=FREE, certificate="/nowhere.json", arithmetics=["balls"])
     add("proofs.find_certificate", "leaf:v", system=FREE, leaf=point, energy=1)
     add("proofs.prove_equilibrium", "guess:N level:v", None, free, system=FREE, guess=[0.0, 0, 1], level=point)
-    orbit = {"start": [0.5, 0.25, 1], "period": 2.5, "level": {"H": 3, "C1": 1}, "time_limit": 5}
-    add("proofs.prove_periodic_orbit", "start:N level:v", None, free, system=FREE, **orbit)
+    loop = {"start": [0, -0.1461901394453099, 0.4201732609406907, 0], "period": 6.794384826845275}
+    add(
+        "proofs.prove_periodic_orbit",
+        "start:N level:v",
+        None,
+        HENON.component_names,
+        system=HENON,
+        **loop,
+        level={"H": "1/10"},
+    )
 
 
 def _of_results(add):
@@ -394,6 +424,7 @@ def _of_results(add):
     add("plot.exponent_distribution", "exponents:o bins:1", exponents=exponents()[:, -1], bins=[0.0, 0.1, 0.2])
     add("plot.indicators", "members:o labels:o", **two, members=[1, 0], labels=["u", "v"])
     add("plot.indicators:axes", "axes:o", None, (), into_clear_axes, **two, axes=list(panels()))
+    add("plot.orbit:values", "", None, (), with_an_invariant, values=[1.0, 1.1, 1.3])
     add("plot.orbit", "invariants:v", run=orbit, invariants={"K": orbit.invariants["H"][0]})
     stem = Path(tempfile.mkdtemp()) / "figure"
     add("plot.save_figure", "formats:o", figure=lp.plot.orbit(orbit), stem=stem, formats=["png"])
@@ -456,7 +487,7 @@ def _of_tori(add):
     toda = lp.Leaf(lp.catalog.system("toda"), {})
     add("tori.diagram", "at:v", leaf=toda, at={"P": 0}, energy_max=6, n_starts=5)
     add("plot.diagram", "found:1 regions:o", found=plane, regions=list(lp.tori.regions(plane, n_values=50, n_states=5)))
-    diagram = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+    diagram = round_diagram()
     given = {"values": [3.0, 0.5, 0.2]}
     for method in ("depth", "sextic"):
         add(f"results.LagrangeDiagram.{method}", "values:N", diagram, diagram.integrals, **given)
@@ -466,6 +497,12 @@ def _of_tori(add):
     add("tori.thread_loop", "base:N", None, diagram.integrals, diagram=diagram, thread=thread, base=given["values"])
     loop = lp.tori.thread_loop(diagram, thread)
     add("tori.lagrange_monodromy", "loops:o", None, diagram.integrals, diagram=diagram, loops=[loop])
+    add("tori.lagrange_monodromy:of a loop", "", None, (), around_a_loop, loop=loop)
+
+
+@cache
+def round_diagram():
+    return lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
 
 
 @cache
@@ -476,7 +513,7 @@ def crossings():
 @cache
 def exponents():
     rng = np.random.default_rng(1)
-    return 0.1 + 1 / CURVE + 0.001 * rng.standard_normal((6, len(CURVE)))
+    return 0.1 + 1 / CURVE + 0.001 * rng.standard_normal((40, len(CURVE)))
 
 
 @cache
@@ -488,8 +525,8 @@ def public_names():
 
 
 @cache
-def several():
-    """The arguments of several values of each public function, by their annotations."""
+def several(words=SEVERAL):
+    """The arguments of each public function whose annotations have such words, by default those of several values."""
     found, known = {}, set()
     for dotted in public_names().callables():
         value = public_names().chapters()[dotted.split(".")[0]]
@@ -502,7 +539,7 @@ def several():
         if (isinstance(value, type) and issubclass(value, Exception)) or dotted in NOT_READ:
             continue
         parameters = inspect.signature(function).parameters.values()
-        names = {one.name for one in parameters if SEVERAL.search(str(one.annotation))} - {"root"}
+        names = {one.name for one in parameters if words.search(str(one.annotation))} - {"root"}
         if names:
             found[dotted] = names
     return found

@@ -177,6 +177,17 @@ def test_each_argument_of_several_values_is_in_the_table(name):
     assert several()[name] <= told, f"say in the table of this file how {name} reads {several()[name] - told}"
 
 
+UNANSWERED = {"proofs.find_certificate", "proofs.prove_chaos"}
+"""What would take minutes: the calls of the table are refused after their arguments were read."""
+
+
+@pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore")
+def test_the_calls_of_the_table_have_answers():
+    refused = {key for key, row in rows().items() if outcome(row.function, row.arguments)[0] == "refusal"}
+    assert refused == UNANSWERED
+
+
 CALLED = ("systems.DiscreteSymmetry.__call__", "systems.PhaseFunction.__call__")
 """Objects of several states that are called themselves."""
 

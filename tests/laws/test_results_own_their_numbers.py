@@ -8,11 +8,17 @@ import re
 
 import numpy as np
 import pytest
-from given_arrays import CASES, STATES, TOP
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import liepoisson as lp
-from liepoisson import _core, plot
+from liepoisson import _core
 from liepoisson.errors import LiePoissonError
+from public_calls import rows, several
+
+TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
+STATES = lp.sample_states(TOP, 3, seed=1)
 
 CORE = (
     "orbits",
@@ -25,36 +31,35 @@ CORE = (
 )
 
 
-def public_names():
-    for chapter in lp.__all__:
-        module = getattr(lp, chapter)
-        if inspect.ismodule(module) and module is not plot:
-            yield from ((name, getattr(module, name)) for name in module.__all__)
+ARRAYS = re.compile(r"^(?!.*(Mapping|Sequence)).*(Array|Starts|Box)Like")
+"""Annotations of arguments that may be arrays of numbers."""
 
 
-def public_callables():
-    for name, value in public_names():
-        if inspect.isfunction(value):
-            yield name, value
-        if inspect.isclass(value):
-            for member, function in inspect.getmembers(value, callable):
-                if not member.startswith("_") or member == "__init__":
-                    yield f"{name}.{member}", function
-    for name in plot.__all__:
-        yield f"plot.{name}", getattr(plot, name)
-
-
-def takes_arrays(function):
+def array_of(value):
+    """The array that a value is, if it is one of numbers."""
     try:
-        parameters = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):  # a class of C
-        return False
-    words = ("ArrayLike", "StartsLike", "BoxLike")
-    return any(word in str(parameter.annotation) for parameter in parameters for word in words)
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
 
 
-def test_every_function_that_takes_arrays_is_tried_here():
-    assert {name for name, value in public_callables() if takes_arrays(value)} == set(CASES)
+def cases(name):
+    """The calls of a function with its arguments that are arrays."""
+    for key, row in rows().items():
+        if key.partition(":")[0] == name:
+            taken = inspect.signature(row.function).parameters
+            words = [word for word in row.arguments if ARRAYS.search(str(taken[word].annotation))]
+            arrays = {word: array for word in words if (array := array_of(row.arguments[word])) is not None}
+            if arrays:
+                yield (lambda row=row, **given: row.function(**row.arguments | given)), arrays
+
+
+TAKE_ARRAYS = sorted(several(ARRAYS))
+
+
+@pytest.mark.parametrize("name", TAKE_ARRAYS)
+def test_every_argument_that_may_be_an_array_is_one_here(name):
+    assert several(ARRAYS)[name] <= {word for _, arrays in cases(name) for word in arrays}
 
 
 def arrays_in(value, path="", above=()):
@@ -70,13 +75,21 @@ def arrays_in(value, path="", above=()):
     elif isinstance(value, (tuple, list)):
         for k, item in enumerate(value):
             yield from arrays_in(item, f"{path}[{k}]", above)
-    elif hasattr(value, "picture"):
-        yield f"{path}.picture", value.picture
-    elif dataclasses.is_dataclass(value) or isinstance(value, lp.Leaf):
+    elif isinstance(value, (Axes, Figure)):
+        canvas = FigureCanvasAgg(value if isinstance(value, Figure) else value.figure)
+        canvas.draw()
+        yield path, np.array(canvas.buffer_rgba())
+    elif dataclasses.is_dataclass(value) or isinstance(value, (lp.Leaf, lp.fits.EnsembleReduction)):
         for key, item in vars(value).items():
             yield from arrays_in(item, f"{path}.{key}", above)
     elif isinstance(value, (float, str)):
         yield path, np.array(value)
+    elif value is None or isinstance(value, (bool, int, np.generic)):
+        yield path, np.array(str(value))
+    else:  # a chart, a page, a picture that can be turned
+        yield from (
+            (path, np.array(str(getattr(value, name)))) for name in ("hamiltonian", "start") if hasattr(value, name)
+        )
 
 
 def snapshot(result):
@@ -91,8 +104,8 @@ def assert_same(found, wanted):
         np.testing.assert_array_equal(found[path], array, err_msg=path)
 
 
-def copies(name):
-    return CASES[name].copies()
+def copies(arrays):
+    return {word: array.copy() for word, array in arrays.items()}
 
 
 def spoil(arrays):
@@ -112,18 +125,10 @@ class Counted:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", TAKE_ARRAYS)
 def test_a_result_does_not_depend_on_the_arrays_after_they_were_read_once(name, monkeypatch):
     """They are changed afterwards, and when the core is about to run, as another thread could: all is copied."""
-    given = copies(name)
-    result = CASES[name].call(**given)
-    wanted = snapshot(result)
-    spoil(given)
-    assert_same(snapshot(result), wanted)
-    for path, array in arrays_in(result):
-        assert not any(np.shares_memory(array, item) for item in given.values()), path
-    given, calls = copies(name), []
-    counted = {key: Counted(array) for key, array in given.items()}
+    calls = []
 
     def spoiled_before(function):
         def call(*arguments):
@@ -134,10 +139,22 @@ def test_a_result_does_not_depend_on_the_arrays_after_they_were_read_once(name, 
 
         return call
 
-    for name_of_function in CORE:
-        monkeypatch.setattr(_core, name_of_function, spoiled_before(getattr(_core, name_of_function)))
-    assert_same(snapshot(CASES[name].call(**counted)), wanted)
-    assert {key: array.n_read for key, array in counted.items()} == dict.fromkeys(given, 1)
+    for call, arrays in cases(name):
+        given = copies(arrays)
+        result = call(**given)
+        wanted = snapshot(result)
+        spoil(given)
+        assert_same(snapshot(result), wanted)
+        for path, array in arrays_in(result):
+            assert not any(np.shares_memory(array, item) for item in given.values()), path
+        given = copies(arrays)
+        calls.clear()
+        counted = {word: Counted(array) for word, array in given.items()}
+        with monkeypatch.context() as patch:
+            for name_of_function in CORE:
+                patch.setattr(_core, name_of_function, spoiled_before(getattr(_core, name_of_function)))
+            assert_same(snapshot(call(**counted)), wanted)
+        assert {word: array.n_read for word, array in counted.items()} == dict.fromkeys(given, 1)
 
 
 WELL = lp.System(lp.canonical(1), "dot(p, p)/2 - q1^2/2 + q1^4/4")
@@ -276,8 +293,9 @@ HARMFUL = {
 }
 
 
-@pytest.mark.parametrize("name", [name for name in CASES if not name.startswith("plot")])
+@pytest.mark.parametrize("name", [name for name in TAKE_ARRAYS if not name.startswith("plot.")])
 def test_what_is_no_array_of_real_numbers_is_refused(name):
-    for harm in HARMFUL.values():
-        with pytest.raises(LiePoissonError):
-            CASES[name].call(**{key: harm(value) for key, value in copies(name).items()})
+    for call, arrays in cases(name):
+        for harm in HARMFUL.values():
+            with pytest.raises(LiePoissonError):
+                call(**{word: harm(array) for word, array in copies(arrays).items()})
