@@ -21,6 +21,7 @@ import sympy
 from numpy.typing import ArrayLike
 
 import liepoisson as lp
+from liepoisson.saved.rerun import RUNS
 
 DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
@@ -245,6 +246,7 @@ def _of_systems(add):
     add("sweeps.Starts", "casimirs:v", casimirs={"C1": 1, "C2": 0})
     parameters = {"I": (2, 2, 1), "a": (-1, 0, 0), "b": (0, 0, 0)}
     axes = (lp.sweeps.Axis("epsilon", (0.0, 0.5)),)
+    add("sweeps.sweep", "", system="twisted-top", axes=axes, t_end=10, n_starts=2, parameters=parameters)
     add("sweeps.SweepSpec", "axes:o parameters:c", system="twisted-top", axes=axes, t_end=10, parameters=parameters)
 
 
@@ -252,14 +254,18 @@ def _of_runs(add):
     run = {"system": TOP, "starts": X}
     thresholds = {"growth_power": (2.0, 3.0), "megno": (2.5, 5.0), "sali": (1e-3, 1e-8)}
     add("chaos.Rule", "growth_power:o megno:o sali:o", **thresholds)
-    add("chaos.alignment", "starts:S times:1 units:N", **run, times=[1.0, 2.0], units=TANGENT)
-    add("chaos.decide", "starts:S", **run, t_end=100)
-    leaf = lp.Leaf.through(RIGID, Y)
-    add("chaos.exponents_by_energy", "energies:1", system=RIGID, leaf=leaf, energies=[2.0, 3.0], n_starts=1, t_end=5)
-    add("chaos.finite_time_exponents", "starts:S times:1 tangents:N", **run, times=[1.0, 2.0], tangents=TANGENT)
-    add("chaos.frequency_drift", "starts:S observable:t", **run, observable=["l1", "l2"], t_end=10, n_samples=64)
-    add("chaos.lyapunov_exponent", "starts:S", **run, t_end=20)
-    add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=4, interval=1)
+    later, rule = {"times": [1.0, 2.0]}, lp.chaos.Rule(megno=(3.0, 5.0))
+    add("chaos.alignment", "starts:S times:1 units:N", **run, **later, units=TANGENT, n_vectors=3, within="space")
+    add("chaos.decide", "starts:S", **run, t_end=20, rule=rule)
+    of_each = {"leaf": lp.Leaf.through(RIGID, Y), "n_starts": 3, "t_end": 5, "rule": rule, "confidence": 0.9}
+    add("chaos.exponents_by_energy", "energies:1", system=RIGID, energies=[2.0, 3.0], **of_each)
+    add("chaos.finite_time_exponents", "starts:S times:1 tangents:N", **run, **later, tangents=TANGENT, seed=2**100)
+    signal = {"t_end": 10, "n_samples": 64, "window_order": 2}
+    add("chaos.frequency_drift", "starts:S observable:t", **run, observable=["l1", "l2*l3"], **signal)
+    add("chaos.lyapunov_exponent", "starts:S", **run, t_end=20, wanted_error=0.5, block=0.25, transient=3)
+    structure = lp.chaos.PoissonStructure([5], [3], [True])
+    vectors = {"n_exponents": 9, "covariant": True, "structure": structure}
+    add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=7.3, interval=1.1, transient=2.3, **vectors)
     add("chaos.megno", "starts:S tangents:N", **run, t_end=5, n_samples=64, tangents=TANGENT)
     curves = {"time": CURVE, "exponent": exponents()}
     windows = {"windows": [(2, 90), (3, 80)], "log_windows": [(2, 90)]}
@@ -273,9 +279,10 @@ def _of_runs(add):
     add("fits.window_scan", "time:o exponent:o windows:o", **curves, windows=[(2, 90), (3, 80)], n_bootstrap=20)
     top, unit = lp.Top.lagrange(transverse=2, axial=1, a3=1), (1.0, 0, 0, 0)
     add("methods.LagrangeMap.integrals", "states:N", lp.methods.LagrangeMap(0.1), top=top, states=X)
-    add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, times=TIMES, attitude=unit)
+    back = {"times": [1.0, 0.5, -2.0], "dense": True}
+    add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, attitude=unit, **back)
     add("orbits.chart_orbit", "start:N times:1", chart=lp.charts.EulerChart(RIGID, state=Y), start=Y, times=TIMES)
-    add("orbits.integrate", "starts:S times:1 tangents:N", **run, times=TIMES, tangents=[X, X[::-1]])
+    add("orbits.integrate", "starts:S times:1 tangents:N", **run, **back, tangents=[X, X[::-1]], kernel="lanes")
 
 
 def _of_orbits_and_sections(add):
@@ -294,7 +301,8 @@ def _of_orbits_and_sections(add):
     upright = lp.phase_space.equilibrium(sleeping, [0, 0, 0, 0, 0, 1, 0, 0, 0])
     add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
-    add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
+    crossed = {"surface": "dot(l, beta) + l3", "t_end": -20, "direction": -1}
+    add("sections.first_return", "starts:S", **run, **crossed)
     back, pendulum = lp.sections.return_map(HENON, "x", t_end=100), lp.sections.return_map(SPHERICAL, "l1", t_end=50)
     inside, point, given = HENON.component_names, {"states": [0.0, 0.1, 0.3, 0.1]}, {"coordinates": ["y", "p_y"]}
     add("results.ReturnMap.orbit", "states:S", back, inside, **point, n_returns=2)
@@ -303,8 +311,8 @@ def _of_orbits_and_sections(add):
     add("results.ReturnMap.exponents", "states:S", back, inside, **point, n_returns=2)
     add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
-    keep = ["l1", "alpha2"]
-    add("sections.section", "starts:S start_side:1 keep:o", **run, surface="l3", t_end=20, start_side=[0], keep=keep)
+    kept = {"n_crossings": 2, "start_side": [1], "keep": ["l1", "alpha2*l3"]}
+    add("sections.section", "starts:S start_side:1 keep:o", **run, **crossed, **kept)
     add(
         "sections.section_state", "coordinates:v guess:S", None, heavy.component_names, surface="l3", energy=1.5,
         leaf=lp.Leaf(heavy, {"C1": 0.5, "C2": 1}), coordinates={"l1": 0.2}, guess=[0.2, 1, 0, 0, 0, 1],
@@ -503,6 +511,15 @@ def _of_tori(add):
 @cache
 def round_diagram():
     return lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+
+
+@cache
+def made():
+    """The calls of what is repeated from a file, by the kind of the result."""
+    named = {key.partition(".")[2]: row for key, row in rows().items() if not key.startswith("plot.")}
+    missing = {kind for kind, (*_, name) in RUNS.items() if name not in named}
+    assert not missing, f"no call in this table makes {', '.join(missing)}"
+    return {kind: named[name] for kind, (*_, name) in RUNS.items()}
 
 
 @cache
