@@ -237,6 +237,7 @@ def _of_systems(add):
     add("systems.CanonicalSystem.without_value", "states:N", PARTIAL, states=X)
     add("systems.Top.without_value", "states:N", PARTIAL, states=X)
     symmetry = lp.systems.discrete_symmetries(lp.Top.heavy(inertia=(2, 1.5, 1), a=(0, 0, 1))).found[-1]
+    add("systems.discrete_symmetries", "", system=HENON)
     add("systems.DiscreteSymmetry.meets", "values:v", symmetry, values={"H": 1, "C1": 0})
     add("systems.DiscreteSymmetry.__call__", "states:N", symmetry, states=X)
     energy = TOP.functions.energy
@@ -256,6 +257,7 @@ def _of_runs(add):
     add("chaos.Rule", "growth_power:o megno:o sali:o", **thresholds)
     later, rule = {"times": [1.0, 2.0]}, lp.chaos.Rule(megno=(3.0, 5.0))
     add("chaos.alignment", "starts:S times:1 units:N", **run, **later, units=TANGENT, n_vectors=3, within="space")
+    add("chaos.agreement", "", verdict=lp.decide(TOP, [X, X[::-1]], t_end=20))
     add("chaos.decide", "starts:S", **run, t_end=20, rule=rule)
     of_each = {"leaf": lp.Leaf.through(RIGID, Y), "n_starts": 3, "t_end": 5, "rule": rule, "confidence": 0.9}
     add("chaos.exponents_by_energy", "energies:1", system=RIGID, energies=[2.0, 3.0], **of_each)
@@ -266,6 +268,11 @@ def _of_runs(add):
     structure = lp.chaos.PoissonStructure([5], [3], [True])
     vectors = {"n_exponents": 9, "covariant": True, "structure": structure}
     add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=7.3, interval=1.1, transient=2.3, **vectors)
+
+    def residuals(**options):
+        return lp.lyapunov_spectrum(**options).residuals
+
+    add("chaos.lyapunov_spectrum:residuals", "", None, (), residuals, **run, t_end=5)
     add("chaos.megno", "starts:S tangents:N", **run, t_end=5, n_samples=64, tangents=TANGENT)
     curves = {"time": CURVE, "exponent": exponents()}
     windows = {"windows": [(2, 90), (3, 80)], "log_windows": [(2, 90)]}
@@ -301,6 +308,13 @@ def _of_orbits_and_sections(add):
     upright = lp.phase_space.equilibrium(sleeping, [0, 0, 0, 0, 0, 1, 0, 0, 0])
     add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
+    well = lp.System(lp.canonical(1), "dot(p, p)/2 - q1^2/2 + q1^4/4")
+    saddle, bottom = (lp.phase_space.equilibrium(well, [q, 0]) for q in (0, 1))
+    add("orbits.connecting_orbits", "", source=saddle, n_starts=8)
+    add("orbits.invariant_manifold", "", base=saddle)
+    add("orbits.symmetric_periodic_orbits:some", "", system=well, leaf={}, energy=1, n_starts=4)
+    add("orbits.orbit_family", "", system=well, start=bottom, max_orbits=2)
+    add("orbits.symmetric_homoclinic_orbits", "", origin=saddle, n_starts=8)
     crossed = {"surface": "dot(l, beta) + l3", "t_end": -20, "direction": -1}
     add("sections.first_return", "starts:S", **run, **crossed)
     back, pendulum = lp.sections.return_map(HENON, "x", t_end=100), lp.sections.return_map(SPHERICAL, "l1", t_end=50)
@@ -310,6 +324,7 @@ def _of_orbits_and_sections(add):
     add("results.ReturnMap.density", "states:S coordinates:o", back, inside, **point, **given)
     add("results.ReturnMap.exponents", "states:S", back, inside, **point, n_returns=2)
     add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
+    add("sections.return_map", "", system=HENON, surface="x", t_end=100)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
     kept = {"n_crossings": 2, "start_side": [1], "keep": ["l1", "alpha2*l3"]}
     add("sections.section", "starts:S start_side:1 keep:o", **run, **crossed, **kept)
@@ -339,6 +354,9 @@ def _of_leaves_and_charts(add):
     add("phase_space.equilibrium", "state:N along:o", None, six, **along, state=[0, 0, 2, 0, 0, 1])
     near = {"guess": [0.1, 0, 2, 0.3, 0, 0.9], "values": {"l3": 2}}
     add("phase_space.equilibrium_near", "guess:N along:o values:v", None, six, **along, **near)
+    at_rest = lp.phase_space.equilibrium(lagrange, [0, 0, 3, 0, 0, 1])
+    add("phase_space.equilibrium_family", "", system=lagrange, start=at_rest, along="C1", max_equilibria=2)
+    add("phase_space.sleeping_top", "", system=lp.Top.lagrange(), l3=3, alpha3=1)
     add("phase_space.find_start", "guess:S leaf:v", system=RIGID, guess=Y, leaf={"C1": 3, "C2": 1})
     add("phase_space.find_start:start", "start:S", system=RIGID, start=Y)
     twisted = lp.Top.twisted_lagrange(transverse=2, axial=1, a3=1, epsilon=1)
@@ -492,10 +510,14 @@ def _of_tori(add):
     leaf = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
     add("tori.fibre", "value:N", None, names, leaf=leaf, value=[0.5, 0.2], n_states=5)
     plane = lp.tori.diagram(leaf, energy_max=2, n_starts=20)
+    add("tori.regions", "", found=plane, n_values=50, n_states=5)
+    add("tori.critical_states", "", leaf=leaf, n_starts=10)
+    add("tori.molecule", "", leaf=leaf, energy=0)
     toda = lp.Leaf(lp.catalog.system("toda"), {})
     add("tori.diagram", "at:v", leaf=toda, at={"P": 0}, energy_max=6, n_starts=5)
     add("plot.diagram", "found:1 regions:o", found=plane, regions=list(lp.tori.regions(plane, n_values=50, n_states=5)))
     diagram = round_diagram()
+    add("tori.lagrange_diagram", "", leaf=diagram.leaf)
     given = {"values": [3.0, 0.5, 0.2]}
     for method in ("depth", "sextic"):
         add(f"results.LagrangeDiagram.{method}", "values:N", diagram, diagram.integrals, **given)
@@ -511,6 +533,20 @@ def _of_tori(add):
 @cache
 def round_diagram():
     return lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+
+
+@cache
+def makers():
+    """The public functions that make results with numbers, by what they say that they return."""
+    found = []
+    for dotted in public_names().callables():
+        chapter, *names = dotted.split(".")
+        value = getattr(public_names().chapters()[chapter], names[0])
+        if len(names) == 1 and chapter not in {"integrability", "results"} and inspect.isfunction(value):
+            says = str(inspect.unwrap(value).__annotations__.get("return"))
+            if {*re.findall(r"\w+", says)} & {*lp.results.__all__}:
+                found.append(dotted)
+    return found
 
 
 @cache
