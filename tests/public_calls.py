@@ -21,8 +21,14 @@ import sympy
 from numpy.typing import ArrayLike
 
 import liepoisson as lp
-from liepoisson.saved.rerun import RUNS
+from liepoisson.io.result import Result
 
+RUNS = {
+    one.kind: one
+    for name in lp.results.__all__
+    if isinstance(one := getattr(lp.results, name), type) and issubclass(one, Result) and one is not Result
+}
+"""The classes of what is repeated from a file, by kind."""
 DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
@@ -553,9 +559,9 @@ def makers():
 def made():
     """The calls of what is repeated from a file, by the kind of the result."""
     named = {key.partition(".")[2]: row for key, row in rows().items() if not key.startswith("plot.")}
-    missing = {kind for kind, (*_, name) in RUNS.items() if name not in named}
+    missing = {kind for kind, one in RUNS.items() if one.made_by not in named}
     assert not missing, f"no call in this table makes {', '.join(missing)}"
-    return {kind: named[name] for kind, (*_, name) in RUNS.items()}
+    return {kind: named[one.made_by] for kind, one in RUNS.items()}
 
 
 @cache

@@ -1,5 +1,6 @@
 """Files: labelled, complete, repeatable bit for bit; damaged ones and full disks are refused by name."""
 
+import dataclasses
 import importlib
 import inspect
 import json
@@ -10,9 +11,10 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.io.dataset import save
+from liepoisson.io.result import Saved
 from liepoisson.numeric.systems import TOP_COMPONENTS
-from liepoisson.saved.rerun import RUNS
-from public_calls import made
+from liepoisson.saved.rerun import _class
+from public_calls import RUNS, made
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 
@@ -105,6 +107,24 @@ def given(kind):
 def run_of(kind, **others):
     """The result of a kind, with some arguments of its call changed."""
     return made()[kind].function(**given(kind) | others)
+
+
+def kinds_of(saved):
+    """All classes of what files hold."""
+    for one in saved.__subclasses__():
+        yield from kinds_of(one)
+        if dataclasses.is_dataclass(one) and hasattr(one, "kind") and one.__module__.startswith("liepoisson"):
+            yield one
+
+
+def test_the_class_of_a_file_is_found_by_its_kind():
+    for name in lp.results.__all__:
+        getattr(lp.results, name)
+    found = [*kinds_of(Saved)]
+    assert len(found) > 30
+    for one in found:
+        assert one.__name__ in lp.results.__all__, f"{one.__name__} has no line in results.pyi"
+        assert _class(one.kind) is one
 
 
 def plain(value):
@@ -244,7 +264,7 @@ def test_a_rerun_says_that_a_limit_of_time_cannot_be_repeated(tmp_path, kind):
 def test_a_rerun_takes_as_long_as_it_needs(monkeypatch):
     """Its own limit is none: a run of more than the default hour is not cut."""
     limits = []
-    module = importlib.import_module(RUNS["growth"][0])
+    module = importlib.import_module(RUNS["growth"].__module__)
     run = module.finite_time_exponents
 
     def noted(*given, time_limit, **options):

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 import liepoisson as lp
 from liepoisson.plot.results import _FIGURES
-from liepoisson.saved.rerun import RUNS
-from public_calls import made, rows
+from public_calls import RUNS, made, rows
 
 TOP = lp.Top.kovalevskaya("1/2")
 SYMMETRY = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + J*l3^2 + a*alpha1", symbols=["J", "a"])

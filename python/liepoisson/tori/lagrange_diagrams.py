@@ -105,6 +105,7 @@ class LagrangeDiagram(SavedWhole):
     """
 
     kind = "diagram of a twisted Lagrange top"
+    made_by = "lp.tori.lagrange_diagram"
     row = "value"
 
     leaf: Leaf
