@@ -1,18 +1,27 @@
 """Makes docs/names.md: every public name by chapter, and the words of arguments. Run it when a name is new.
 
+Classes of results that files hold get their lines in results.pyi.
+
 python docs/public_names.py
 """
 
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterator
+from dataclasses import is_dataclass
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import liepoisson as lp
+from liepoisson._lazy import homes_of
+from liepoisson.io.result import Saved
 
 PAGE = Path(__file__).with_name("names.md")
+
+RESULTS = Path(lp.__file__).with_name("results.pyi")
 
 WORDS = {
     "system": "what is studied: a `System`, a `Top`, anything that has a field",
@@ -86,6 +95,25 @@ def callables() -> dict[str, list[str]]:
     return found
 
 
+def saved(base: type = Saved) -> Iterator[type]:
+    """The classes that files hold, of the modules that have public names."""
+    for one in base.__subclasses__():
+        yield from saved(one)
+        if is_dataclass(one) and hasattr(one, "kind") and one.__module__.startswith("liepoisson."):
+            yield one
+
+
+def stub_of_results() -> str:
+    """The text of results.pyi, with a line for each class that files hold."""
+    for module in chapters().values():
+        for name in module.__all__:
+            import_module(getattr(getattr(module, name), "__module__", None) or "liepoisson")
+    homes = homes_of(str(RESULTS)) | {one.__name__: one.__module__ for one in saved()}
+    lines = sorted((home, name) for name, home in homes.items())
+    head = RESULTS.read_text(encoding="utf-8").splitlines()[0]
+    return "\n".join([head, *(f"from {home} import {name} as {name}" for home, name in lines)]) + "\n"
+
+
 def page() -> str:
     """The text of docs/names.md."""
     short = [name for name in lp.__all__ if name not in chapters() and name != "__version__"]
@@ -99,7 +127,8 @@ def page() -> str:
         "",
     ]
     for chapter, module in chapters().items():
-        names = ", ".join(f"`{name}`" for name in module.__all__)
+        all_names = sorted(homes_of(str(RESULTS))) if chapter == "results" else module.__all__  # the new ones, too
+        names = ", ".join(f"`{name}`" for name in all_names)
         lines += [f"## {chapter}", "", f"{_first_sentence(module.__doc__)} {names}.", ""]
     lines += ["## Words of arguments", "", "| word | meaning |", "|---|---|"]
     lines += [f"| `{word}` | {meaning} |" for word, meaning in WORDS.items()]
@@ -112,4 +141,5 @@ def _first_sentence(text: str | None) -> str:
 
 
 if __name__ == "__main__":
+    RESULTS.write_text(stub_of_results(), encoding="utf-8")
     PAGE.write_text(page(), encoding="utf-8")
