@@ -32,10 +32,24 @@ def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
         assert drawn, kind
         plt.close("all")
     assert json.dumps(dict(mpl.rcParams), default=str) == before
-    assert _FIGURES.keys() == RUNS.keys()
+    assert _FIGURES.keys() <= RUNS.keys()
     verdict = shown["verdict"]
     points = [line.get_ydata() for line in lp.plot.draw(verdict).axes[0].lines if line.get_marker() == "."]
     np.testing.assert_allclose(sorted(np.concatenate(points)), sorted(verdict.mean_megno))
+
+
+@pytest.mark.parametrize(
+    ("kind", "drawn"),
+    [("megno", ("$t$", "MEGNO")), ("frequency drift", ("trajectory", "share of the power at high frequencies"))],
+)
+def test_a_kind_without_a_figure_of_its_own_is_drawn_by_its_labels(monkeypatch, kind, drawn):
+    monkeypatch.delitem(_FIGURES, kind)
+    result = made()[kind].function(**made()[kind].arguments)
+    (axes,) = lp.plot.draw(result).axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == drawn
+    values = {"megno": "megno", "frequency drift": "high_power"}[kind]
+    np.testing.assert_array_equal(np.atleast_2d([line.get_ydata() for line in axes.lines]), getattr(result, values))
+    plt.close("all")
 
 
 def test_a_scan_marks_the_points_with_further_integrals():
