@@ -48,7 +48,8 @@ def test_a_kind_without_a_figure_of_its_own_is_drawn_by_its_labels(monkeypatch, 
     (axes,) = lp.plot.draw(result).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == drawn
     values = {"megno": "megno", "frequency drift": "high_power"}[kind]
-    np.testing.assert_array_equal(np.atleast_2d([line.get_ydata() for line in axes.lines]), getattr(result, values))
+    wanted = np.atleast_2d(getattr(result, values))
+    np.testing.assert_array_equal([line.get_ydata() for line in axes.lines], wanted)
     plt.close("all")
 
 
