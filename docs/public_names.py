@@ -1,6 +1,6 @@
 """Makes docs/names.md: every public name by chapter, and the words of arguments. Run it when a name is new.
 
-Classes of results that files hold get their lines in results.pyi.
+Classes of results that files hold get their lines in results.pyi, and methods theirs in methods.pyi.
 
 python docs/public_names.py
 """
@@ -18,6 +18,7 @@ from typing import Any
 import liepoisson as lp
 from liepoisson._lazy import homes_of
 from liepoisson.io.result import Saved
+from liepoisson.numeric.methods import METHODS
 
 PAGE = Path(__file__).with_name("names.md")
 
@@ -103,15 +104,20 @@ def saved(base: type = Saved) -> Iterator[type]:
             yield one
 
 
-def stub_of_results() -> str:
-    """The text of results.pyi, with a line for each class that files hold."""
+def stubs() -> dict[Path, str]:
+    """The texts of results.pyi, with a line for each class that files hold, and of methods.pyi."""
     for module in chapters().values():
         for name in module.__all__:
             import_module(getattr(getattr(module, name), "__module__", None) or "liepoisson")
-    homes = homes_of(str(RESULTS)) | {one.__name__: one.__module__ for one in saved()}
-    lines = sorted((home, name) for name, home in homes.items())
-    head = RESULTS.read_text(encoding="utf-8").splitlines()[0]
-    return "\n".join([head, *(f"from {home} import {name} as {name}" for home, name in lines)]) + "\n"
+    texts: dict[Path, str] = {}
+    for path, classes in ((RESULTS, saved()), (RESULTS.with_name("methods.pyi"), METHODS.values())):
+        homes = homes_of(str(path)) | {one.__name__: one.__module__ for one in classes}
+        lines = [
+            f"from {home} import {name} as {name}"
+            for home, name in sorted((home, name) for name, home in homes.items())
+        ]
+        texts[path] = "\n".join([path.read_text(encoding="utf-8").splitlines()[0], *lines]) + "\n"
+    return texts
 
 
 def page() -> str:
@@ -127,8 +133,8 @@ def page() -> str:
         "",
     ]
     for chapter, module in chapters().items():
-        all_names = sorted(homes_of(str(RESULTS))) if chapter == "results" else module.__all__  # the new ones, too
-        names = ", ".join(f"`{name}`" for name in all_names)
+        stub = RESULTS.with_name(f"{chapter}.pyi")  # which has names that are new, too
+        names = ", ".join(f"`{name}`" for name in (sorted(homes_of(str(stub))) if stub.exists() else module.__all__))
         lines += [f"## {chapter}", "", f"{_first_sentence(module.__doc__)} {names}.", ""]
     lines += ["## Words of arguments", "", "| word | meaning |", "|---|---|"]
     lines += [f"| `{word}` | {meaning} |" for word, meaning in WORDS.items()]
@@ -141,5 +147,6 @@ def _first_sentence(text: str | None) -> str:
 
 
 if __name__ == "__main__":
-    RESULTS.write_text(stub_of_results(), encoding="utf-8")
+    for path, text in stubs().items():
+        path.write_text(text, encoding="utf-8")
     PAGE.write_text(page(), encoding="utf-8")
