@@ -1,6 +1,7 @@
-"""A call of each public function that takes several values in one argument, and how it reads them.
+"""The table of examples: a call of each public function that takes several values or makes a result, and how it reads.
 
-Annotations say which arguments these are: a new one without a row here fails `test_given.py`.
+Annotations say which functions and arguments these are; one without a call fails `test_given.py` or
+`test_results_own_their_numbers.py`.  The tests of files, tables, figures and limits have their calls from here, too.
 """
 
 import functools
@@ -560,7 +561,7 @@ def made():
     """The calls of what is repeated from a file, by the kind of the result."""
     named = {key.partition(".")[2]: row for key, row in rows().items() if not key.startswith("plot.")}
     missing = {kind for kind, one in RUNS.items() if one.made_by not in named}
-    assert not missing, f"no call in this table makes {', '.join(missing)}"
+    assert not missing, f"no call in public_calls.py makes {', '.join(missing)}"
     return {kind: named[one.made_by] for kind, one in RUNS.items()}
 
 
