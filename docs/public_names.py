@@ -1,18 +1,28 @@
 """Makes docs/names.md: every public name by chapter, and the words of arguments. Run it when a name is new.
 
+Classes of results that files hold get their lines in results.pyi, and methods theirs in methods.pyi.
+
 python docs/public_names.py
 """
 
 from __future__ import annotations
 
 import inspect
+from collections.abc import Iterator
+from dataclasses import is_dataclass
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import liepoisson as lp
+from liepoisson._lazy import homes_of
+from liepoisson.io.result import Saved
+from liepoisson.numeric.methods import METHODS
 
 PAGE = Path(__file__).with_name("names.md")
+
+RESULTS = Path(lp.__file__).with_name("results.pyi")
 
 WORDS = {
     "system": "what is studied: a `System`, a `Top`, anything that has a field",
@@ -86,6 +96,30 @@ def callables() -> dict[str, list[str]]:
     return found
 
 
+def saved(base: type = Saved) -> Iterator[type]:
+    """The classes that files hold, of the modules that have public names."""
+    for one in base.__subclasses__():
+        yield from saved(one)
+        if is_dataclass(one) and hasattr(one, "kind") and one.__module__.startswith("liepoisson."):
+            yield one
+
+
+def stubs() -> dict[Path, str]:
+    """The texts of results.pyi, with a line for each class that files hold, and of methods.pyi."""
+    for module in chapters().values():
+        for name in module.__all__:
+            import_module(getattr(getattr(module, name), "__module__", None) or "liepoisson")
+    texts: dict[Path, str] = {}
+    for path, classes in ((RESULTS, saved()), (RESULTS.with_name("methods.pyi"), METHODS.values())):
+        homes = homes_of(str(path)) | {one.__name__: one.__module__ for one in classes}
+        lines = [
+            f"from {home} import {name} as {name}"
+            for home, name in sorted((home, name) for name, home in homes.items())
+        ]
+        texts[path] = "\n".join([path.read_text(encoding="utf-8").splitlines()[0], *lines]) + "\n"
+    return texts
+
+
 def page() -> str:
     """The text of docs/names.md."""
     short = [name for name in lp.__all__ if name not in chapters() and name != "__version__"]
@@ -99,7 +133,8 @@ def page() -> str:
         "",
     ]
     for chapter, module in chapters().items():
-        names = ", ".join(f"`{name}`" for name in module.__all__)
+        stub = RESULTS.with_name(f"{chapter}.pyi")  # which has names that are new, too
+        names = ", ".join(f"`{name}`" for name in (sorted(homes_of(str(stub))) if stub.exists() else module.__all__))
         lines += [f"## {chapter}", "", f"{_first_sentence(module.__doc__)} {names}.", ""]
     lines += ["## Words of arguments", "", "| word | meaning |", "|---|---|"]
     lines += [f"| `{word}` | {meaning} |" for word, meaning in WORDS.items()]
@@ -112,4 +147,6 @@ def _first_sentence(text: str | None) -> str:
 
 
 if __name__ == "__main__":
+    for path, text in stubs().items():
+        path.write_text(text, encoding="utf-8")
     PAGE.write_text(page(), encoding="utf-8")

@@ -1,8 +1,10 @@
-"""A call of each public function that takes several values in one argument, and how it reads them.
+"""The table of examples: a call of each public function that takes several values or makes a result, and how it reads.
 
-Annotations say which arguments these are: a new one without a row here fails `test_given.py`.
+Annotations say which functions and arguments these are; one without a call fails `test_given.py` or
+`test_results_own_their_numbers.py`.  The tests of files, tables, figures and limits have their calls from here, too.
 """
 
+import functools
 import importlib.util
 import inspect
 import re
@@ -17,9 +19,17 @@ import matplotlib.figure
 import numpy as np
 import pytest
 import sympy
+from numpy.typing import ArrayLike
 
 import liepoisson as lp
+from liepoisson.io.result import Result
 
+RUNS = {
+    one.kind: one
+    for name in lp.results.__all__
+    if isinstance(one := getattr(lp.results, name), type) and issubclass(one, Result) and one is not Result
+}
+"""The classes of what is repeated from a file, by kind."""
 DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
@@ -74,6 +84,7 @@ RIGID = lp.Top.twisted(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 0.5, 0), epsilon=1)
 Y = [0.5, -0.25, 1.0, 0.75, 0.5, -0.5, 0.25, 0.75, 1.0]
 E3 = lp.so(3) @ lp.semidirect(2)
 FREE = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
+HENON = lp.catalog.system("henon-heiles")
 SPHERICAL = lp.System(E3, "dot(l, l)/2 + alpha3 + alpha1^2/4", name="a pendulum in a plane")
 TIMES = [0.0, 0.25, 0.5]
 CURVE = np.linspace(1, 100, 40)
@@ -106,12 +117,25 @@ def panels():
     return mpl.figure.Figure().subplots(3)
 
 
+def in_bounds(lower: ArrayLike, upper: ArrayLike):
+    return lp.proofs.enclose_equilibria(HENON, (lower, upper))
+
+
+def around_a_loop(loop: ArrayLike):
+    return lp.tori.lagrange_monodromy(round_diagram(), [loop])
+
+
+def with_an_invariant(values: ArrayLike):
+    return lp.plot.orbit(lp.integrate(TOP, X, times=TIMES), invariants={"K": values})
+
+
 def into_clear_axes(**arguments):
     for axes in panels():
         axes.clear()
     return lp.plot.indicators(**arguments)
 
 
+@functools.wraps(lp.view)
 def view(**arguments):
     pytest.importorskip("anywidget")
     return lp.view(**arguments)
@@ -153,7 +177,12 @@ def _of_algebras(add):
     )  # fmt: skip
     matrices = [[[0, 1], [0, 0]], [[1, 0], [0, -1]]]
     add("algebras.LieAlgebra.from_matrices", "matrices:o basis_names:o", matrices=matrices, basis_names=["a", "b"])
-    add("algebras.LieAlgebra.substitute", "values:v", so3, values={"epsilon": 1})
+    add(
+        "algebras.LieAlgebra.substitute",
+        "values:v",
+        lp.LieAlgebra.from_brackets(2, {(0, 1): {1: "k"}}),
+        values={"k": 1},
+    )
     turn = [[[0, 1], [-1, 0]]]
     add(
         "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
@@ -166,7 +195,7 @@ def _of_algebras(add):
     )  # fmt: skip
     for name in ("corank", "frozen", "rank", "translated"):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
-    add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(2, "epsilon"), values={"epsilon": 2})
+    add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(3, "epsilon"), values={"epsilon": 2})
     add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
     add("extensions.Extension", "tensor:o field_names:o", tensor=lp.semidirect(2).tensor, field_names=["u", "v"])
@@ -174,7 +203,7 @@ def _of_algebras(add):
         "extensions.Extension.from_products", "products:v field_names:o", n=1, products={(0, 0): {0: 1}},
         field_names=["u"],
     )  # fmt: skip
-    add("extensions.Extension.substitute", "values:v", lp.leibniz(2, "epsilon"), values={"epsilon": sympy.Integer(2)})
+    add("extensions.Extension.substitute", "values:v", lp.leibniz(3, "epsilon"), values={"epsilon": sympy.Integer(2)})
 
 
 def _of_systems(add):
@@ -215,6 +244,7 @@ def _of_systems(add):
     add("systems.CanonicalSystem.without_value", "states:N", PARTIAL, states=X)
     add("systems.Top.without_value", "states:N", PARTIAL, states=X)
     symmetry = lp.systems.discrete_symmetries(lp.Top.heavy(inertia=(2, 1.5, 1), a=(0, 0, 1))).found[-1]
+    add("systems.discrete_symmetries", "", system=HENON)
     add("systems.DiscreteSymmetry.meets", "values:v", symmetry, values={"H": 1, "C1": 0})
     add("systems.DiscreteSymmetry.__call__", "states:N", symmetry, states=X)
     energy = TOP.functions.energy
@@ -224,6 +254,7 @@ def _of_systems(add):
     add("sweeps.Starts", "casimirs:v", casimirs={"C1": 1, "C2": 0})
     parameters = {"I": (2, 2, 1), "a": (-1, 0, 0), "b": (0, 0, 0)}
     axes = (lp.sweeps.Axis("epsilon", (0.0, 0.5)),)
+    add("sweeps.sweep", "", system="twisted-top", axes=axes, t_end=10, n_starts=2, parameters=parameters)
     add("sweeps.SweepSpec", "axes:o parameters:c", system="twisted-top", axes=axes, t_end=10, parameters=parameters)
 
 
@@ -231,14 +262,24 @@ def _of_runs(add):
     run = {"system": TOP, "starts": X}
     thresholds = {"growth_power": (2.0, 3.0), "megno": (2.5, 5.0), "sali": (1e-3, 1e-8)}
     add("chaos.Rule", "growth_power:o megno:o sali:o", **thresholds)
-    add("chaos.alignment", "starts:S times:1 units:N", **run, times=[1.0, 2.0], units=TANGENT)
-    add("chaos.decide", "starts:S", **run, t_end=100)
-    leaf = lp.Leaf.through(RIGID, Y)
-    add("chaos.exponents_by_energy", "energies:1", system=RIGID, leaf=leaf, energies=[2.0, 3.0], n_starts=1, t_end=5)
-    add("chaos.finite_time_exponents", "starts:S times:1 tangents:N", **run, times=[1.0, 2.0], tangents=TANGENT)
-    add("chaos.frequency_drift", "starts:S observable:t", **run, observable=["l1", "l2"], t_end=10, n_samples=64)
-    add("chaos.lyapunov_exponent", "starts:S", **run, t_end=20)
-    add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=4, interval=1)
+    later, rule = {"times": [1.0, 2.0]}, lp.chaos.Rule(megno=(3.0, 5.0))
+    add("chaos.alignment", "starts:S times:1 units:N", **run, **later, units=TANGENT, n_vectors=3, within="space")
+    add("chaos.agreement", "", verdict=lp.decide(TOP, [X, X[::-1]], t_end=20))
+    add("chaos.decide", "starts:S", **run, t_end=20, rule=rule)
+    of_each = {"leaf": lp.Leaf.through(RIGID, Y), "n_starts": 3, "t_end": 5, "rule": rule, "confidence": 0.9}
+    add("chaos.exponents_by_energy", "energies:1", system=RIGID, energies=[2.0, 3.0], **of_each)
+    add("chaos.finite_time_exponents", "starts:S times:1 tangents:N", **run, **later, tangents=TANGENT, seed=2**100)
+    signal = {"t_end": 10, "n_samples": 64, "window_order": 2}
+    add("chaos.frequency_drift", "starts:S observable:t", **run, observable=["l1", "l2*l3"], **signal)
+    add("chaos.lyapunov_exponent", "starts:S", **run, t_end=20, wanted_error=0.5, block=0.25, transient=3)
+    structure = lp.chaos.PoissonStructure([5], [3], [True])
+    vectors = {"n_exponents": 9, "covariant": True, "structure": structure}
+    add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=7.3, interval=1.1, transient=2.3, **vectors)
+
+    def residuals(**options):
+        return lp.lyapunov_spectrum(**options).residuals
+
+    add("chaos.lyapunov_spectrum:residuals", "", None, (), residuals, **run, t_end=5)
     add("chaos.megno", "starts:S tangents:N", **run, t_end=5, n_samples=64, tangents=TANGENT)
     curves = {"time": CURVE, "exponent": exponents()}
     windows = {"windows": [(2, 90), (3, 80)], "log_windows": [(2, 90)]}
@@ -252,9 +293,10 @@ def _of_runs(add):
     add("fits.window_scan", "time:o exponent:o windows:o", **curves, windows=[(2, 90), (3, 80)], n_bootstrap=20)
     top, unit = lp.Top.lagrange(transverse=2, axial=1, a3=1), (1.0, 0, 0, 0)
     add("methods.LagrangeMap.integrals", "states:N", lp.methods.LagrangeMap(0.1), top=top, states=X)
-    add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, times=TIMES, attitude=unit)
+    back = {"times": [1.0, 0.5, -2.0], "dense": True}
+    add("orbits.attitude", "starts:S times:1 attitude:o", system=RIGID, starts=Y, attitude=unit, **back)
     add("orbits.chart_orbit", "start:N times:1", chart=lp.charts.EulerChart(RIGID, state=Y), start=Y, times=TIMES)
-    add("orbits.integrate", "starts:S times:1 tangents:N", **run, times=TIMES, tangents=[X, X[::-1]])
+    add("orbits.integrate", "starts:S times:1 tangents:N", **run, **back, tangents=[X, X[::-1]], kernel="lanes")
 
 
 def _of_orbits_and_sections(add):
@@ -273,17 +315,26 @@ def _of_orbits_and_sections(add):
     upright = lp.phase_space.equilibrium(sleeping, [0, 0, 0, 0, 0, 1, 0, 0, 0])
     add("orbits.melnikov", "starts:S integrals:o", **splits, origin=upright)
     add("orbits.time_scale", "starts:S", **run)
-    add("sections.first_return", "starts:S", **run, surface="l3", t_end=20)
-    back, pendulum = (lp.sections.return_map(one, "l1", t_end=50) for one in (TOP, SPHERICAL))
-    point, given = {"states": X}, {"coordinates": ["l2", "l3", "alpha1", "beta1"]}
-    add("results.ReturnMap.orbit", "states:S", back, **point, n_returns=2)
-    add("results.ReturnMap.derivative", "states:S coordinates:o", back, **point, **given)
-    add("results.ReturnMap.density", "states:S coordinates:o", back, **point, **given)
-    add("results.ReturnMap.exponents", "states:S", back, **point, n_returns=2)
+    well = lp.System(lp.canonical(1), "dot(p, p)/2 - q1^2/2 + q1^4/4")
+    saddle, bottom = (lp.phase_space.equilibrium(well, [q, 0]) for q in (0, 1))
+    add("orbits.connecting_orbits", "", source=saddle, n_starts=8)
+    add("orbits.invariant_manifold", "", base=saddle)
+    add("orbits.symmetric_periodic_orbits:some", "", system=well, leaf={}, energy=1, n_starts=4)
+    add("orbits.orbit_family", "", system=well, start=bottom, max_orbits=2)
+    add("orbits.symmetric_homoclinic_orbits", "", origin=saddle, n_starts=8)
+    crossed = {"surface": "dot(l, beta) + l3", "t_end": -20, "direction": -1}
+    add("sections.first_return", "starts:S", **run, **crossed)
+    back, pendulum = lp.sections.return_map(HENON, "x", t_end=100), lp.sections.return_map(SPHERICAL, "l1", t_end=50)
+    inside, point, given = HENON.component_names, {"states": [0.0, 0.1, 0.3, 0.1]}, {"coordinates": ["y", "p_y"]}
+    add("results.ReturnMap.orbit", "states:S", back, inside, **point, n_returns=2)
+    add("results.ReturnMap.derivative", "states:S coordinates:o", back, inside, **point, **given)
+    add("results.ReturnMap.density", "states:S coordinates:o", back, inside, **point, **given)
+    add("results.ReturnMap.exponents", "states:S", back, inside, **point, n_returns=2)
     add("results.ReturnMap.cycles", "leaf:v", pendulum, **level, n_starts=1)
+    add("sections.return_map", "", system=HENON, surface="x", t_end=100)
     add("sections.is_folded", "states:N", system=TOP, states=crossings().state[:3], surface="l3", x="l1", y="l2")
-    keep = ["l1", "alpha2"]
-    add("sections.section", "starts:S start_side:1 keep:o", **run, surface="l3", t_end=20, start_side=[0], keep=keep)
+    kept = {"n_crossings": 2, "start_side": [1], "keep": ["l1", "alpha2*l3"]}
+    add("sections.section", "starts:S start_side:1 keep:o", **run, **crossed, **kept)
     add(
         "sections.section_state", "coordinates:v guess:S", None, heavy.component_names, surface="l3", energy=1.5,
         leaf=lp.Leaf(heavy, {"C1": 0.5, "C2": 1}), coordinates={"l1": 0.2}, guess=[0.2, 1, 0, 0, 0, 1],
@@ -310,6 +361,9 @@ def _of_leaves_and_charts(add):
     add("phase_space.equilibrium", "state:N along:o", None, six, **along, state=[0, 0, 2, 0, 0, 1])
     near = {"guess": [0.1, 0, 2, 0.3, 0, 0.9], "values": {"l3": 2}}
     add("phase_space.equilibrium_near", "guess:N along:o values:v", None, six, **along, **near)
+    at_rest = lp.phase_space.equilibrium(lagrange, [0, 0, 3, 0, 0, 1])
+    add("phase_space.equilibrium_family", "", system=lagrange, start=at_rest, along="C1", max_equilibria=2)
+    add("phase_space.sleeping_top", "", system=lp.Top.lagrange(), l3=3, alpha3=1)
     add("phase_space.find_start", "guess:S leaf:v", system=RIGID, guess=Y, leaf={"C1": 3, "C2": 1})
     add("phase_space.find_start:start", "start:S", system=RIGID, start=Y)
     twisted = lp.Top.twisted_lagrange(transverse=2, axial=1, a3=1, epsilon=1)
@@ -355,12 +409,12 @@ def _of_integrals(add):
     add("integrability.linear_system", "matrix:o names:o", **airy, names=["u", "v"])
     add("integrability.monodromy", "corners:o", system=of.linear_system(**airy), corners=[1, 1j, -1, -1j])
     add("integrability.painleve_test", "weights:w", system=FREE, weights={"l1": 1, "l2": 1, "l3": 1})
-    s, free = sympy.Symbol("s"), FREE.component_names
-    particular = {"system": FREE, "state": [s, 0, 0], "variable": s, "rate": 1}
-    add("integrability.particular_solution", "state:S", None, free, **particular)
-    nowhere = "/nowhere/at/all.txt"
+    x, free, saddle = sympy.Symbol("x"), FREE.component_names, lp.System(lp.canonical(1), "(p1^2 - q1^2)/2")
+    along = {"system": saddle, "state": [x, x], "variable": x, "rate": x}  # where x is exp(t)
+    add("integrability.particular_solution", "state:S", None, ("q1", "p1"), **along)
+    file = Path(tempfile.mkdtemp()) / "certificate.json"
     add(
-        "integrability.save_certificate", "data:v", None, (), lambda data: of.save_certificate(data, nowhere),
+        "integrability.save_certificate", "data:v", None, (), lambda data: of.save_certificate(data, file),
         data=of.certificate(axial, commuting),
     )  # fmt: skip
     add("integrability.scan_integrals", "axes:v on:e", **family, axes={"J": [1, 2], "a": [1]}, on=["C1 = 0"])
@@ -371,14 +425,23 @@ def _of_integrals(add):
     add("proofs.Box.contains", "values:o", cube, values=box)
     add("proofs.Box.overlaps", "other:o", cube, other=box)
     add("proofs.enclose_equilibria", "level:v", system=FREE, box=around, level=point)
-    add("proofs.enclose_equilibria:box", "box:N", None, free, system=FREE, box=(0.0, 0.0, 1.0))
+    add("proofs.enclose_equilibria:box", "box:N", None, free, system=FREE, box=(0.0, 0.0, 1.0), level=point)
+    add("proofs.enclose_equilibria:bounds", "", None, (), in_bounds, lower=[-2.0] * 4, upper=[2.0] * 4)
     add("proofs.enclose_flow", "box:N", None, free, system=FREE, box=box, time=0.1)
-    add("proofs.enclose_section_map", "box:N", None, free, system=FREE, box=[0.0, 1, 0.5], surface="l1", time=5)
+    add("proofs.enclose_section_map", "box:N", None, free, system=FREE, box=[0.0, 1, 0.5], surface="l1")
     add("proofs.prove_chaos", "arithmetics:o", system=FREE, certificate="/nowhere.json", arithmetics=["balls"])
     add("proofs.find_certificate", "leaf:v", system=FREE, leaf=point, energy=1)
     add("proofs.prove_equilibrium", "guess:N level:v", None, free, system=FREE, guess=[0.0, 0, 1], level=point)
-    orbit = {"start": [0.5, 0.25, 1], "period": 2.5, "level": {"H": 3, "C1": 1}, "time_limit": 5}
-    add("proofs.prove_periodic_orbit", "start:N level:v", None, free, system=FREE, **orbit)
+    loop = {"start": [0, -0.1461901394453099, 0.4201732609406907, 0], "period": 6.794384826845275}
+    add(
+        "proofs.prove_periodic_orbit",
+        "start:N level:v",
+        None,
+        HENON.component_names,
+        system=HENON,
+        **loop,
+        level={"H": "1/10"},
+    )
 
 
 def _of_results(add):
@@ -394,6 +457,7 @@ def _of_results(add):
     add("plot.exponent_distribution", "exponents:o bins:1", exponents=exponents()[:, -1], bins=[0.0, 0.1, 0.2])
     add("plot.indicators", "members:o labels:o", **two, members=[1, 0], labels=["u", "v"])
     add("plot.indicators:axes", "axes:o", None, (), into_clear_axes, **two, axes=list(panels()))
+    add("plot.orbit:values", "", None, (), with_an_invariant, values=[1.0, 1.1, 1.3])
     add("plot.orbit", "invariants:v", run=orbit, invariants={"K": orbit.invariants["H"][0]})
     stem = Path(tempfile.mkdtemp()) / "figure"
     add("plot.save_figure", "formats:o", figure=lp.plot.orbit(orbit), stem=stem, formats=["png"])
@@ -454,10 +518,14 @@ def _of_tori(add):
     leaf = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
     add("tori.fibre", "value:N", None, names, leaf=leaf, value=[0.5, 0.2], n_states=5)
     plane = lp.tori.diagram(leaf, energy_max=2, n_starts=20)
+    add("tori.regions", "", found=plane, n_values=50, n_states=5)
+    add("tori.critical_states", "", leaf=leaf, n_starts=10)
+    add("tori.molecule", "", leaf=leaf, energy=0)
     toda = lp.Leaf(lp.catalog.system("toda"), {})
     add("tori.diagram", "at:v", leaf=toda, at={"P": 0}, energy_max=6, n_starts=5)
     add("plot.diagram", "found:1 regions:o", found=plane, regions=list(lp.tori.regions(plane, n_values=50, n_states=5)))
-    diagram = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+    diagram = round_diagram()
+    add("tori.lagrange_diagram", "", leaf=diagram.leaf)
     given = {"values": [3.0, 0.5, 0.2]}
     for method in ("depth", "sextic"):
         add(f"results.LagrangeDiagram.{method}", "values:N", diagram, diagram.integrals, **given)
@@ -467,6 +535,35 @@ def _of_tori(add):
     add("tori.thread_loop", "base:N", None, diagram.integrals, diagram=diagram, thread=thread, base=given["values"])
     loop = lp.tori.thread_loop(diagram, thread)
     add("tori.lagrange_monodromy", "loops:o", None, diagram.integrals, diagram=diagram, loops=[loop])
+    add("tori.lagrange_monodromy:of a loop", "", None, (), around_a_loop, loop=loop)
+
+
+@cache
+def round_diagram():
+    return lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+
+
+@cache
+def makers():
+    """The public functions that make results with numbers, by what they say that they return."""
+    found = []
+    for dotted in public_names().callables():
+        chapter, *names = dotted.split(".")
+        value = getattr(public_names().chapters()[chapter], names[0])
+        if len(names) == 1 and chapter not in {"integrability", "results"} and inspect.isfunction(value):
+            says = str(inspect.unwrap(value).__annotations__.get("return"))
+            if {*re.findall(r"\w+", says)} & {*lp.results.__all__}:
+                found.append(dotted)
+    return found
+
+
+@cache
+def made():
+    """The calls of what is repeated from a file, by the kind of the result."""
+    named = {key.partition(".")[2]: row for key, row in rows().items() if not key.startswith("plot.")}
+    missing = {kind for kind, one in RUNS.items() if one.made_by not in named}
+    assert not missing, f"no call in public_calls.py makes {', '.join(missing)}"
+    return {kind: named[one.made_by] for kind, one in RUNS.items()}
 
 
 @cache
@@ -477,7 +574,7 @@ def crossings():
 @cache
 def exponents():
     rng = np.random.default_rng(1)
-    return 0.1 + 1 / CURVE + 0.001 * rng.standard_normal((6, len(CURVE)))
+    return 0.1 + 1 / CURVE + 0.001 * rng.standard_normal((40, len(CURVE)))
 
 
 @cache
@@ -489,8 +586,8 @@ def public_names():
 
 
 @cache
-def several():
-    """The arguments of several values of each public function, by their annotations."""
+def several(words=SEVERAL):
+    """The arguments of each public function whose annotations have such words, by default those of several values."""
     found, known = {}, set()
     for dotted in public_names().callables():
         value = public_names().chapters()[dotted.split(".")[0]]
@@ -503,7 +600,7 @@ def several():
         if (isinstance(value, type) and issubclass(value, Exception)) or dotted in NOT_READ:
             continue
         parameters = inspect.signature(function).parameters.values()
-        names = {one.name for one in parameters if SEVERAL.search(str(one.annotation))} - {"root"}
+        names = {one.name for one in parameters if words.search(str(one.annotation))} - {"root"}
         if names:
             found[dotted] = names
     return found

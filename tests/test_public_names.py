@@ -40,6 +40,8 @@ def names():
 
 def test_the_page_is_what_the_package_says(names):
     assert names.PAGE.read_text(encoding="utf-8") == names.page(), "run `python docs/public_names.py`"
+    for path, text in names.stubs().items():
+        assert path.read_text(encoding="utf-8") == text, "run `python docs/public_names.py`"
 
 
 def test_no_argument_has_a_second_name(names):

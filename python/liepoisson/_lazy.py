@@ -22,9 +22,7 @@ def attach(module: str, file: str) -> tuple[Callable[[str], object], Callable[[]
         module: The module's `__name__`.
         file: Its `__file__`.
     """
-    with open(f"{file.rpartition('.')[0]}.pyi", encoding="utf-8") as stub:
-        words = [line.split() for line in stub]
-    homes = {line[5]: line[1] for line in words if line[:1] == ["from"]}
+    homes = homes_of(f"{file.rpartition('.')[0]}.pyi")
 
     def load(name: str) -> object:
         from importlib import import_module
@@ -40,6 +38,13 @@ def attach(module: str, file: str) -> tuple[Callable[[str], object], Callable[[]
 
     names = sorted(homes)
     return load, lambda: list(names), names
+
+
+def homes_of(stub: str) -> dict[str, str]:
+    """The module of each name that a stub lists."""
+    with open(stub, encoding="utf-8") as lines:
+        words = [line.split() for line in lines]
+    return {line[5]: line[1] for line in words if line[:1] == ["from"]}
 
 
 def _unknown(module: str, name: str, names: list[str]) -> str:

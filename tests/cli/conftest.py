@@ -4,7 +4,33 @@ import sys
 
 import pytest
 
-from liepoisson.cli.main import main
+from liepoisson.cli.main import COMMANDS, application, main
+
+LINES = {
+    "reproduce": ("twisted-top",),
+    "families": ("kovalevskaya", "--free", "a"),
+    "prove": ("twisted-kovalevskaya", "--search"),
+    "periodic": ("lagrange", "--period", "6"),
+    "continue": ("lagrange", "--period", "6"),
+    "melnikov": ("lagrange", "l1", "--start", "2,0,0,0,0,-1", "--origin", "alpha3=1", "--integral", "l3"),
+    "sweep": ("twist.toml",),
+}
+"""What a command must be given; where it is only a system, nothing stands here."""
+
+
+@pytest.fixture
+def lines():
+    """Arguments with which each command runs, by its name."""
+    return {name: LINES.get(name, ("lagrange",)) for name in COMMANDS}
+
+
+@pytest.fixture(scope="session")
+def parameters():
+    """What each command takes, as Typer knows it."""
+    from typer.main import get_command
+
+    commands = get_command(application()).commands
+    return {name: commands[name].params for name in COMMANDS}
 
 
 @pytest.fixture

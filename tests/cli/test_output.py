@@ -1,38 +1,17 @@
 """Files that commands write: none over a file that the same command reads, and none over another one."""
 
+import re
 from pathlib import Path
 
 import pytest
 
 import liepoisson as lp
-from liepoisson.cli.main import COMMANDS, application
+from liepoisson.cli.main import COMMANDS
 
 SYSTEM = (Path(__file__).parents[2] / "python" / "liepoisson" / "catalog" / "kovalevskaya.toml").read_text()
 ORBIT = ("--t-end", "1", "--points", "3")
-WRITERS = {
-    ("orbit", "--out"): ("a.nc", ORBIT),
-    ("orbit", "--figure"): ("a.png", ORBIT),
-    ("section", "--out"): ("a.nc", ("--starts", "2")),
-    ("section", "--figure"): ("a.png", ("--starts", "2")),
-    ("lyapunov", "--out"): ("a.nc", ("--starts", "2")),
-    ("lyapunov", "--figure"): ("a.png", ("--starts", "2")),
-    ("decide", "--out"): ("a.nc", ("--starts", "2")),
-    ("equilibria", "--out"): ("a.csv", ()),
-    ("periodic", "--out"): ("a.csv", ("--period", "6")),
-    ("continue", "--out"): ("a.csv", ("--period", "6")),
-    ("continue", "--figure"): ("a.png", ("--period", "6")),
-    ("melnikov", "--out"): ("a.csv", ("l1", "--start", "l1=1", "--origin", "l1=1", "--integral", "l3")),
-    ("diagram", "--out"): ("a.nc", ()),
-    ("diagram", "--figure"): ("a.png", ()),
-    ("sweep", "--out"): ("a.csv", ()),
-    ("sweep", "--figure"): ("a.png", ()),
-    ("integrable", "--save"): ("a.json", ()),
-    ("integrable", "--certificate"): ("a.json", ()),
-    ("prove", "--out"): ("a.json", ("--search",)),
-    ("lab", "--export"): ("a.html", ()),
-}
-"""Commands with the options that name a file to write, with such a name, and what the command needs besides."""
 READ = {("prove", "--certificate"), ("lab", "--with")}
+"""Options that name a file to read."""
 
 
 @pytest.fixture
@@ -41,30 +20,30 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_table_has_every_option_that_names_a_file():
-    from typer.main import get_command
-
-    commands = get_command(application()).commands
-    options = {
+def test_no_command_writes_over_its_input(here, command, lines, parameters):
+    writers = {
         (name, option.opts[0])
-        for name in COMMANDS
-        for option in commands[name].params
+        for name, options in parameters.items()
+        for option in options
         if option.param_type_name == "option" and str(option.metavar).startswith("FILE")
     }
-    assert options == WRITERS.keys() | READ
-
-
-@pytest.mark.parametrize("writer", WRITERS, ids=" ".join)
-def test_no_command_writes_over_its_input(here, command, writer):
-    (name, option), (file, needed) = writer, WRITERS[writer]
-    (here / file).write_text(SYSTEM)
-    (here / f"link-{file}").symlink_to(file)
-    for spelling in (file, f"link-{file}"):
-        code, out, said = command(name, file, *needed, option, spelling)
-        argument = "FILE.toml" if name == "sweep" else "SYSTEM"
-        assert (code, out) == (2, "")
-        assert f"{option} must be another file than {argument}" in said
-        assert (here / file).read_text() == SYSTEM
+    assert writers > READ
+    for name, option in writers - READ:
+        needed = lines[name][1:]
+        (here / "a.x").write_text(SYSTEM)
+        _, _, said = command(name, "a.x", *needed, option, "b.x")
+        ending = re.search(r"must end in (?:one of )?(\.\w+)", said)
+        assert ending, f"{name} {option}: {said}; what it must be given is in LINES of conftest.py"
+        file = "a" + ending[1]
+        (here / file).write_text(SYSTEM)
+        (here / f"link-{file}").unlink(missing_ok=True)
+        (here / f"link-{file}").symlink_to(file)
+        for spelling in (file, f"link-{file}"):
+            code, out, said = command(name, file, *needed, option, spelling)
+            argument = "FILE.toml" if name == "sweep" else "SYSTEM"
+            assert (code, out) == (2, ""), (name, option, said)
+            assert f"{option} must be another file than {argument}" in said
+            assert (here / file).read_text() == SYSTEM
 
 
 @pytest.mark.parametrize(

@@ -213,27 +213,15 @@ def test_a_refusal_is_a_sentence_and_writes_nothing(here, command, line, words):
 
 
 OUT_OF_RANGE = {"--seed": ("-1",), "--threads": ("0", "9" * 23), "--time-limit": ("0", "-1", "nan"), "--starts": ("0",)}
-HOMOCLINIC = ("lagrange", "l1", "--start", "2,0,0,0,0,-1", "--origin", "alpha3=1", "--integral", "l3")
-ARGUMENTS = {
-    "reproduce": ("twisted-top",),
-    "sweep": ("twist.toml",),
-    "prove": ("twisted-kovalevskaya", "--search"),
-    "continue": ("lagrange", "--period", "6"),
-    "melnikov": HOMOCLINIC,
-}
 
 
-def test_every_command_refuses_numbers_that_no_run_can_have(here, command):
+def test_every_command_refuses_numbers_that_no_run_can_have(here, command, lines, parameters):
     """The options that many commands share, wherever they are."""
-    from typer.main import get_command
-
-    commands = get_command(application()).commands
     tried = set()
-    for name in COMMANDS:
-        options = {option for parameter in commands[name].params for option in parameter.opts} & OUT_OF_RANGE.keys()
-        for option in options:
+    for name, taken in parameters.items():
+        for option in {option for parameter in taken for option in parameter.opts} & OUT_OF_RANGE.keys():
             for value in OUT_OF_RANGE[option]:
-                code, out, err = command(name, *ARGUMENTS.get(name, ("lagrange",)), option, value)
+                code, out, err = command(name, *lines[name], option, value)
                 assert (code, out) == (2, ""), (name, option, value)
                 assert option.strip("-").replace("-", " ") in err.replace("_", " ").replace("-", " "), (name, err)
                 tried.add((name, option))
@@ -261,15 +249,10 @@ def test_options_of_another_method_are_refused_with_those_that_the_command_has(c
             assert not options_that_are_not_there(name, err), err
 
 
-def test_a_limit_of_a_millionth_of_a_second_ends_every_command_that_has_one(here, command):
-    from typer.main import get_command
-
-    commands = get_command(application()).commands
-    arguments = {"families": ("kovalevskaya", "--free", "a"), "continue": ("kovalevskaya", "--period", "6")}
-    arguments["melnikov"] = HOMOCLINIC
-    tried = [name for name in COMMANDS if any("--time-limit" in p.opts for p in commands[name].params)]
+def test_a_limit_of_a_millionth_of_a_second_ends_every_command_that_has_one(here, command, lines, parameters):
+    tried = [name for name, taken in parameters.items() if any("--time-limit" in one.opts for one in taken)]
     for name in tried:
-        _, out, err = command(name, *arguments.get(name, ("kovalevskaya",)), "--time-limit", "1e-6")
+        _, out, err = command(name, *lines[name], "--time-limit", "1e-6")
         said = "incomplete" if name == "families" else "time limit"
         assert said in " ".join((out + err).split()), (name, out, err)
     assert len(tried) > 7

@@ -1,5 +1,6 @@
 """The compiled core against hostile arguments: a call ends with a result, or an exception that says what was wrong."""
 
+import inspect
 import subprocess
 import sys
 import textwrap
@@ -21,16 +22,25 @@ TIMES = np.array([0.0, 1.0])
 PLANE = (9, [], [2])
 MATRIX = (np.array([0, 2, 3], np.uint64), np.array([0, 1, 1], np.uint32), np.array([1, 2, 3], np.uint64), 3)
 
+OF_METHODS = {"tol": 1e-12, "step": 0.1, "order": 4, "n_stages": 2, "max_steps": 100}
+"""Arguments of methods; what says how to compute is False."""
+
+
+def arguments_of(make):
+    """Arguments with which a method is made."""
+    return tuple(OF_METHODS.get(name, False) for name in inspect.signature(make).parameters)
+
+
 GOOD = {
     "top": (_core.Field.top, ((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)),
     "quadratic": (_core.Field.quadratic, (3, [(0, 1.0)], [(0, 1, 1.0)], [(0, 1, 2, 1.0)])),
     "tape": (_core.Field.tape, (1, [("sin", (0,), ())], [1])),
     "pieces": (_core.Field.pieces, (2, [([(0, 1.0)], [1.0], [(0, 1, 1.0)])])),
-    "taylor": (_core.Method.taylor, (1e-12, None, False, 100)),
-    "runge_kutta": (_core.Method.runge_kutta, (None, 0.1, False, True, 100)),
-    "splitting": (_core.Method.splitting, (4, 0.1, False, 100)),
-    "gauss": (_core.Method.gauss, (2, 0.1, 100)),
-    "lagrange_map": (_core.Method.lagrange_map, (0.1, 100)),
+    **{
+        name: (make, arguments_of(make))
+        for name in vars(_core.Method)
+        if callable(make := getattr(_core.Method, name)) and not name.startswith("_")
+    },
     "orbits": (_core.orbits, (TOP, TAYLOR, STATE, STATE, 1, TIMES, 1, 0.2, True, False, None)),
     "one orbit": (_core.orbits, (TOP, TAYLOR, STATE, STATE[:0], 0, TIMES, 1, 0.2, False, True, None)),
     "growth": (_core.growth, (TOP, TAYLOR, STATE, STATE, TIMES, 1, 0.2, None)),

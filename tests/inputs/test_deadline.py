@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+import public_calls
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.errors import EnclosureError, MemoryLimitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import as_deadline
@@ -180,18 +181,12 @@ COUNTED = {
     "integrability.galois_obstruction": lambda **limit: OF.galois_obstruction(
         lp.catalog.system("leibniz-top-4"), most=1000, **limit
     ),
-    "chaos.alignment": lambda **limit: lp.chaos.alignment(TWISTED, STARTS, n_vectors=9, **LONG, **limit),
     "chaos.exponents_by_energy": lambda **limit: lp.chaos.exponents_by_energy(
         QUARTIC, leaf=lp.Leaf(QUARTIC, {}), energies=[0.0, 0.5, 1.0], n_starts=MANY, **LONG, **limit
     ),
     "chaos.exponents_by_energy, of a top": lambda **limit: lp.chaos.exponents_by_energy(
         TWISTED, leaf=ON_LEAF, energies=[1, 2, 3], n_starts=MANY, **LONG, **limit
     ),
-    "chaos.frequency_drift": lambda **limit: lp.chaos.frequency_drift(
-        TWISTED, STARTS[:10], observable="l3", n_samples=2**18, **LONG, **limit
-    ),
-    "chaos.lyapunov_spectrum": lambda **limit: lp.lyapunov_spectrum(TWISTED, STARTS, n_exponents=9, **LONG, **limit),
-    "chaos.megno": lambda **limit: lp.chaos.megno(TWISTED, STARTS[:100], n_samples=MANY, **LONG, **limit),
     "fits.finite_time_fit": lambda **limit: lp.fits.finite_time_fit(**CURVES, **limit),
     "fits.log_fit": lambda **limit: lp.fits.log_fit(**CURVES, **limit),
     "fits.window_scan": lambda **limit: lp.fits.window_scan(**CURVES, **limit),
@@ -249,36 +244,50 @@ COUNTED = {
     "tori.regions": lambda **limit: lp.tori.regions(DIAGRAM, n_states=MANY, **limit),
     "tori.molecule": lambda **limit: lp.tori.molecule(ON_A_SPHERE, 0.5, n_states=MANY, **limit),
     "tori.fibre": lambda **limit: lp.tori.fibre(ON_A_SPHERE, [0.5, 0.2], n_states=MANY, **limit),
-    "sections.section": lambda **limit: lp.section(TWISTED, STARTS, surface="l3", n_crossings=MANY, **LONG, **limit),
 }
-"""Calls that are asked for far more than there is time for; what comes after a comma is another call of a function."""
+"""Calls that are asked for far more than there is time for; what comes after a comma is another call of a function.
+
+Runs of many starts over long times are made from the table of public calls.
+"""
+
+
+def long_run(name):
+    """A run of the table, with what it must be given: from many starts, over a long time."""
+    row = public_calls.rows()[name]
+    taken = inspect.signature(row.function).parameters.values()
+    needed = {one.name: row.arguments[one.name] for one in taken if one.default is one.empty and one.name != "t_end"}
+    starts = np.outer(np.linspace(0.9, 1.1, 100), needed["starts"])
+    counted = {one.name: MANY for one in taken if one.name in ("n_crossings", "n_samples")}
+    return lambda **limit: row.function(**needed | {"starts": starts, "t_end": 1e7} | counted | limit)
 
 
 def functions_with_a_limit_and_a_count():
-    """The names of the public functions that take `time_limit` and a number of things to do, each once."""
+    """The public functions that take `time_limit` and a number of things to do, by name: whether they are runs."""
     chapters = {name: module for name in lp.__all__ if isinstance(module := getattr(lp, name), ModuleType)}
     for chapter, module in chapters.items():
         for name in () if chapter == "results" else module.__all__:
             if inspect.isfunction(function := getattr(module, name)):
                 taken = inspect.signature(function).parameters
                 if "time_limit" in taken and any(re.match("n_|max_|most", one) for one in taken):
-                    yield f"{chapter}.{name}"
+                    yield f"{chapter}.{name}", {"starts", "t_end"} <= taken.keys()
+
+
+LIMITED = dict(functions_with_a_limit_and_a_count())
+LONG_RUNS = [name for name, is_run in LIMITED.items() if is_run]
 
 
 def test_all_functions_with_a_limit_and_a_count_are_in_the_table():
-    assert set(functions_with_a_limit_and_a_count()) == {
-        name.partition(",")[0]
-        for name in COUNTED
-        if not name.startswith("results.")  # methods
-    }
+    named = {name.partition(",")[0] for name in COUNTED if not name.startswith("results.")}  # methods
+    assert named | {*LONG_RUNS} == LIMITED.keys()
 
 
-@pytest.mark.parametrize("name", COUNTED)
+@pytest.mark.parametrize("name", [*COUNTED, *LONG_RUNS])
 def test_whatever_is_asked_for_a_call_ends_at_its_limit_and_says_so(name):
     """Seconds of the process, as those of the clock are also those of other programs; two are for what goes on."""
+    call = COUNTED[name] if name in COUNTED else long_run(name)
     began = time.process_time()
     try:
-        found = COUNTED[name](time_limit=0.2)
+        found = call(time_limit=0.2)
         said = " ".join([repr(found), str(found), *np.unique(getattr(found, "outcome", "")).tolist()])
     except (TimeLimitError, EnclosureError) as error:
         said = str(error)

@@ -11,7 +11,8 @@ import liepoisson as lp
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.io.dataset import save
 from liepoisson.numeric.systems import TOP_COMPONENTS
-from liepoisson.saved.rerun import RUNS
+from liepoisson.saved.rerun import _class
+from public_calls import RUNS, made, public_names
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 
@@ -81,80 +82,73 @@ def test_mistakes_of_the_caller_are_not_blamed_on_the_file():
 STATES = lp.sample_states(TOP, 3, seed=1)
 STRUCTURE = lp.chaos.PoissonStructure([5, 5, 5], [3, 3, 3], [True, False, True])
 TAYLOR = lp.Taylor(tol=1e-11, order=17, max_steps=12_345)
+COMMON = {"method": TAYLOR, "time_limit": 77.0, "seed": 3, "first": 4}
+OF_EACH = {"start_side": [1, 1, 1], "structure": STRUCTURE}
+"""What has a value for each of three trajectories."""
 # How a run is watched and shared out, on which no number depends.
 NOT_RECORDED = {"threads", "progress"}
-RUN = {"starts": STATES, "method": TAYLOR, "time_limit": 77.0}
-FOURTH = {"seed": 3, "first": 4}
-TANGENTS = lp.sample_states(TOP, 3, seed=2)
-RULE = lp.chaos.Rule(megno=(3.0, 5.0))
-SURFACE = {"surface": "dot(l, beta)", "t_end": -20.0, "direction": -1}
-ATTITUDE = [[1.0, 0.0, 0.0, 0.0], [0.6, 0.8, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]
-BACK, ON = [1.0, 0.5, -2.0], [0.5, 1.5, 4.0]
-# Where times are given, the end is the last of them.
-GIVEN = {
-    "orbit": RUN | {"times": BACK, "t_end": None, "tangents": np.tile(np.eye(9)[:2], (3, 1, 1)), "dense": True,
-                    "kernel": "lanes"},
-    "growth": RUN | {"times": ON, "t_end": None, "tangents": TANGENTS, "seed": 2**100, "first": 11},
-    "section": RUN | SURFACE | {"n_crossings": 2, "start_side": [1, 1, 1], "keep": ("l1", "l2*l3")},
-    "spectrum": RUN | FOURTH | {"t_end": 7.3, "interval": 1.1, "transient": 2.3, "n_exponents": 9, "covariant": True,
-                                "structure": STRUCTURE},
-    "first return": RUN | SURFACE,
-    "exponent": RUN | FOURTH | {"wanted_error": 0.5, "t_end": 256.0, "block": 2.0, "transient": 3.0},
-    "megno": RUN | FOURTH | {"t_end": 8.0, "n_samples": 64, "tangents": TANGENTS},
-    "alignment": RUN | FOURTH | {"t_end": None, "times": ON, "n_vectors": 3, "within": "space",
-                                 "units": np.full((3, 9), 2.0)},
-    "frequency drift": RUN | {"observable": ("beta1", "l2*l3"), "t_end": 20.0, "n_samples": 32, "window_order": 2},
-    "verdict": RUN | FOURTH | {"t_end": 20.0, "rule": RULE},
-    "energy profile": {"leaf": lp.Leaf.through(TOP, STATES[0]), "energies": [1.0, 2.0], "n_starts": 3, "t_end": 20.0,
-                       "seed": 3, "rule": RULE, "confidence": 0.9, "method": TAYLOR, "time_limit": 77.0},
-    "attitude": RUN | {"times": BACK, "attitude": ATTITUDE, "dense": True},
-    "rod": RUN | {"length": None, "n_points": 401, "arclengths": [0.0, 0.5, 2.0], "attitude": ATTITUDE,
-                  "origin": [[1.0, 2.0, 3.0]] * 3},
-}  # fmt: skip
-SYSTEMS = {"rod": lp.Top.twisted_lagrange(b3=1)}
-# Of a rod that is given by its points their number is not asked for.
-INSTEAD = {"rod": {"n_points": None}}
+INSTEAD = {"t_end": "times", "length": "arclengths", "n_points": "arclengths"}
+"""What is left out where another argument is given: the end is the last of the times."""
+RECORDED = sorted(RUNS.keys() - {"chart orbit", "sweep", "integral scan"})
+"""The first is repeated as an orbit in its coordinates, the others have tests of their own."""
+
+
+def given(kind):
+    """All arguments of a run, other than they are by default; what many functions take is the same for all."""
+    row = made()[kind]
+    taken, three = inspect.signature(row.function).parameters, dict(OF_EACH)
+    if "starts" in taken:
+        three["starts"] = np.outer([1, 0.9, 1.1], row.arguments["starts"])
+    return {name: value for name, value in (COMMON | row.arguments | three).items() if name in taken}
+
+
+def run_of(kind, **others):
+    """The result of a kind, with some arguments of its call changed."""
+    return made()[kind].function(**given(kind) | others)
+
+
+def test_the_class_of_a_file_is_found_by_its_kind():
+    found = [*public_names().saved()]
+    assert len(found) > 30
+    assert [one for one in found if _class(one.kind) is not one] == []
 
 
 def plain(value):
     """A value in which two that are the same compare as equal."""
     if isinstance(value, lp.chaos.PoissonStructure):
         return {name: array.tolist() for name, array in vars(value).items()}
-    return value.tolist() if isinstance(value, np.ndarray) else value
+    return np.array(value) if isinstance(value, (list, tuple, np.ndarray)) else value
 
 
-def function_of(kind):
-    """The function that makes results of a kind."""
-    module, _, name = RUNS[kind]
-    return getattr(importlib.import_module(module), name)
+def are_same(found, wanted):
+    """Whether what a file has is what was given once, for each trajectory."""
+    found, wanted = plain(found), plain(wanted)
+    is_array = isinstance(wanted, np.ndarray)
+    return np.array_equal(found, np.broadcast_to(wanted, np.shape(found))) if is_array else found == wanted
 
 
-def test_every_run_that_files_know_is_tried_here():
-    # The first is repeated as an orbit in its coordinates, the others have tests of their own.
-    assert GIVEN.keys() == RUNS.keys() - {"chart orbit", "sweep", "integral scan"}
-
-
-@pytest.mark.parametrize("kind", GIVEN)
+@pytest.mark.parametrize("kind", RECORDED)
 def test_a_file_records_every_argument_of_its_run(tmp_path, kind):
-    """An argument that is added later must be given here, and recorded."""
-    given, function = GIVEN[kind], function_of(kind)
-    assert {*inspect.signature(function).parameters} == {"system", *given} | NOT_RECORDED
-    result = function(SYSTEMS.get(kind, TOP), **given)
+    """An argument that is added later must be given in `public_calls.py`, and recorded."""
+    row, arguments = made()[kind], given(kind)
+    left_out = {name for name, other in INSTEAD.items() if other in arguments}
+    taken = {*inspect.signature(row.function).parameters} - NOT_RECORDED - left_out
+    assert taken == arguments.keys(), f"give in public_calls.py what {row.function.__name__} takes"
+    system, result = arguments.pop("system"), run_of(kind)
     loaded = lp.load(result.save(tmp_path / "run.nc"))
     found = loaded.arguments() | {"time_limit": loaded.time_limit}
-    if "surface" in given:
-        assert found["surface"] == TOP.function_tape(given["surface"], *given.get("keep", ()))
+    if "surface" in arguments:
+        tape = system.function_tape(arguments["surface"], *arguments.get("keep", ()))
+        assert found["surface"] == tape
         found["surface"] = loaded.surface
-    # What is said otherwise there: the same run
-    given = given | INSTEAD.get(kind, {})
     if kind == "energy profile":  # a file has the starts that were drawn on the leaf
-        for energy in given["energies"]:
-            wanted = given["leaf"].sample(3, seed=3, energy=energy)
-            np.testing.assert_array_equal(found["leaf"].sample(3, seed=0, energy=energy), wanted)
-        assert found.pop("leaf").casimirs == given.pop("leaf").casimirs
-    assert {name for name in given if name not in found} <= {name for name, value in given.items() if value is None}
-    found |= {name: None for name in given if name not in found}
-    assert {name: plain(value) for name, value in found.items()} == {name: plain(v) for name, v in given.items()}
+        own, drawn, n = arguments.pop("leaf"), found.pop("leaf"), arguments["n_starts"]
+        for energy in arguments["energies"]:
+            wanted = own.sample(n, seed=arguments["seed"], energy=energy)
+            np.testing.assert_array_equal(drawn.sample(n, seed=0, energy=energy), wanted)
+        assert drawn.casimirs == own.casimirs
+    assert found.keys() - left_out == arguments.keys()
+    assert [name for name, value in arguments.items() if not are_same(found[name], value)] == []
 
 
 def runs_of_all_kinds():
@@ -162,7 +156,7 @@ def runs_of_all_kinds():
     hostile[1, 2] = np.inf
     charge = {"times": [0.0, 1.0, 5.0], "method": lp.Taylor(max_steps=3)}
     return {
-        **{kind: lambda kind=kind: function_of(kind)(SYSTEMS.get(kind, TOP), **GIVEN[kind]) for kind in GIVEN},
+        **{kind: lambda kind=kind: run_of(kind) for kind in RECORDED},
         "return of one": lambda: lp.sections.first_return(TOP, STATES[0], surface="l3", t_end=50),
         "return of a table": lambda: lp.sections.first_return(TOP, STATES[None], surface="l3", t_end=50),
         "orbit": orbit,
@@ -256,7 +250,7 @@ def test_a_rerun_says_that_a_limit_of_time_cannot_be_repeated(tmp_path, kind):
 def test_a_rerun_takes_as_long_as_it_needs(monkeypatch):
     """Its own limit is none: a run of more than the default hour is not cut."""
     limits = []
-    module = importlib.import_module(RUNS["growth"][0])
+    module = importlib.import_module(RUNS["growth"].__module__)
     run = module.finite_time_exponents
 
     def noted(*given, time_limit, **options):
@@ -298,7 +292,7 @@ def spectrum():
 
 
 def profile():
-    return function_of("energy profile")(TOP, **GIVEN["energy profile"])
+    return run_of("energy profile")
 
 
 def crossings():
@@ -362,9 +356,8 @@ def spoiled(dataset):
     "kind", ["orbit", "section", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("growth", "spectrum"))]
 )
 def test_a_dataset_that_was_spoiled_is_run_or_refused_with_a_sentence(kind):
-    given = GIVEN[kind] | ({} if kind != "spectrum" else {"t_end": 2.0})
     refused = 0
-    for dataset in spoiled(function_of(kind)(TOP, **given).dataset):
+    for dataset in spoiled(run_of(kind, **{"t_end": 2.0, "transient": 0.5} if kind == "spectrum" else {}).dataset):
         try:
             lp.rerun(dataset, time_limit=2)
         except lp.errors.LiePoissonError as error:

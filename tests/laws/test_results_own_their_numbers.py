@@ -8,11 +8,17 @@ import re
 
 import numpy as np
 import pytest
-from given_arrays import CASES, STATES, TOP
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 import liepoisson as lp
-from liepoisson import _core, plot
+from liepoisson import _core
 from liepoisson.errors import LiePoissonError
+from public_calls import makers, rows, several
+
+TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
+STATES = lp.sample_states(TOP, 3, seed=1)
 
 CORE = (
     "orbits",
@@ -25,36 +31,36 @@ CORE = (
 )
 
 
-def public_names():
-    for chapter in lp.__all__:
-        module = getattr(lp, chapter)
-        if inspect.ismodule(module) and module is not plot:
-            yield from ((name, getattr(module, name)) for name in module.__all__)
+ARRAYS = re.compile(r"^(?!.*(Mapping|Sequence)).*(Array|Starts|Box)Like")
+"""Annotations of arguments that may be arrays of numbers."""
 
 
-def public_callables():
-    for name, value in public_names():
-        if inspect.isfunction(value):
-            yield name, value
-        if inspect.isclass(value):
-            for member, function in inspect.getmembers(value, callable):
-                if not member.startswith("_") or member == "__init__":
-                    yield f"{name}.{member}", function
-    for name in plot.__all__:
-        yield f"plot.{name}", getattr(plot, name)
-
-
-def takes_arrays(function):
+def array_of(value):
+    """The array that a value is, if it is one of numbers."""
     try:
-        parameters = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):  # a class of C
-        return False
-    words = ("ArrayLike", "StartsLike", "BoxLike")
-    return any(word in str(parameter.annotation) for parameter in parameters for word in words)
+        return np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
 
 
-def test_every_function_that_takes_arrays_is_tried_here():
-    assert {name for name, value in public_callables() if takes_arrays(value)} == set(CASES)
+def cases(name):
+    """The calls of a function with its arguments that are arrays."""
+    for key, row in rows().items():
+        if key.partition(":")[0] == name:
+            taken = inspect.signature(row.function).parameters
+            words = [word for word in row.arguments if ARRAYS.search(str(taken[word].annotation))]
+            arrays = {word: array for word in words if (array := array_of(row.arguments[word])) is not None}
+            if arrays:
+                yield (lambda row=row, **given: row.function(**row.arguments | given)), arrays
+
+
+TAKE_ARRAYS = sorted(several(ARRAYS))
+
+
+@pytest.mark.parametrize("name", TAKE_ARRAYS)
+def test_every_argument_that_may_be_an_array_is_one_here(name):
+    missing = several(ARRAYS)[name] - {word for _, arrays in cases(name) for word in arrays}
+    assert not missing, f"no call of {name} in public_calls.py has {', '.join(missing)}"
 
 
 def arrays_in(value, path="", above=()):
@@ -70,13 +76,21 @@ def arrays_in(value, path="", above=()):
     elif isinstance(value, (tuple, list)):
         for k, item in enumerate(value):
             yield from arrays_in(item, f"{path}[{k}]", above)
-    elif hasattr(value, "picture"):
-        yield f"{path}.picture", value.picture
-    elif dataclasses.is_dataclass(value) or isinstance(value, lp.Leaf):
+    elif isinstance(value, (Axes, Figure)):
+        canvas = FigureCanvasAgg(value if isinstance(value, Figure) else value.figure)
+        canvas.draw()
+        yield path, np.array(canvas.buffer_rgba())
+    elif dataclasses.is_dataclass(value) or isinstance(value, (lp.Leaf, lp.fits.EnsembleReduction)):
         for key, item in vars(value).items():
             yield from arrays_in(item, f"{path}.{key}", above)
     elif isinstance(value, (float, str)):
         yield path, np.array(value)
+    elif value is None or isinstance(value, (bool, int, np.generic)):
+        yield path, np.array(str(value))
+    else:  # a chart, a page, a picture that can be turned
+        yield from (
+            (path, np.array(str(getattr(value, name)))) for name in ("hamiltonian", "start") if hasattr(value, name)
+        )
 
 
 def snapshot(result):
@@ -91,8 +105,8 @@ def assert_same(found, wanted):
         np.testing.assert_array_equal(found[path], array, err_msg=path)
 
 
-def copies(name):
-    return CASES[name].copies()
+def copies(arrays):
+    return {word: array.copy() for word, array in arrays.items()}
 
 
 def spoil(arrays):
@@ -112,18 +126,10 @@ class Counted:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", TAKE_ARRAYS)
 def test_a_result_does_not_depend_on_the_arrays_after_they_were_read_once(name, monkeypatch):
     """They are changed afterwards, and when the core is about to run, as another thread could: all is copied."""
-    given = copies(name)
-    result = CASES[name].call(**given)
-    wanted = snapshot(result)
-    spoil(given)
-    assert_same(snapshot(result), wanted)
-    for path, array in arrays_in(result):
-        assert not any(np.shares_memory(array, item) for item in given.values()), path
-    given, calls = copies(name), []
-    counted = {key: Counted(array) for key, array in given.items()}
+    calls = []
 
     def spoiled_before(function):
         def call(*arguments):
@@ -134,95 +140,58 @@ def test_a_result_does_not_depend_on_the_arrays_after_they_were_read_once(name, 
 
         return call
 
-    for name_of_function in CORE:
-        monkeypatch.setattr(_core, name_of_function, spoiled_before(getattr(_core, name_of_function)))
-    assert_same(snapshot(CASES[name].call(**counted)), wanted)
-    assert {key: array.n_read for key, array in counted.items()} == dict.fromkeys(given, 1)
+    for call, arrays in cases(name):
+        given = copies(arrays)
+        result = call(**given)
+        wanted = snapshot(result)
+        spoil(given)
+        assert_same(snapshot(result), wanted)
+        for path, array in arrays_in(result):
+            assert not any(np.shares_memory(array, item) for item in given.values()), path
+        given = copies(arrays)
+        calls.clear()
+        counted = {word: Counted(array) for word, array in given.items()}
+        with monkeypatch.context() as patch:
+            for name_of_function in CORE:
+                patch.setattr(_core, name_of_function, spoiled_before(getattr(_core, name_of_function)))
+            assert_same(snapshot(call(**counted)), wanted)
+        assert {word: array.n_read for word, array in counted.items()} == dict.fromkeys(given, 1)
 
 
-WELL = lp.System(lp.canonical(1), "dot(p, p)/2 - q1^2/2 + q1^4/4")
-
-
-def saddle():
-    return next(one for one in lp.equilibria(WELL, {}) if one.linear_stability == "unstable")
-
-
-def results():
-    """Each kind of result that has arrays, by the name of its class."""
-    leaf = lp.Leaf.through(TOP, STATES[0])
-    energy, chart = float(TOP.functions.energy(STATES[0])), lp.charts.EulerChart(TOP, state=STATES[0])
-    ensemble = np.geomspace(1, 100, 40), np.random.default_rng(1).lognormal(size=(60, 40))
-    pendulum, on_sphere = lp.catalog.system("spherical-pendulum"), [0.3, 0.8, 0.2, 0.8, 0, 0.6]
-    sphere = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
-    round_top = lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
-
-    def plane():
-        return lp.tori.diagram(sphere, energy_max=2, n_starts=20)
-
-    return {
-        "CriticalCurve": lambda: lp.tori.lagrange_diagram(round_top).threads[0],
-        "CriticalFamily": lambda: plane().families[0],
-        "CriticalStates": lambda: lp.tori.critical_states(sphere, n_starts=10),
-        "Diagram": plane,
-        "Fibre": lambda: lp.tori.fibre(sphere, [0.5, 0.2], n_states=5),
-        "Atom": lambda: lp.tori.molecule(sphere, 0).atoms[0],
-        "Molecule": lambda: lp.tori.molecule(sphere, 0),
-        "LagrangeMonodromy": lambda: lp.tori.lagrange_monodromy(lp.tori.lagrange_diagram(round_top)),
-        "LagrangeDiagram": lambda: lp.tori.lagrange_diagram(round_top),
-        "Monodromy": lambda: lp.tori.monodromy(pendulum, on_sphere, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]),
-        "PeriodLattice": lambda: lp.tori.period_lattice(pendulum, on_sphere),
-        "Region": lambda: lp.tori.regions(plane(), n_values=100, n_states=5)[0],
-        "Regions": lambda: lp.tori.regions(plane(), n_values=100, n_states=5),
-        "RotationNumbers": lambda: lp.tori.rotation_number(np.stack([np.cos(range(9)), np.sin(range(9))], axis=1)),
-        "Agreement": lambda: lp.chaos.agreement(lp.decide(TOP, STATES, t_end=10)),
-        "Alignment": lambda: lp.chaos.alignment(TOP, STATES, t_end=2),
-        "Attitude": lambda: lp.orbits.attitude(TOP, STATES, times=[0, 1]),
-        "ChartOrbit": lambda: lp.orbits.chart_orbit(chart, STATES[0], times=[0.0, 0.1]),
-        "EnergyProfile": lambda: lp.chaos.exponents_by_energy(TOP, leaf=leaf, energies=[energy], n_starts=2, t_end=5),
-        "Equilibrium": lambda: lp.equilibria(TOP, leaf)[0],
-        "ExponentEstimate": lambda: lp.lyapunov_exponent(TOP, STATES, t_end=50),
-        "FiniteTimeExponents": lambda: lp.finite_time_exponents(TOP, STATES, t_end=1),
-        "FiniteTimeFit": lambda: lp.fits.finite_time_fit(*ensemble, n_bootstrap=50),
-        "FirstReturn": lambda: lp.sections.first_return(TOP, STATES, surface="l3", t_end=2),
-        "FitGoodness": lambda: lp.fits.fit_goodness(*ensemble),
-        "FrequencyDrift": lambda: lp.chaos.frequency_drift(TOP, STATES, observable="l1", t_end=50),
-        "ConnectingOrbit": lambda: lp.orbits.connecting_orbits(saddle(), n_starts=8)[0],
-        "InvariantManifold": lambda: lp.orbits.invariant_manifold(saddle()),
-        "HomoclinicOrbit": lambda: lp.orbits.symmetric_homoclinic_orbits(saddle(), n_starts=8)[0],
-        "LogFit": lambda: lp.fits.log_fit(*ensemble, n_bootstrap=50),
-        "MeanCurve": lambda: lp.fits.mean_curve(*ensemble),
-        "Megno": lambda: lp.chaos.megno(TOP, STATES, t_end=2),
-        "Orbit": lambda: lp.integrate(TOP, STATES, times=[0, 1], dense=True),
-        "Rod": lambda: lp.orbits.rod(lp.Top.lagrange(), STATES[0], length=1.0),
-        "Section": lambda: lp.section(TOP, STATES, surface="l3", t_end=2),
-        "SleepingTop": lambda: lp.phase_space.sleeping_top(lp.Top.lagrange(), l3=3, alpha3=1, beta3=0),
-        "Spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES[:1], t_end=5, transient=5, covariant=True),
-        "SpectrumResiduals": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=5).residuals,
-        "SymmetricOrbit": lambda: lp.orbits.symmetric_periodic_orbits(WELL, {}, energy=1, n_starts=4)[0],
-        "Sweep": lambda: lp.sweep(system="twisted-kovalevskaya", axes={"energy": [0, 1]}, n_starts=2, t_end=2),
-        "Verdict": lambda: lp.decide(TOP, STATES, t_end=10),
-    }
+def parts_of(value, seen):
+    """A result and the results that it is made of, one of each class."""
+    if isinstance(value, dict):
+        value = tuple(value.values())
+    if isinstance(value, (tuple, list)):
+        for item in value:
+            yield from parts_of(item, seen)
+    elif dataclasses.is_dataclass(value) and type(value) not in seen:
+        seen.add(type(value))
+        if type(value).__name__ in lp.results.__all__:
+            yield value
+        yield from parts_of(vars(value), seen)
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("kind", sorted(results()))
-def test_the_arrays_of_a_result_are_read_only(kind):
-    result = results()[kind]()
-    assert type(result).__name__ == kind
-    # copies of a plain tuple are NumPy's, and a leaf has its own arrays
-    copies = copy.deepcopy(result), copy.copy(result), pickle.loads(pickle.dumps(result))
-    assert all((type(each), repr(each), str(each)) == (type(result), repr(result), str(result)) for each in copies)
-    assert result in {result}
-    assert all(each != result or hash(each) == hash(result) for each in copies)
-    for each in (result, *(() if isinstance(result, tuple) else copies)):
-        for path, array in arrays_in(each):
-            if array.ndim and ".leaf" not in path:
-                assert not array.flags.writeable, path
-    if not isinstance(result, lp.results.Result) or kind == "Sweep":  # whose dataset has means, made for it
-        return
-    for name in result.dataset.data_vars:
-        if result.dataset[name].dtype != object:  # names are copied
-            assert not result.dataset[name].to_numpy().flags.writeable, name
+@pytest.mark.parametrize("name", makers())
+def test_the_arrays_of_a_result_are_read_only(name):
+    found = [row.function(**row.arguments) for key, row in rows().items() if key.partition(":")[0] == name]
+    parts = [*parts_of(found, set())]
+    assert parts, f"no call in public_calls.py makes a result by {name}"
+    for result in parts:
+        # copies of a plain tuple are NumPy's, and a leaf has its own arrays
+        copies = copy.deepcopy(result), copy.copy(result), pickle.loads(pickle.dumps(result))
+        assert all((type(each), repr(each), str(each)) == (type(result), repr(result), str(result)) for each in copies)
+        assert result in {result}
+        assert all(each != result or hash(each) == hash(result) for each in copies)
+        for each in (result, *(() if isinstance(result, tuple) else copies)):
+            for path, array in arrays_in(each):
+                if array.ndim and ".leaf" not in path:
+                    assert not array.flags.writeable, path
+        if isinstance(result, lp.results.Result) and not isinstance(result, lp.results.Sweep):  # which makes means
+            for variable in result.dataset.data_vars:
+                if result.dataset[variable].dtype != object:  # names are copied
+                    assert not result.dataset[variable].to_numpy().flags.writeable, variable
 
 
 ONE = {
@@ -276,8 +245,9 @@ HARMFUL = {
 }
 
 
-@pytest.mark.parametrize("name", [name for name in CASES if not name.startswith("plot")])
+@pytest.mark.parametrize("name", [name for name in TAKE_ARRAYS if not name.startswith("plot.")])
 def test_what_is_no_array_of_real_numbers_is_refused(name):
-    for harm in HARMFUL.values():
-        with pytest.raises(LiePoissonError):
-            CASES[name].call(**{key: harm(value) for key, value in copies(name).items()})
+    for call, arrays in cases(name):
+        for harm in HARMFUL.values():
+            with pytest.raises(LiePoissonError):
+                call(**{word: harm(array) for word, array in copies(arrays).items()})

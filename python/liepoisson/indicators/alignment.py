@@ -59,6 +59,7 @@ class Alignment(Run):
     """
 
     kind = "alignment"
+    made_by = "alignment"
 
     seed: int
     first: int

@@ -87,6 +87,7 @@ class EnergyProfile(Run):
     """
 
     kind = "energy profile"
+    made_by = "exponents_by_energy"
     rows = ("energy", "member")
 
     start: Array = labelled("energy", "member", "component", long_name="state at time 0")

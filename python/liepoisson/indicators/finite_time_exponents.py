@@ -44,6 +44,7 @@ class FiniteTimeExponents(IntegratedRun):
     """
 
     kind = "growth"
+    made_by = "finite_time_exponents"
 
     seed: int
     first: int

@@ -79,6 +79,7 @@ class ExponentEstimate(Run):
     """
 
     kind = "exponent"
+    made_by = "lyapunov_exponent"
 
     seed: int
     first: int

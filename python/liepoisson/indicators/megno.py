@@ -53,6 +53,7 @@ class Megno(Run):
     """
 
     kind = "megno"
+    made_by = "megno"
 
     seed: int
     first: int

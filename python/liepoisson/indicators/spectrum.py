@@ -73,6 +73,7 @@ class Spectrum(IntegratedRun):
     """
 
     kind = "spectrum"
+    made_by = "lyapunov_spectrum"
 
     seed: int
     first: int

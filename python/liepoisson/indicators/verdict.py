@@ -159,6 +159,7 @@ class Verdict(Run):
     """
 
     kind = "verdict"
+    made_by = "decide"
     along = {"indicator": INDICATORS}  # noqa: RUF012
 
     t_end: float

@@ -79,6 +79,7 @@ class IntegralScan(Result):
     """
 
     kind = "integral scan"
+    made_by = "scan_integrals"
     rows = ("point",)
 
     system: System

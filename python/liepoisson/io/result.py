@@ -5,6 +5,7 @@ A result is a frozen dataclass.  What each of its fields is in a dataset stands 
     @dataclass(frozen=True, kw_only=True)
     class Megno(Run):
         kind = "megno"
+        made_by = "megno"
         time: Array = labelled("time", long_name="time")
         megno: Array = labelled("trajectory", "time", long_name="MEGNO")
         first: int
@@ -18,10 +19,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
+from functools import cache
 from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from liepoisson._lazy import homes_of
 from liepoisson.errors import OutputError
 from liepoisson.inputs.arrays import ReadOnlyArrays
 from liepoisson.inputs.shared_words import ATTRIBUTES, completed
@@ -31,6 +34,13 @@ from liepoisson.io.tables import Tabular
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from xarray import Dataset
+
+
+@cache
+def homes_of_results() -> dict[str, str]:
+    """The module of each class of a result, as the chapter `results` has it."""
+    return homes_of(str(Path(__file__).parents[1] / "results.pyi"))
+
 
 KEY = "label"
 """Where the metadata of a dataclass field have its label."""
@@ -126,6 +136,8 @@ class Saved(ReadOnlyArrays, Tabular):
 
     kind: ClassVar[str]
     """What files call it."""
+    made_by: ClassVar[str]
+    """The function of its module that repeats the run; of what is not repeated, what looks again."""
     system: Any
     """The system, exactly as it was given."""
 

@@ -117,7 +117,7 @@ def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | N
             f"what can be viewed is a system, a top, an orbit, a section, a rod or a sweep; got {kind!r:.40}. "
             f"View {of} instead."
         )
-    if trajectory != 0:
+    if as_count(trajectory, "trajectory") != 0:
         raise ParameterError("trajectory is one of a result, and this is a system. Give its start instead.")
     return page_of(shown, start=start, surfaces=surfaces), shown
 

@@ -90,6 +90,7 @@ class ChartOrbit(Result, KeepsInvariants):
     """
 
     kind = "chart orbit"
+    made_by = "chart_orbit"
     rows = ("time",)
 
     chart: str

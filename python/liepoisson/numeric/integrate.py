@@ -57,6 +57,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
     """
 
     kind = "orbit"
+    made_by = "integrate"
     rows = ("trajectory", "time")
 
     start_time: float

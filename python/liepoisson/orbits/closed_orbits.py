@@ -83,6 +83,7 @@ class PeriodicOrbit(ClosedOrbit):
     """
 
     kind = "periodic orbit"
+    made_by = "lp.orbits.periodic_orbit"
 
     level: Level
     start: Array

@@ -87,6 +87,7 @@ class ConnectingOrbit(SavedOrbits):
     """
 
     kind = "connecting orbit"
+    made_by = "lp.orbits.connecting_orbits"
 
     unstable: InvariantManifold
     stable: InvariantManifold
@@ -164,6 +165,7 @@ class ConnectingOrbits(SearchedOrbits[ConnectingOrbit]):
     """
 
     kind = "connecting orbits"
+    made_by = "lp.orbits.connecting_orbits"
     titles = ("flight", "angles (rad)", "residual")
 
     unstable: InvariantManifold

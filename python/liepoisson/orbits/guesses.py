@@ -283,6 +283,7 @@ class PeriodicOrbits(SearchedOrbits[PeriodicOrbit]):
     """
 
     kind = "periodic orbits"
+    made_by = "lp.orbits.periodic_orbits"
     titles = ("period", "rate", "stability", "multipliers", "residual", "pairs")
 
     level: Level

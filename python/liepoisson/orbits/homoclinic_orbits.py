@@ -53,6 +53,7 @@ class HomoclinicOrbit(SavedOrbits):
     """
 
     kind = "homoclinic orbit"
+    made_by = "lp.orbits.symmetric_homoclinic_orbits"
 
     origin: SymmetricOrbit | Equilibrium
     space: UnstableSpace
@@ -140,6 +141,7 @@ class HomoclinicOrbits(SearchedOrbits[HomoclinicOrbit]):
     """
 
     kind = "homoclinic orbits"
+    made_by = "lp.orbits.symmetric_homoclinic_orbits"
     titles = ("half flight", "angles (rad)", "distance", "residual")
 
     origin: SymmetricOrbit | Equilibrium

@@ -52,6 +52,7 @@ _GOLDEN = (np.sqrt(5.0) - 1) / 2
 
 class _Saved(SavedOrbits):
     kind = "invariant manifold"  # of the file; a manifold has its own
+    made_by = "lp.orbits.invariant_manifold"
 
 
 @explains_its_methods

@@ -81,6 +81,7 @@ class Melnikov(SavedOrbits):
     """
 
     kind = "melnikov integrals"
+    made_by = "lp.orbits.melnikov"
 
     origin: Equilibrium
     perturbation: str

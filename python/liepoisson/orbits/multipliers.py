@@ -240,6 +240,7 @@ class SymmetricOrbit(ClosedOrbit):
     """
 
     kind = "symmetric orbit"
+    made_by = "lp.orbits.symmetric_periodic_orbits"
 
     level: Level
     first: DiscreteSymmetry
@@ -311,6 +312,7 @@ class SymmetricOrbits(SearchedOrbits[SymmetricOrbit]):
     """
 
     kind = "symmetric orbits"
+    made_by = "lp.orbits.symmetric_periodic_orbits"
     titles = ("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")
 
     level: Level

@@ -94,6 +94,7 @@ class OrbitFamily(Found[PeriodicOrbit], SavedOrbits):
     """
 
     kind = "orbit family"
+    made_by = "lp.orbits.orbit_family"
     titles = ("along", "period", "stability", "multipliers", "residual")
 
     along: str

@@ -89,6 +89,7 @@ class PreciseSegment(Precise):
     """
 
     kind = "precise segment"
+    made_by = "orbit.polished"
 
     orbit: SymmetricOrbit = field(repr=False)
     start: tuple[str, ...]
@@ -117,6 +118,7 @@ class PreciseOrbit(Precise):
     """
 
     kind = "precise orbit"
+    made_by = "orbit.polished"
 
     orbit: PeriodicOrbit = field(repr=False)
     start: tuple[str, ...]
@@ -295,6 +297,7 @@ class PreciseMidpoint(Precise):
     """
 
     kind = "precise midpoint"
+    made_by = "orbit.polished"
 
     orbit: HomoclinicOrbit = field(repr=False)
     midpoint: tuple[str, ...]

@@ -448,6 +448,7 @@ class Cycles(SearchedOrbits[PeriodicOrbit]):
     """
 
     kind = "cycles"
+    made_by = "lp.sections.return_map"
     titles = ("period", "stability", "multipliers", "residual")
 
     back: ReturnMap

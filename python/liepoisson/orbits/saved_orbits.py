@@ -1,7 +1,8 @@
 """Orbits, tori and what was found of them as plain data: written whole, with what they share, and read as the same.
 
 An object is written once, by the names of its fields, whatever refers to it: a homoclinic orbit comes back with one
-manifold of one orbit at both ends.  Only the classes that are listed here are made again.
+manifold of one orbit at both ends.  Only the classes of the chapter `results`, and those that are listed here, are made
+again.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from liepoisson.errors import OutputError
 from liepoisson.formula.parameters import flattened, read_parameter
 from liepoisson.inputs.deadline import CUT_SHORT
 from liepoisson.io.display import Found
-from liepoisson.io.result import Kept
+from liepoisson.io.result import Kept, homes_of_results
 from liepoisson.leaf._checks import are_equal
 from liepoisson.leaf.leaf import Leaf, leaf_of_values
 from liepoisson.model.free_parameter import FreeParameter, values_of
@@ -31,49 +32,17 @@ from liepoisson.numeric.methods import METHODS, Method, Taylor, method_of, metho
 
 T = TypeVar("T")
 
-CLASSES = {
-    "Atom": "tori.molecules",
-    "ConnectingOrbit": "orbits.connections",
-    "ConnectingOrbits": "orbits.connections",
-    "CriticalCurve": "tori.lagrange_diagrams",
-    "CriticalFamily": "tori.diagrams",
-    "CriticalStates": "tori.critical_search",
-    "Cycles": "orbits.return_maps",
-    "Diagram": "tori.diagrams",
-    "DiscreteSymmetry": "model.discrete_symmetries",
-    "Equilibrium": "equilibrium.stability",
-    "FamilyPoint": "orbits.orbit_families",
-    "Fibre": "tori.fibres",
-    "HomoclinicOrbit": "orbits.homoclinic_orbits",
-    "HomoclinicOrbits": "orbits.homoclinic_orbits",
-    "InvariantManifold": "orbits.invariant_manifolds",
-    "LagrangeDiagram": "tori.lagrange_diagrams",
-    "LagrangeMonodromy": "tori.lagrange_braids",
-    "Level": "orbits.level",
-    "Melnikov": "orbits.melnikov_integrals",
-    "Molecule": "tori.molecules",
-    "MomentumMap": "tori.momentum_maps",
-    "Monodromy": "tori.carried_lattices",
-    "OrbitFamily": "orbits.orbit_families",
-    "PeriodLattice": "tori.period_lattices",
-    "PeriodicOrbit": "orbits.closed_orbits",
-    "PeriodicOrbits": "orbits.guesses",
-    "PreciseMidpoint": "orbits.refine",
-    "PreciseOrbit": "orbits.refine",
-    "PreciseSegment": "orbits.refine",
-    "Region": "tori.fibre_regions",
-    "Regions": "tori.fibre_regions",
-    "ReturnMap": "orbits.return_maps",
-    "ScaledLeaf": "tori.lagrange_leaves",
-    "SymmetricOrbit": "orbits.multipliers",
-    "SymmetricOrbits": "orbits.multipliers",
-    "UnstableSpace": "orbits.unstable_spaces",
+INSIDE = {
+    "DiscreteSymmetry": "liepoisson.model.discrete_symmetries",
+    "Level": "liepoisson.orbits.level",
+    "ScaledLeaf": "liepoisson.tori.lagrange_leaves",
+    "UnstableSpace": "liepoisson.orbits.unstable_spaces",
 }
-"""The dataclasses that are written by their fields, with the modules that have them."""
+"""Dataclasses that are written by their fields, with their modules; all others are in the chapter `results`."""
 
 
 class SavedWhole(Kept):
-    """A result that is made of the classes listed here."""
+    """A result that is made of the classes of the chapter `results`."""
 
     def records(self) -> dict[str, Any]:
         """All of it as plain data that JSON can write."""
@@ -183,7 +152,7 @@ class _Writer:
             return {"PhaseFunction": formula_text(value.expression)}
         if isinstance(value, tuple(METHODS.values())):
             return {"Method": method_record(value)}
-        if name in CLASSES and is_dataclass(value):
+        if name in {**homes_of_results(), **INSIDE} and is_dataclass(value):
             return {name: self.plain({one.name: getattr(value, one.name) for one in fields(value)})}
         raise OutputError(f"a {name} cannot be written to a file; keep the table, to_csv(path)")
 
@@ -253,5 +222,8 @@ class _Reader:
 
 @cache
 def class_of(name: str) -> Any:
-    """One of `CLASSES` by its name."""
-    return getattr(import_module(f"liepoisson.{CLASSES[name]}"), name)
+    """A class of the chapter `results` or of what is inside of results, by its name."""
+    found = getattr(import_module({**homes_of_results(), **INSIDE}[name]), name)
+    if not is_dataclass(found):
+        raise ValueError(f"{name} is no class of a result")
+    return found

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
+from inspect import get_annotations
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -65,7 +66,7 @@ def draw(result: Any, **options: Any) -> Figure:
     if isinstance(result, OrbitFamily):
         figure = family
     elif isinstance(result, Result):
-        figure = _FIGURES.get(getattr(type(result), "kind", ""))
+        figure = _FIGURES.get(type(result).kind, _numbers)
     if figure is None:
         raise ParameterError(f"result: wanted what a run returned; got {_instead(result)}")
     from matplotlib.axes import Axes
@@ -248,6 +249,29 @@ def _scan(result: Any, *, ax: Axes | None = None) -> Axes:
             ax.locator_params(axis="y", integer=True)
         ax.set_title(f"{plain(result.system.name)}: further integrals up to degree {result.degree}")
         ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=5, borderaxespad=0.0)
+    return ax
+
+
+def _numbers(result: Any, *, ax: Axes | None = None) -> Axes:
+    """The first numbers that the class says of each trajectory, against time if they have one."""
+    data, dims = result.dataset, (("trajectory", "time"), ("trajectory",))
+    own = [name for name in get_annotations(type(result)) if name in data.data_vars and data[name].dtype.kind in "fi"]
+    name = min(
+        (name for name in own if data[name].dims in dims), key=lambda name: dims.index(data[name].dims), default=""
+    )
+    if not name:
+        raise ParameterError(
+            f"result: wanted numbers of each trajectory; got {shown(result)}; try result.to_dataframe()"
+        )
+    with house_style():
+        ax = axes_or_new(ax)
+        if data[name].dims == dims[0]:
+            for k, curve in enumerate(data[name].to_numpy()[:_MOST_CURVES]):
+                ax.plot(data["time"].to_numpy(), curve, color=SEQUENCE[k % len(SEQUENCE)], linewidth=1.0)
+        else:
+            ax.plot(data[name].to_numpy(), "o", color=ANGULAR_MOMENTUM, markersize=4)
+        ax.set(xlabel="$t$" if data[name].dims == dims[0] else "trajectory", ylabel=data[name].attrs["long_name"])
+        ax.set_title(plain(result.system.name))
     return ax
 
 

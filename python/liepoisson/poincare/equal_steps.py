@@ -18,7 +18,7 @@ from liepoisson.compile.tape_values import values_of_tape
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Gauss, LagrangeMap, Method, RungeKutta, Splitting, Taylor
+from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.systems import HasField
 from liepoisson.portable import elementary
@@ -32,10 +32,7 @@ _AT_THE_START = 1e-6
 
 def takes_equal_steps(method: Method) -> bool:
     """Whether a method makes equal steps in double precision, so that what it computes is a smooth map."""
-    has_step = isinstance(method, (Splitting, Gauss, LagrangeMap)) or (
-        isinstance(method, RungeKutta) and method.step is not None
-    )
-    return has_step and getattr(method, "precision", "double") == "double"
+    return getattr(method, "step", None) is not None and getattr(method, "precision", "double") == "double"
 
 
 def check_method(method: Method) -> None:

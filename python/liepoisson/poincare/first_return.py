@@ -64,6 +64,7 @@ class FirstReturn(Run):
     """
 
     kind = "first return"
+    made_by = "first_return"
     rows = (...,)
 
     start: Array = labelled(..., "component", long_name="state that was mapped")

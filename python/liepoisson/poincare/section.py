@@ -88,6 +88,7 @@ class Section(IntegratedRun):
     """
 
     kind = "section"
+    made_by = "section"
     rows = ("crossing",)
 
     coordinates: tuple[str, ...] = names_along("coordinate")

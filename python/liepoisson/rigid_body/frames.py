@@ -69,6 +69,7 @@ class Attitude(Result, KeepsInvariants):
     """
 
     kind = "attitude"
+    made_by = "attitude"
     rows = ("trajectory", "time")
 
     system: System

@@ -71,6 +71,7 @@ class Rod(Result):
     """
 
     kind = "rod"
+    made_by = "rod"
     rows = ("trajectory", "point")
 
     attitude: Attitude = part(lambda: Attitude)

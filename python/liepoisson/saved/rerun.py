@@ -1,4 +1,4 @@
-"""Files become results again, and results runs: the one table of what can be loaded and repeated."""
+"""Files become results again, and results runs."""
 
 from __future__ import annotations
 
@@ -20,61 +20,24 @@ from liepoisson.formula.scalars import as_time_limit
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.dataset import check_format, read_dataset, result_of, stored, text_of
-from liepoisson.io.result import Kept, Saved
+from liepoisson.io.result import Kept, Saved, homes_of_results
 from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
 from liepoisson.numeric.systems import as_field
+from liepoisson.orbits.saved_orbits import class_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-RUNS = {
-    "orbit": ("liepoisson.numeric.integrate", "Orbit", "integrate"),
-    "growth": ("liepoisson.indicators.finite_time_exponents", "FiniteTimeExponents", "finite_time_exponents"),
-    "section": ("liepoisson.poincare.section", "Section", "section"),
-    "first return": ("liepoisson.poincare.first_return", "FirstReturn", "first_return"),
-    "spectrum": ("liepoisson.indicators.spectrum", "Spectrum", "lyapunov_spectrum"),
-    "exponent": ("liepoisson.indicators.lyapunov_exponent", "ExponentEstimate", "lyapunov_exponent"),
-    "megno": ("liepoisson.indicators.megno", "Megno", "megno"),
-    "alignment": ("liepoisson.indicators.alignment", "Alignment", "alignment"),
-    "frequency drift": ("liepoisson.tori.frequencies", "FrequencyDrift", "frequency_drift"),
-    "verdict": ("liepoisson.indicators.verdict", "Verdict", "decide"),
-    "energy profile": ("liepoisson.indicators.exponents_by_energy", "EnergyProfile", "exponents_by_energy"),
-    "attitude": ("liepoisson.rigid_body.frames", "Attitude", "attitude"),
-    "chart orbit": ("liepoisson.leaf.chart_orbit", "ChartOrbit", "chart_orbit"),
-    "sweep": ("liepoisson.sweeps.run", "Sweep", "sweep"),
-    "integral scan": ("liepoisson.integrability.integral_scan", "IntegralScan", "scan_integrals"),
-    "rod": ("liepoisson.rigid_body.rod", "Rod", "rod"),
+CLASSES = {
+    "growth": "FiniteTimeExponents",
+    "exponent": "ExponentEstimate",
+    "melnikov integrals": "Melnikov",
+    "regions of a diagram": "Regions",
+    "monodromy of a twisted Lagrange top": "LagrangeMonodromy",
+    "diagram of a twisted Lagrange top": "LagrangeDiagram",
 }
-"""By kind: the module, the class of the result, and the function that makes it."""
-
-KEPT = {
-    "periodic orbit": ("PeriodicOrbit", "lp.orbits.periodic_orbit"),
-    "periodic orbits": ("PeriodicOrbits", "lp.orbits.periodic_orbits"),
-    "symmetric orbit": ("SymmetricOrbit", "lp.orbits.symmetric_periodic_orbits"),
-    "symmetric orbits": ("SymmetricOrbits", "lp.orbits.symmetric_periodic_orbits"),
-    "orbit family": ("OrbitFamily", "lp.orbits.orbit_family"),
-    "homoclinic orbit": ("HomoclinicOrbit", "lp.orbits.symmetric_homoclinic_orbits"),
-    "homoclinic orbits": ("HomoclinicOrbits", "lp.orbits.symmetric_homoclinic_orbits"),
-    "invariant manifold": ("InvariantManifold", "lp.orbits.invariant_manifold"),
-    "connecting orbit": ("ConnectingOrbit", "lp.orbits.connecting_orbits"),
-    "connecting orbits": ("ConnectingOrbits", "lp.orbits.connecting_orbits"),
-    "melnikov integrals": ("Melnikov", "lp.orbits.melnikov"),
-    "precise orbit": ("PreciseOrbit", "orbit.polished"),
-    "precise segment": ("PreciseSegment", "orbit.polished"),
-    "precise midpoint": ("PreciseMidpoint", "orbit.polished"),
-    "cycles": ("Cycles", "lp.sections.return_map"),
-    "critical states": ("CriticalStates", "lp.tori.critical_states"),
-    "diagram": ("Diagram", "lp.tori.diagram"),
-    "regions of a diagram": ("Regions", "lp.tori.regions"),
-    "fibre": ("Fibre", "lp.tori.fibre"),
-    "period lattice": ("PeriodLattice", "lp.tori.period_lattice"),
-    "monodromy": ("Monodromy", "lp.tori.monodromy"),
-    "molecule": ("Molecule", "lp.tori.molecule"),
-    "monodromy of a twisted Lagrange top": ("LagrangeMonodromy", "lp.tori.lagrange_monodromy"),
-    "diagram of a twisted Lagrange top": ("LagrangeDiagram", "lp.tori.lagrange_diagram"),
-}
-"""The class of what is loaded and not repeated, since no file says where it was looked for, and what looks again."""
+"""Of kinds of results that are not the name of their class in words, as "frequency drift" is of `FrequencyDrift`."""
 
 
 @explains_its_arguments
@@ -176,10 +139,9 @@ def rerun(
         kind = type(given).kind
         raise ParameterError(
             f"source: wanted a run; got {kind}, whose search is not recorded and cannot be repeated. lp.load reads the "
-            f"file; {KEPT[kind][1]} looks again, or goes on from what was found."
+            f"file; {given.made_by} looks again, or goes on from what was found."
         )
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
-    module, _, function = RUNS[given.kind]
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)
@@ -197,7 +159,7 @@ def rerun(
     system = given.system
     if isinstance(given, Run):
         system = FieldSystem(given.system.name, given.components, given.field, given.system)
-    found = getattr(import_module(module), function)(system, **options)
+    found = getattr(import_module(type(given).__module__), given.made_by)(system, **options)
     if isinstance(found, Run):
         found = replace(found, system=given.system, **{n: getattr(given, n) for n in ("surface",) if hasattr(given, n)})
     # where the limit ended nothing, here as there, the result is that of the file in this, too
@@ -257,8 +219,6 @@ def _recorded(source: str | Path | Dataset) -> Any:
 def _result(dataset: Dataset) -> Any:
     """The result that a dataset holds; errors are of many kinds."""
     kind = dataset.attrs["kind"]
-    if not isinstance(kind, str) or kind not in {**RUNS, **KEPT}:
-        raise ValueError(f"kind: wanted {' or '.join((*RUNS, *KEPT))}; got {shown(kind)}")
     system = None if kind == "sweep" else _system(dataset)
     found = result_of(_class(kind), dataset, system)
     if kind == "sweep":
@@ -270,14 +230,13 @@ def _result(dataset: Dataset) -> Any:
     return found
 
 
-def _class(kind: str) -> Any:
+def _class(kind: Any) -> Any:
     """The class of a result of this kind."""
-    if kind in KEPT:
-        from liepoisson.orbits.saved_orbits import class_of
-
-        return class_of(KEPT[kind][0])
-    module, name, _ = RUNS[kind]
-    return getattr(import_module(module), name)
+    name = CLASSES.get(kind, kind.title().replace(" ", "")) if isinstance(kind, str) else ""
+    found = class_of(name) if name in homes_of_results() else None
+    if getattr(found, "kind", None) != kind:
+        raise ValueError(f"kind: wanted that of a result; got {shown(kind)}")
+    return found
 
 
 def _check_system(found: Run) -> None:

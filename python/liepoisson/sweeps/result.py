@@ -69,6 +69,7 @@ class Sweep(Result):
     """
 
     kind = "sweep"
+    made_by = "sweep"
     rows = ("point",)
 
     spec: SweepSpec = recorded(

@@ -70,6 +70,7 @@ class Monodromy(SavedWhole):
     """
 
     kind = "monodromy"
+    made_by = "lp.tori.monodromy"
     row = "period"
 
     momentum: MomentumMap

@@ -75,6 +75,7 @@ class CriticalStates(SavedWhole):
     """
 
     kind = "critical states"
+    made_by = "lp.tori.critical_states"
     row = "point"
 
     momentum: MomentumMap

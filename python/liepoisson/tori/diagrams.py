@@ -94,6 +94,7 @@ class Diagram(SavedWhole):
     """
 
     kind = "diagram"
+    made_by = "lp.tori.diagram"
     row = "value"
 
     momentum: MomentumMap

@@ -77,6 +77,7 @@ class Regions(Found[Region], SavedWhole):
     """
 
     kind = "regions of a diagram"
+    made_by = "lp.tori.regions"
     row = "region"
     titles = ("around", "tori", "a torus may be missed with", "values")
 

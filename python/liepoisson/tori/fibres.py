@@ -63,6 +63,7 @@ class Fibre(SavedWhole):
     """
 
     kind = "fibre"
+    made_by = "lp.tori.fibre"
     row = "state"
 
     momentum: MomentumMap

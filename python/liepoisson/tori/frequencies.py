@@ -76,6 +76,7 @@ class FrequencyDrift(Run):
     """
 
     kind = "frequency drift"
+    made_by = "frequency_drift"
 
     observable: Observable = recorded(_observable_record, _observable_of)
     n_samples: int

@@ -81,6 +81,7 @@ class LagrangeMonodromy(SavedWhole):
     """
 
     kind = "monodromy of a twisted Lagrange top"
+    made_by = "lp.tori.lagrange_monodromy"
     row = "loop"
 
     diagram: LagrangeDiagram

@@ -106,6 +106,7 @@ class LagrangeDiagram(SavedWhole):
     """
 
     kind = "diagram of a twisted Lagrange top"
+    made_by = "lp.tori.lagrange_diagram"
     row = "value"
 
     leaf: Leaf

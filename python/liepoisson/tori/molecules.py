@@ -104,6 +104,7 @@ class Molecule(SavedWhole):
     """
 
     kind = "molecule"
+    made_by = "lp.tori.molecule"
     row = "family"
 
     momentum: MomentumMap

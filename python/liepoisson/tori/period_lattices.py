@@ -77,6 +77,7 @@ class PeriodLattice(SavedWhole):
     """
 
     kind = "period lattice"
+    made_by = "lp.tori.period_lattice"
     row = "period"
 
     momentum: MomentumMap
