@@ -276,6 +276,7 @@ def _of_runs(add):
     vectors = {"n_exponents": 9, "covariant": True, "structure": structure}
     add("chaos.lyapunov_spectrum", "starts:S", **run, t_end=7.3, interval=1.1, transient=2.3, **vectors)
 
+    @functools.wraps(lp.lyapunov_spectrum)
     def residuals(**options):
         return lp.lyapunov_spectrum(**options).residuals
 

@@ -1,5 +1,6 @@
 """Orbits, tori and what was found of them in files: they come back as they were, with what they share, and go on."""
 
+from dataclasses import is_dataclass
 from functools import cache
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.io.result import Kept
+from liepoisson.orbits.saved_orbits import class_of, written_by_fields
 
 HENON = lp.catalog.system("henon-heiles")
 TOP = lp.catalog.system("lagrange")
@@ -148,6 +150,11 @@ def test_it_comes_back_as_it_was(tmp_path, kind):
     path.write_bytes(damaged)
     with pytest.raises(lp.errors.DamagedFileError):
         lp.load(path)
+
+
+def test_a_file_makes_no_objects_but_those_of_orbits_equilibria_and_tori():
+    assert not {"load", "rerun", "Sweep", "Orbit", "LaxPair", "FirstIntegral"} & written_by_fields().keys()
+    assert all(is_dataclass(class_of(name)) for name in written_by_fields())
 
 
 def test_what_is_shared_is_shared_again(tmp_path):

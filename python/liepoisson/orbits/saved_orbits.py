@@ -1,8 +1,7 @@
 """Orbits, tori and what was found of them as plain data: written whole, with what they share, and read as the same.
 
 An object is written once, by the names of its fields, whatever refers to it: a homoclinic orbit comes back with one
-manifold of one orbit at both ends.  Only the classes of the chapter `results`, and those that are listed here, are made
-again.
+manifold of one orbit at both ends.  Only classes of orbits, equilibria and tori are made again.
 """
 
 from __future__ import annotations
@@ -39,6 +38,14 @@ INSIDE = {
     "UnstableSpace": "liepoisson.orbits.unstable_spaces",
 }
 """Dataclasses that are written by their fields, with their modules; all others are in the chapter `results`."""
+FOLDERS = ("liepoisson.equilibrium.", "liepoisson.orbits.", "liepoisson.tori.")
+"""Where the others are defined: no file makes an object of another folder."""
+
+
+@cache
+def written_by_fields() -> dict[str, str]:
+    """The modules of the dataclasses that are written by their fields, by name."""
+    return {name: home for name, home in homes_of_results().items() if home.startswith(FOLDERS)} | INSIDE
 
 
 class SavedWhole(Kept):
@@ -152,7 +159,7 @@ class _Writer:
             return {"PhaseFunction": formula_text(value.expression)}
         if isinstance(value, tuple(METHODS.values())):
             return {"Method": method_record(value)}
-        if name in {**homes_of_results(), **INSIDE} and is_dataclass(value):
+        if name in written_by_fields() and is_dataclass(value):
             return {name: self.plain({one.name: getattr(value, one.name) for one in fields(value)})}
         raise OutputError(f"a {name} cannot be written to a file; keep the table, to_csv(path)")
 
@@ -222,8 +229,5 @@ class _Reader:
 
 @cache
 def class_of(name: str) -> Any:
-    """A class of the chapter `results` or of what is inside of results, by its name."""
-    found = getattr(import_module({**homes_of_results(), **INSIDE}[name]), name)
-    if not is_dataclass(found):
-        raise ValueError(f"{name} is no class of a result")
-    return found
+    """One of the dataclasses that are written by their fields, by its name."""
+    return getattr(import_module(written_by_fields()[name]), name)

@@ -24,7 +24,6 @@ from liepoisson.io.result import Kept, Saved, homes_of_results
 from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
 from liepoisson.numeric.systems import as_field
-from liepoisson.orbits.saved_orbits import class_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -233,7 +232,8 @@ def _result(dataset: Dataset) -> Any:
 def _class(kind: Any) -> Any:
     """The class of a result of this kind."""
     name = CLASSES.get(kind, kind.title().replace(" ", "")) if isinstance(kind, str) else ""
-    found = class_of(name) if name in homes_of_results() else None
+    homes = homes_of_results()
+    found = getattr(import_module(homes[name]), name) if name in homes else None
     if getattr(found, "kind", None) != kind:
         raise ValueError(f"kind: wanted that of a result; got {shown(kind)}")
     return found
