@@ -5,6 +5,7 @@ import dataclasses
 import inspect
 import pickle
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -141,45 +142,71 @@ def test_a_result_does_not_depend_on_the_arrays_after_they_were_read_once(name, 
 
 
 WELL = lp.System(lp.canonical(1), "dot(p, p)/2 - q1^2/2 + q1^4/4")
+PENDULUM = lp.catalog.system("spherical-pendulum")
+SPHERE = lp.Leaf(PENDULUM, {"C1": 0, "C2": 1})
 
 
+# Parts of one result are looked at in the same one.
+
+
+@cache
 def saddle():
     return next(one for one in lp.equilibria(WELL, {}) if one.linear_stability == "unstable")
 
 
+@cache
+def plane():
+    return lp.tori.diagram(SPHERE, energy_max=2, n_starts=20)
+
+
+@cache
+def plane_of_the_top():
+    return lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+
+
+@cache
+def regions():
+    return lp.tori.regions(plane(), n_values=100, n_states=5)
+
+
+@cache
+def graph():
+    return lp.tori.molecule(SPHERE, 0)
+
+
+@cache
+def profile():
+    leaf = lp.Leaf.through(TOP, STATES[0])
+    energy = float(TOP.functions.energy(STATES[0]))
+    return lp.chaos.exponents_by_energy(TOP, leaf=leaf, energies=[energy], n_starts=1, t_end=5)
+
+
 def results():
     """Each kind of result that has arrays, by the name of its class."""
-    leaf = lp.Leaf.through(TOP, STATES[0])
-    energy, chart = float(TOP.functions.energy(STATES[0])), lp.charts.EulerChart(TOP, state=STATES[0])
+    chart = lp.charts.EulerChart(TOP, state=STATES[0])
     ensemble = np.geomspace(1, 100, 40), np.random.default_rng(1).lognormal(size=(60, 40))
-    pendulum, on_sphere = lp.catalog.system("spherical-pendulum"), [0.3, 0.8, 0.2, 0.8, 0, 0.6]
-    sphere = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
-    round_top = lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
-
-    def plane():
-        return lp.tori.diagram(sphere, energy_max=2, n_starts=20)
-
+    on_sphere = [0.3, 0.8, 0.2, 0.8, 0, 0.6]
     return {
-        "CriticalCurve": lambda: lp.tori.lagrange_diagram(round_top).threads[0],
+        "CriticalCurve": lambda: plane_of_the_top().threads[0],
         "CriticalFamily": lambda: plane().families[0],
-        "CriticalStates": lambda: lp.tori.critical_states(sphere, n_starts=10),
+        "CriticalStates": lambda: lp.tori.critical_states(SPHERE, n_starts=10),
         "Diagram": plane,
-        "Fibre": lambda: lp.tori.fibre(sphere, [0.5, 0.2], n_states=5),
-        "Atom": lambda: lp.tori.molecule(sphere, 0).atoms[0],
-        "Molecule": lambda: lp.tori.molecule(sphere, 0),
-        "LagrangeMonodromy": lambda: lp.tori.lagrange_monodromy(lp.tori.lagrange_diagram(round_top)),
-        "LagrangeDiagram": lambda: lp.tori.lagrange_diagram(round_top),
-        "Monodromy": lambda: lp.tori.monodromy(pendulum, on_sphere, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]),
-        "PeriodLattice": lambda: lp.tori.period_lattice(pendulum, on_sphere),
-        "Region": lambda: lp.tori.regions(plane(), n_values=100, n_states=5)[0],
-        "Regions": lambda: lp.tori.regions(plane(), n_values=100, n_states=5),
+        "Fibre": lambda: lp.tori.fibre(SPHERE, [0.5, 0.2], n_states=5),
+        "Atom": lambda: graph().atoms[0],
+        "Molecule": graph,
+        "LagrangeMonodromy": lambda: lp.tori.lagrange_monodromy(plane_of_the_top()),
+        "LagrangeDiagram": plane_of_the_top,
+        "Monodromy": lambda: lp.tori.monodromy(PENDULUM, on_sphere, [[0, 0.2], [0.2, 0.2], [0.2, 0.1]]),
+        "PeriodLattice": lambda: lp.tori.period_lattice(PENDULUM, on_sphere),
+        "Region": lambda: regions()[0],
+        "Regions": regions,
         "RotationNumbers": lambda: lp.tori.rotation_number(np.stack([np.cos(range(9)), np.sin(range(9))], axis=1)),
         "Agreement": lambda: lp.chaos.agreement(lp.decide(TOP, STATES, t_end=10)),
         "Alignment": lambda: lp.chaos.alignment(TOP, STATES, t_end=2),
         "Attitude": lambda: lp.orbits.attitude(TOP, STATES, times=[0, 1]),
         "ChartOrbit": lambda: lp.orbits.chart_orbit(chart, STATES[0], times=[0.0, 0.1]),
-        "EnergyProfile": lambda: lp.chaos.exponents_by_energy(TOP, leaf=leaf, energies=[energy], n_starts=2, t_end=5),
-        "Equilibrium": lambda: lp.equilibria(TOP, leaf)[0],
+        "EnergyProfile": profile,
+        "Equilibrium": lambda: lp.equilibria(TOP, lp.Leaf.through(TOP, STATES[0]))[0],
         "ExponentEstimate": lambda: lp.lyapunov_exponent(TOP, STATES, t_end=50),
         "FiniteTimeExponents": lambda: lp.finite_time_exponents(TOP, STATES, t_end=1),
         "FiniteTimeFit": lambda: lp.fits.finite_time_fit(*ensemble, n_bootstrap=50),
@@ -226,13 +253,7 @@ def test_the_arrays_of_a_result_are_read_only(kind):
 
 
 ONE = {
-    "EnergyProfile": lambda: lp.chaos.exponents_by_energy(
-        TOP,
-        leaf=lp.Leaf.through(TOP, STATES[0]),
-        energies=[float(TOP.functions.energy(STATES[0]))],
-        n_starts=1,
-        t_end=5,
-    ),
+    "EnergyProfile": profile,
     "Orbit": lambda: lp.integrate(TOP, STATES[0], times=[0, 1], tangents=STATES[1:2]),
     "Rod": lambda: lp.orbits.rod(lp.Top.lagrange(), STATES[0], length=1.0),
     "Section": lambda: lp.section(TOP, STATES[0], surface="l3", t_end=50, n_crossings=1),
