@@ -60,10 +60,8 @@ def test_no_flipped_bit_changes_what_is_read(tmp_path, kind):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(
-    ("n_flips", "kind"),
-    [(25, "section"), (25, "growth"), *(pytest.param(1000, kind, marks=pytest.mark.slow) for kind in RUNS)],
-)
+@pytest.mark.parametrize("kind", RUNS)
+@pytest.mark.parametrize("n_flips", [25, pytest.param(1000, marks=pytest.mark.slow)])
 def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sentence(tmp_path, kind, n_flips):
     """Then numbers may be wrong, but no error of another kind comes out."""
     path = RUNS[kind]().save(tmp_path / "run.nc")
@@ -151,9 +149,7 @@ def test_a_file_that_was_changed_on_purpose_can_be_read_and_run(path, by):
     assert lp.rerun(read_dataset(path, verify=False)).start[0, 0] == 0.5
 
 
-@pytest.mark.parametrize(
-    "kind", ["orbit", "section", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("growth", "spectrum"))]
-)
+@pytest.mark.parametrize("kind", RUNS)
 def test_a_file_without_one_of_its_variables_is_refused(tmp_path, kind):
     """Along a dimension without its variable xarray counts 0, 1, 2, ...: such times would be read as times."""
     dataset = RUNS[kind]().dataset
