@@ -66,6 +66,7 @@ def pytest_collection():
     finally:
         gc.enable()
         gc.freeze()
+        gc.set_threshold(100_000, 20, 100)  # tests that read all sources spent half of their time in the search
 
 
 def pytest_collection_modifyitems(config, items):

@@ -2,8 +2,10 @@
 
 import doctest
 import inspect
+import pickle
 import re
 import tempfile
+from functools import cache, wraps
 from types import ModuleType
 
 import matplotlib as mpl
@@ -17,6 +19,12 @@ SLOW = {
     "proofs.find_certificate", "proofs.prove_chaos", "results.PreciseMidpoint",
 }  # fmt: skip
 """Examples that take more than a second."""
+
+SHARED = (
+    "chaos.exponents_by_energy", "phase_space.equilibrium_family", "proofs.find_certificate", "tori.diagram",
+    "tori.molecule", "tori.regions",
+)  # fmt: skip
+"""Long calls that the examples of a function, of its result, of the parts of it and of its figure have in common."""
 
 
 def public_values():
@@ -43,6 +51,28 @@ PUBLIC = dict(public_values())
 EXAMPLES = {name: text for name, value in once(PUBLIC.items()) if ">>>" in (text := value.__doc__ or "")}
 
 
+@cache
+def made_once(name):
+    """A function that is not called again with the same arguments: what it returns does not change."""
+    function, known = PUBLIC[name], {}
+
+    @wraps(function)
+    def remembered(*given, **options):
+        key = pickle.dumps((given, options))
+        if key not in known:
+            known[key] = function(*given, **options)
+        return known[key]
+
+    return remembered
+
+
+@pytest.fixture
+def shared_calls(monkeypatch):
+    for name in SHARED:
+        chapter, _, function = name.rpartition(".")
+        monkeypatch.setattr(getattr(lp, chapter), function, made_once(name))
+
+
 @pytest.fixture
 def nothing_stays(monkeypatch, tmp_path):
     """Files of an example go to a folder of the test, and no window is opened."""
@@ -50,7 +80,7 @@ def nothing_stays(monkeypatch, tmp_path):
     mpl.use("Agg")
 
 
-@pytest.mark.usefixtures("nothing_stays")
+@pytest.mark.usefixtures("nothing_stays", "shared_calls")
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.thorough] if name in SLOW else []) for name in EXAMPLES]
 )

@@ -179,9 +179,10 @@ def without(name, search):
 
 
 CASES = [
-    (name, function, search)
-    for name in SYSTEMS
-    for function in FUNCTIONS
+    # one of the functions for each system, in turn, and the other one among the slow tests
+    pytest.param(name, function, search, marks=pytest.mark.slow if (k + turn) % 2 else ())
+    for k, name in enumerate(SYSTEMS)
+    for turn, function in enumerate(FUNCTIONS)
     for search in NUMERIC
     # all orbits of this body, which is a body of revolution, belong to families: one that is listed is an accident
     if not (name == "kirchhoff" and search in (symmetric_orbits, closed_orbits, closed_orbit))

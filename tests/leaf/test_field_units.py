@@ -10,7 +10,8 @@ from sympy import Matrix, Rational
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.leaf.leaf_in_units import scaling
+from liepoisson.leaf.leaf_in_units import in_units, scaling
+from liepoisson.model.phase_functions import gradients_of, values_of_all
 from liepoisson.phase_space import find_start
 
 UNITS = [(1e-10, 1.0), (1.0, 1e-9), (1e-30, 1e30)]
@@ -149,3 +150,19 @@ def test_a_multiple_of_a_casimir_in_the_hamiltonian_is_no_unit(size):
         system = lp.System(bracket, function)
         own = float(system.functions.energy(state)) - float(lp.System(bracket, top).functions.energy(state))
         assert lp.Leaf.through(system, state).energy_range()[0] - own == pytest.approx(plain, abs=1e-14 * size + 1e-9)
+
+
+def test_several_functions_have_together_the_values_that_each_has():
+    """Polynomials, also in common units, and where one is none or has other units."""
+    top = lp.catalog.system("twisted-kovalevskaya")
+    x, units = np.random.default_rng(1).normal(size=(4, 3, 9)), np.repeat([1.0, 1e3, 1e-2], 3)
+    plain = [top.functions.energy, *top.functions.casimirs.values()]
+    assert all(f.polynomial is not None for f in plain)
+    scaled = [in_units(f, units) for f in plain]
+    for functions in (plain, scaled, [*plain, top.functions.of("exp(l1)")], [*plain, *scaled], []):
+        values, slopes = values_of_all(functions, x), gradients_of(functions, x)
+        assert values.shape == (4, 3, len(functions))
+        assert slopes.shape == (4, 3, len(functions), 9)
+        for k, f in enumerate(functions):
+            np.testing.assert_array_equal(values[..., k], f(x))
+            np.testing.assert_array_equal(slopes[..., k, :], f.gradient(x))

@@ -19,6 +19,7 @@ from liepoisson.inputs.arrays import Array, norm
 from liepoisson.inputs.deadline import has_passed
 from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, solve
+from liepoisson.model.phase_functions import gradients_of
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -76,8 +77,7 @@ class HamiltonianFields:
 
     def fields(self, x: Array) -> Array:
         """The vector fields, shape (..., N, function)."""
-        gradients = np.stack([f.gradient(x) for f in self.functions], axis=-1)
-        return linear.matmul(self.poisson(x), gradients)
+        return linear.matmul(self.poisson(x), np.moveaxis(gradients_of(self.functions, x), -2, -1))
 
     def derivatives(self, x: Array) -> Array:
         """Their derivatives, shape (..., N, N, function)."""
@@ -93,9 +93,9 @@ class HamiltonianFields:
         if self._last is not None and np.array_equal(self._last[0], x):
             return self._last[1]
         poisson = self.poisson(x)
-        turning = [linear.einsum("mij,...j->...im", self._constants, f.gradient(x)) for f in self.functions]
+        turning = linear.einsum("mij,...kj->...imk", self._constants, gradients_of(self.functions, x))
         bending = [linear.matmul(poisson, f.hessian(x)) for f in self.functions]
-        found = np.stack(turning, axis=-1), np.stack(bending, axis=-1)
+        found = turning, np.stack(bending, axis=-1)
         self._last = x.copy(), found
         return found
 

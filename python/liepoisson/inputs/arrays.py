@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from functools import cache
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -24,12 +26,17 @@ def check_memory(n_bytes: int, name: str) -> None:
     Raises:
         MemoryLimitError: it is larger.
     """
-    try:
-        memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (AttributeError, ValueError, OSError):  # the system does not say
-        return
-    if n_bytes > memory:
+    if n_bytes > _memory():
         raise too_large(n_bytes, name)
+
+
+@cache
+def _memory() -> float:
+    """The bytes of memory that the machine has; infinite where the system does not say."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return math.inf
 
 
 def too_large(n_bytes: int, name: str) -> MemoryLimitError:

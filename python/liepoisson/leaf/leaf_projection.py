@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.inputs.arrays import Array
-from liepoisson.leaf.leaf_stratum import gradients_of
-from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.model.phase_functions import PhaseFunction, gradients_of, values_of_all
 from liepoisson.portable import linear
 
 CONVERGED = 1e-13
@@ -69,9 +68,7 @@ class Equations:
         $\sum_b|P_b||x_b|$ for a row of P that has one block or several.  Both are NaN where a function has no finite
         gradient, as that of a square root at zero.
         """
-        values = np.empty((*x.shape[:-1], len(self.functions)))
-        for k, f in enumerate(self.functions):
-            values[..., k] = f(x)
+        values = values_of_all(self.functions, x)
         slopes = linear.matmul(self.mixing, gradients_of(self.functions, x))
         scales = linear.matmul(np.abs(self.values), np.abs(self.mixing).T) + self._of_terms(slopes, x)
         scales[scales == 0] = 1.0
@@ -156,7 +153,7 @@ def approach(equations: Equations, x: Array) -> tuple[Array, Array]:
     if left.size:
         closeness = residual[left]
         there = x[left] - linear.matmul(linear.matmul(x[left], equations.pinned.T), equations.pinned)
-        begin = np.stack([np.asarray(f(there)) for f in equations.functions], axis=-1)
+        begin = values_of_all(equations.functions, there)
         for stage in range(1, _STAGES + 1):
             values = begin + stage / _STAGES * (equations.values - begin) if stage < _STAGES else equations.values
             there, closeness = solve(replace(equations, values=np.broadcast_to(values, begin.shape)), there)

@@ -8,7 +8,6 @@ the rank is that of J in units in which its blocks are of order one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.inputs.arrays import Array
-from liepoisson.model.phase_functions import PhaseFunction
+from liepoisson.model.phase_functions import PhaseFunction, gradients_of
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -105,16 +104,6 @@ def _balanced(poisson: Array, n: int) -> Array:
         units = np.where(rows > 0, units / np.sqrt(np.where(rows > 0, rows, 1.0)), units)
     factors = np.repeat(units, n)
     return factors[:, None] * poisson * factors
-
-
-def gradients_of(functions: Sequence[PhaseFunction], x: Array) -> Array:
-    """The gradients of several functions, shape (..., function, N)."""
-    if not functions:
-        return np.zeros((*x.shape[:-1], 0, x.shape[-1]))
-    gradients = np.empty((*x.shape[:-1], len(functions), x.shape[-1]))
-    for k, function in enumerate(functions):
-        gradients[..., k, :] = function.gradient(x)
-    return gradients
 
 
 @lru_cache(maxsize=32)

@@ -183,6 +183,10 @@ class PhaseFunction:
 
         return TraceSum.of(self.expression, self.variables)
 
+    def _as_polynomial(self) -> tuple[PhaseFunction | None, Array | None]:
+        """The function whose polynomial it is, of states that are multiplied with units; None where it is none."""
+        return (self if self._polynomial is not None else None), None
+
     @cached_property
     def _slopes(self) -> tuple[RationalPolynomial, ...]:
         assert self._polynomial is not None
@@ -219,6 +223,41 @@ class PhaseFunction:
 
     def __repr__(self) -> str:
         return f"<PhaseFunction {self.expression}>"
+
+
+def values_of_all(functions: Sequence[PhaseFunction], x: Array) -> Array:
+    """The values of several functions of one system at states of shape (..., N), shape (..., function)."""
+    if (read := _as_polynomials(functions, x)) is not None:
+        polynomials, y, _ = read
+        return values_of([p for f in polynomials if (p := f.polynomial) is not None], y)
+    found = np.empty((*x.shape[:-1], len(functions)))
+    for k, function in enumerate(functions):
+        found[..., k] = function(x)
+    return found
+
+
+def gradients_of(functions: Sequence[PhaseFunction], x: Array) -> Array:
+    """The gradients of several functions of one system, shape (..., function, N)."""
+    if (read := _as_polynomials(functions, x)) is not None:
+        polynomials, y, units = read
+        slopes = values_of([slope for f in polynomials for slope in f._slopes], y)
+        slopes = slopes.reshape(*x.shape[:-1], len(functions), x.shape[-1])
+        return slopes if units is None else slopes * units
+    found = np.empty((*x.shape[:-1], len(functions), x.shape[-1]))
+    for k, function in enumerate(functions):
+        found[..., k, :] = function.gradient(x)
+    return found
+
+
+def _as_polynomials(
+    functions: Sequence[PhaseFunction], x: Array
+) -> tuple[list[PhaseFunction], Array, Array | None] | None:
+    """Functions that are polynomials, their states and units; None if one is none, or has other units."""
+    read = [function._as_polynomial() for function in functions]
+    polynomials, units = [one for one, _ in read if one is not None], read[0][1] if read else None
+    if len(polynomials) < len(read) or any(own is not units for _, own in read):
+        return None
+    return polynomials, (x if units is None else x * units), units
 
 
 class PhaseFunctions:

@@ -121,8 +121,10 @@ def tensordot(a: Any, b: Any, axes: int = 1) -> Any:
 
 def einsum(subscripts: str, *operands: Any) -> Any:
     """Sums of products by Einstein's convention, as NumPy has it; the result's indices are given after the arrow."""
-    if len(operands) == 2 and (order := _order_of_product(subscripts)) is not None:
-        return order.product(*map(np.asarray, operands))
+    if len(operands) == 2:
+        a, b = map(np.asarray, operands)
+        if (order := _order_of_product(subscripts, a.ndim, b.ndim)) is not None:
+            return order.product(a, b)
     inputs, output = subscripts.replace(" ", "").split("->")
     many = any(term.count(letter) > 2 for term in inputs.split(",") for letter in term if letter != ".")
     if many or output.rfind("...") > 0:
@@ -138,47 +140,61 @@ def einsum(subscripts: str, *operands: Any) -> Any:
 
 
 class _Order(NamedTuple):
-    """How the axes of two factors are put so that a product of stacks of matrices is their sum of products."""
+    """How the axes of two factors are put so that a product of stacks of matrices is their sum of products.
+
+    The axes of an ellipsis come first, in the factors and in the result, and are aligned from the right.
+    """
 
     first: tuple[int, ...]
     second: tuple[int, ...]
     result: tuple[int, ...]
-    n_kept: int
+    heads: tuple[int, int]
+    """Axes of the stack in either factor: those of its ellipsis, and of letters that are in both and in the result."""
     n_summed: int
 
     def product(self, a: NDArray[Any], b: NDArray[Any]) -> Any:
         a, b = a.transpose(self.first), b.transpose(self.second)
+        here, there = self.heads
         split = a.ndim - self.n_summed
-        heads, rows, inner = a.shape[: self.n_kept], a.shape[self.n_kept : split], a.shape[split:]
-        columns = b.shape[self.n_kept + self.n_summed :]
+        rows, inner, columns = a.shape[here:split], a.shape[split:], b.shape[there + self.n_summed :]
         found = matmul(
-            a.reshape(*heads, math.prod(rows), math.prod(inner)),
-            b.reshape(*b.shape[: self.n_kept], math.prod(inner), math.prod(columns)),
+            a.reshape(*a.shape[:here], math.prod(rows), math.prod(inner)),
+            b.reshape(*b.shape[:there], math.prod(inner), math.prod(columns)),
         )
-        return found.reshape(*found.shape[:-2], *rows, *columns).transpose(self.result)
+        return found.reshape((*found.shape[:-2], *rows, *columns)).transpose(self.result)[()]
 
 
 @lru_cache(maxsize=256)
-def _order_of_product(subscripts: str) -> _Order | None:
-    """The order of two factors whose letters each are wanted or in both, without an ellipsis; None of others."""
+def _order_of_product(subscripts: str, n_first: int, n_second: int) -> _Order | None:
+    """The order of two factors of so many axes, whose letters each are wanted or in both; None of others."""
     inputs, output = subscripts.replace(" ", "").split("->")
-    one, other = inputs.split(",")
+    terms = [*inputs.split(","), output]
+    one, other, wanted = (term.removeprefix("...") for term in terms)
+    stacked = (n_first - len(one) if terms[0] != one else 0, n_second - len(other) if terms[1] != other else 0)
     letters = one + other
     if (
-        "." in letters
+        "." in letters + wanted
+        or (terms[0] != one or terms[1] != other) != (output != wanted)
         or not output
-        or any(term.count(letter) > 1 for term in (one, other, output) for letter in term)
-        or any(letter not in output for letter in letters if letters.count(letter) == 1)
+        or (n_first, n_second) != (stacked[0] + len(one), stacked[1] + len(other))
+        or min(stacked) < 0
+        or any(term.count(letter) > 1 for term in (one, other, wanted) for letter in term)
+        or any(letter not in letters for letter in wanted)
+        or any(letter not in wanted for letter in letters if letters.count(letter) == 1)
     ):
         return None
-    kept, summed = [x for x in one if x in other and x in output], [x for x in one if x in other and x not in output]
+    kept, summed = [x for x in one if x in other and x in wanted], [x for x in one if x in other and x not in wanted]
     mine, yours = [x for x in one if x not in other], [x for x in other if x not in one]
-    here = [*kept, *mine, *yours]
+    here, above = [*kept, *mine, *yours], max(stacked)
+
+    def placed(n: int, letters: str | list[str], order: str | list[str]) -> tuple[int, ...]:
+        return (*range(n), *(n + letters.index(x) for x in order))
+
     return _Order(
-        tuple(one.index(x) for x in [*kept, *mine, *summed]),
-        tuple(other.index(x) for x in [*kept, *summed, *yours]),
-        tuple(here.index(x) for x in output),
-        len(kept),
+        placed(stacked[0], one, [*kept, *mine, *summed]),
+        placed(stacked[1], other, [*kept, *summed, *yours]),
+        placed(above, here, wanted),
+        (stacked[0] + len(kept), stacked[1] + len(kept)),
         len(summed),
     )
 
