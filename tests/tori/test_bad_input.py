@@ -26,7 +26,9 @@ DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1})
         (lambda: DIAGRAM.depth([np.nan, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_lattice(DIAGRAM, [np.nan, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e200, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e30, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_actions(DIAGRAM, [np.inf, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 1e200, "C2": 0.2, "C3": 1})), "leaf"),
     ],
 )
 def test_a_wrong_number_is_refused_by_name(call, argument):
