@@ -28,6 +28,7 @@ DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1})
         (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e200, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e30, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_actions(DIAGRAM, [np.inf, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_monodromy(DIAGRAM, [[[3, 0.5, 0.2], [np.nan, 0, 0], [3, 0.5, 0.2]]]), "loops"),
         (lambda: lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 1e200, "C2": 0.2, "C3": 1})), "leaf"),
     ],
 )
