@@ -120,6 +120,14 @@ def test_a_level_that_is_not_compact_is_refused():
         lp.tori.molecule(lp.Leaf(system, {}), 0.3, momentum=lp.tori.momentum_map(system, [free]))
 
 
+def test_one_critical_value_is_no_graph():
+    system = lp.System(lp.canonical(2), f"{WELL} + {ROUND}")
+    with pytest.raises(OrbitError, match="one critical value"):
+        lp.tori.molecule(
+            lp.Leaf(system, {}), 0.1, momentum=lp.tori.momentum_map(system, [ROUND]), n_starts=50, spread=1e-300
+        )
+
+
 def test_three_integrals_are_refused():
     leaf = lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
     with pytest.raises(ParameterError, match="two integrals"):

@@ -377,6 +377,8 @@ class _Graph:
         slack = _SAME * np.abs(self.values).max()
         if ((beyond < self.values[0] - slack) | (beyond > self.values[-1] + slack)).any():
             raise level.refused("states lie beyond all critical values found: take more n_starts, or a larger spread")
+        if not len(self.middles):
+            raise level.refused("one critical value was found: take more n_starts, or a larger spread")
         for gap, middle in enumerate(self.middles):
             states, owners = self._beside(gap, float(middle))
             random = on_fibre(
