@@ -8,6 +8,7 @@ from liepoisson.errors import LeafError, LiePoissonError, ParameterError
 
 PENDULUM = lp.catalog.system("spherical-pendulum")
 LEAF = lp.Leaf(PENDULUM, {"C1": 0, "C2": 1})
+QUARTIC = lp.System(lp.canonical(names=["q"]), "p_q^2/2 + q^4/4")
 TOP = lp.Top.twisted_lagrange()
 DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1}))
 
@@ -23,6 +24,7 @@ DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1})
         (lambda: lp.tori.diagram(DIAGRAM.leaf, at={"l3": 0.3}, n_starts=5, spread=1e-300), "spread"),
         (lambda: lp.tori.regions(lp.tori.diagram(LEAF, energy_max=2, n_starts=5), spread=np.nan), "spread"),
         (lambda: lp.tori.regions(lp.tori.diagram(LEAF, energy_max=2, n_starts=5), spread="x"), "spread"),
+        (lambda: lp.tori.period_lattice(QUARTIC, [1e200, 0]), "state"),
         (lambda: DIAGRAM.boundary(0.5, 1), "n_points"),
         (lambda: DIAGRAM.boundary(np.nan), "l3"),
         (lambda: DIAGRAM.boundary("a"), "l3"),
