@@ -8,6 +8,7 @@ from liepoisson.errors import LeafError, LiePoissonError, ParameterError
 
 PENDULUM = lp.catalog.system("spherical-pendulum")
 LEAF = lp.Leaf(PENDULUM, {"C1": 0, "C2": 1})
+QUARTIC = lp.System(lp.canonical(names=["q"]), "p_q^2/2 + q^4/4")
 TOP = lp.Top.twisted_lagrange()
 DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1}))
 
@@ -18,15 +19,22 @@ DIAGRAM = lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 0.5, "C2": 0.2, "C3": 1})
         (lambda: lp.tori.diagram(LEAF, energy_max=np.nan), "energy_max"),
         (lambda: lp.tori.diagram(LEAF, n_starts=0), "n_starts"),
         (lambda: lp.tori.molecule(LEAF, np.nan), "energy"),
+        (lambda: lp.tori.diagram(LEAF, spread=1e300), "spread"),
+        (lambda: lp.tori.critical_states(LEAF, spread=1e300), "spread"),
+        (lambda: lp.tori.diagram(DIAGRAM.leaf, at={"l3": 0.3}, n_starts=5, spread=1e-300), "spread"),
         (lambda: lp.tori.regions(lp.tori.diagram(LEAF, energy_max=2, n_starts=5), spread=np.nan), "spread"),
         (lambda: lp.tori.regions(lp.tori.diagram(LEAF, energy_max=2, n_starts=5), spread="x"), "spread"),
+        (lambda: lp.tori.period_lattice(QUARTIC, [1e200, 0]), "state"),
         (lambda: DIAGRAM.boundary(0.5, 1), "n_points"),
         (lambda: DIAGRAM.boundary(np.nan), "l3"),
         (lambda: DIAGRAM.boundary("a"), "l3"),
         (lambda: DIAGRAM.depth([np.nan, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_lattice(DIAGRAM, [np.nan, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e200, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_lattice(DIAGRAM, [1e30, 0, 0]), "values"),
         (lambda: lp.tori.lagrange_actions(DIAGRAM, [np.inf, 0, 0]), "values"),
+        (lambda: lp.tori.lagrange_monodromy(DIAGRAM, [[[3, 0.5, 0.2], [np.nan, 0, 0], [3, 0.5, 0.2]]]), "loops"),
+        (lambda: lp.tori.lagrange_diagram(lp.Leaf(TOP, {"C1": 1e200, "C2": 0.2, "C3": 1})), "leaf"),
     ],
 )
 def test_a_wrong_number_is_refused_by_name(call, argument):

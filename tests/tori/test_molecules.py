@@ -38,6 +38,15 @@ def test_above_its_saddle_two_tori_become_one(size):
     assert sorted(map(tuple, found.families.tolist())) == [(0, 2), (1, 2), (2, 3)]
 
 
+def test_small_circles_are_circles():
+    """Beside the saddle the circle has the radius 0.004, less than a step along others."""
+    found = molecule_of(ROUND, 1e-5)
+    assert [atom.name for atom in found.atoms] == ["A", "A", "B", "A"]
+    np.testing.assert_allclose([atom.value for atom in found.atoms], [-0.25, -0.25, 0, 1e-5], atol=1e-12)
+    with pytest.raises(OrbitError, match="too small"):
+        molecule_of(ROUND, 1e-8)
+
+
 def test_two_double_wells_have_a_graph_with_circles():
     """E = -1/10: at K = E the second one is at its saddle, in either well of the first, at K = 0 the first one."""
     low, divide, join, high = ("A", -0.25), ("B", -0.1), ("B", 0.0), ("A", 0.15)
@@ -109,6 +118,14 @@ def test_a_level_that_is_not_compact_is_refused():
     system = lp.System(lp.canonical(2), f"{free} + {ROUND}")
     with pytest.raises(OrbitError, match=r"wanted a regular one of a compact level|wanted one on a torus"):
         lp.tori.molecule(lp.Leaf(system, {}), 0.3, momentum=lp.tori.momentum_map(system, [free]))
+
+
+def test_one_critical_value_is_no_graph():
+    system = lp.System(lp.canonical(2), f"{WELL} + {ROUND}")
+    with pytest.raises(OrbitError, match="one critical value"):
+        lp.tori.molecule(
+            lp.Leaf(system, {}), 0.1, momentum=lp.tori.momentum_map(system, [ROUND]), n_starts=50, spread=1e-300
+        )
 
 
 def test_three_integrals_are_refused():

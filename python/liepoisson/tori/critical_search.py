@@ -135,7 +135,7 @@ def critical_states(
         time_limit: Seconds that the call may take.
 
     Raises:
-        ParameterError: the integrals are not as `momentum_map` wants them.
+        ParameterError: the integrals are not as `momentum_map` wants them, or no random state comes to the leaf.
         LeafError: the equations of the leaf are not known.
         TimeLimitError: the time is over.
 
@@ -249,19 +249,43 @@ class Critical:
         return self.momentum.derivatives(x * self.units) / self.sizes * (self.units / self.units[:, None])[..., None]
 
     def starts(self, n: int, spread: float, seed: int) -> tuple[Array, Array]:
-        """Random states on the leaf and weights that make the fields as dependent as they can be."""
+        """Random states on the leaf and weights that make the fields as dependent as they can be.
+
+        Raises:
+            ParameterError: none was found.
+        """
         draw = stream(seed, Purpose.CRITICAL_POINTS)
         N = len(self.units)
         rough = spread * draw.standard_normal((n, N)) * self.units
-        return self._with_weights(on_leaf(self.leaf, rough) / self.units)
+        found = self._with_weights(on_leaf(self.leaf, rough) / self.units)
+        self._check_some(found[0], n)
+        return found
 
     def moved(self, x: Array) -> tuple[Array, Array]:
         """States near given ones at which what is held has its value, and weights as those of `starts`."""
         return self._with_weights(moved_onto(self.equations, self.units, x * self.units) / self.units)
 
+    def starts_held(self, n: int, spread: float, seed: int) -> tuple[Array, Array]:
+        """Those of `starts`, moved to where what is held has its value.
+
+        Raises:
+            ParameterError: none was found.
+        """
+        found = self.moved(self.starts(n, spread, seed)[0])
+        self._check_some(found[0], n)
+        return found
+
+    def _check_some(self, x: Array, n: int) -> None:
+        if not len(x):
+            raise ParameterError(
+                f"spread: wanted one with which random states come near to {self.leaf!r}, and to what is held; of {n} "
+                "none did. Take one near to 1, or more n_starts."
+            )
+
     def _with_weights(self, x: Array) -> tuple[Array, Array]:
-        x = x[np.isfinite(x).all(axis=1)]
-        return x, linear.svd(self.fields(x))[2][:, -1]
+        fields = self.fields(x)
+        finite = np.isfinite(x).all(axis=1) & np.isfinite(fields).all(axis=(1, 2))
+        return x[finite], linear.svd(fields[finite])[2][:, -1]
 
     def residual(self, x: Array, weights: Array) -> Array:
         """The equations, shape (m, N + equations + 1)."""

@@ -178,7 +178,8 @@ def diagram(
         time_limit: Seconds that the call may take.
 
     Raises:
-        ParameterError: there are not two integrals beside the one that is held, or it has no such value.
+        ParameterError: there are not two integrals beside the one that is held, it has no such value, or no random
+            state comes to the leaf and to it.
         LeafError: the equations of the leaf are not known.
         TimeLimitError: the time is over.
     """
@@ -194,9 +195,7 @@ def diagram(
     with deadline.running(), np.errstate(all="ignore"):
         check_resolved(leaf, momentum)
         critical = Critical.on(leaf, momentum, held)
-        starts, weights = critical.starts(n, width, as_seed(seed))
-        if held:
-            starts, weights = critical.moved(starts)
+        starts, weights = (critical.starts_held if held else critical.starts)(n, width, as_seed(seed))
         energies = momentum.integrals["H"](starts * critical.units)
         top = float(energies.max()) if highest is None else highest
         rest = critical.doubly_critical(starts) if held else critical.resting(starts)

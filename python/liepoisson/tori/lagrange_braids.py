@@ -33,14 +33,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ParameterError, ShapeError
-from liepoisson.formula.scalars import as_array
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import sequence
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
-from liepoisson.tori.lagrange_diagrams import CriticalCurve, LagrangeDiagram, one_value_of
+from liepoisson.tori.lagrange_diagrams import CriticalCurve, LagrangeDiagram, one_value_of, values_of
 from liepoisson.tori.lagrange_lattices import lagrange_lattice
 
 if TYPE_CHECKING:
@@ -253,8 +252,8 @@ def lagrange_monodromy(diagram: LagrangeDiagram, loops: Sequence[ArrayLike] | No
 
 
 def _polygon(diagram: LagrangeDiagram, given: ArrayLike) -> Array:
-    loop = as_array(given, "loops", diagram.integrals)
-    if loop.ndim != 2 or loop.shape[1] != 3 or len(loop) < 3:
+    loop = values_of(given, diagram.integrals, "loops")
+    if loop.ndim != 2 or len(loop) < 3:
         raise ShapeError(f"loops: wanted values of {', '.join(diagram.integrals)}, shape (corner, 3); got {loop.shape}")
     return loop
 

@@ -217,15 +217,19 @@ def lagrange_diagram(leaf: Leaf) -> LagrangeDiagram:
     check_kind(leaf, Leaf, "leaf", "a Leaf", "make it by lp.Leaf(top, {...})")
     scaled = ScaledLeaf.of(leaf)
     name = class_of(*scaled.casimirs)
+    if not all(abs(value) < _LARGEST for value in scaled.normal):
+        raise LeafError(
+            f"leaf: wanted one with C1 and C2 below {_LARGEST:g} in units where C3 = 1; got {scaled.normal}"
+        )
     curve = _Curve(*scaled.normal)
     curves = [_critical_curve(curve, chain, scaled) for chain in curve.chains()]
     hopf = [point for point in curve.special if point.name == "HH"]
     found = len(curves), len(hopf)
     if found != _COUNTS[name]:
         raise LeafError(
-            f"leaf: wanted one away from the walls; this one is of class {name}, but so near to another class that "
-            f"doubles find {found[0]} edges and threads and {found[1]} Hamiltonian Hopf points, where there are "
-            f"{_COUNTS[name][0]} and {_COUNTS[name][1]}. Change C1 or C2."
+            f"leaf: wanted one away from the walls; this one is of class {name}, but so near to another class, or its "
+            f"numbers so large, that doubles find {found[0]} edges and threads and {found[1]} Hamiltonian Hopf points, "
+            f"where there are {_COUNTS[name][0]} and {_COUNTS[name][1]}. Change C1 or C2."
         )
     third = "P'" if scaled.charge else "P"
     return LagrangeDiagram(
@@ -376,8 +380,9 @@ def _critical_curve(curve: _Curve, chain: list[tuple[_Arc, bool]], scaled: Scale
 
 
 def _real_roots(coefficients: Sequence[float]) -> list[float]:
-    """The roots of a real polynomial whose imaginary part is round-off."""
-    return [float(root.real) for root in linear.roots(coefficients) if abs(root.imag) <= 1e-9 * abs(root)]
+    """The roots of a real polynomial whose imaginary part is round-off; 0 is none, but for round-off, and left out."""
+    roots = [root for root in linear.roots(coefficients) if abs(root) > 1 / _LARGEST]
+    return [float(root.real) for root in roots if abs(root.imag) <= 1e-9 * abs(root)]
 
 
 def values_of(given: ArrayLike, names: Sequence[str], what: str = "values") -> Array:

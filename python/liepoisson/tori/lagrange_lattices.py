@@ -30,6 +30,8 @@ from liepoisson.tori.lagrange_diagrams import LagrangeDiagram, one_value_of
 _FEWEST, _MOST = 2**5, 2**16
 """Places on one line, doubled until the integrals stay the same to round-off."""
 _SAME = 1e-13
+_POLISHED = 3
+"""Steps of Newton's method for zeros of R, from eigenvalues that are right to a few digits at least."""
 
 
 @explains_its_arguments
@@ -48,7 +50,8 @@ def lagrange_lattice(diagram: LagrangeDiagram, values: ArrayLike) -> Array:
         values: Values of H, l3 and the third integral, shape (3,).
 
     Returns:
-        A basis of the lattice as rows, shape (3, 3), see `PeriodLattice`.
+        A basis of the lattice as rows, shape (3, 3), see `PeriodLattice`.  Its errors are round-off; near to a thread,
+        round-off divided by the distance.
 
     Raises:
         OrbitError: the values are not inside of the image, or so near to a critical value, or to one where two zeros of
@@ -103,15 +106,43 @@ def _root(real: Array, imaginary: Array) -> Any:
     return elementary.of_parts(np.where(right, large, small), np.copysign(np.where(right, small, large), imaginary))
 
 
+def _upper_zeros(sextic: Array) -> Any:
+    """The zeros of R in the upper half plane by their real parts, each relative to its own size; None if not found.
+
+    Eigenvalues have errors relative to the largest one; where these are not small Newton's method follows.
+    """
+    slope = np.polyder(sextic)
+    zeros = np.asarray(linear.roots(sextic), dtype=np.complex128)
+    upper = zeros[zeros.imag > 0]
+    for _ in range(_POLISHED):
+        value, rate = _at(sextic, upper), _at(slope, upper)
+        step = linear.times(value, rate.conj()) / (rate.real**2 + rate.imag**2)
+        upper = np.where(np.abs(step) > _SAME * np.abs(upper), upper - step, upper)
+    if len(upper) != 3 or not (upper.imag > 0).all():
+        return None
+    return upper[np.argsort(upper.real, kind="stable")]
+
+
+def _at(polynomial: Any, places: Any) -> Any:
+    """Values of a polynomial, by Horner's rule."""
+    found = np.zeros_like(places)
+    for coefficient in polynomial:
+        found = linear.times(found, places) + coefficient
+    return found
+
+
 def _integrals(diagram: LagrangeDiagram, given: Array, integrand: Callable[[Any, Any, float], Any]) -> Array:
     if not diagram.depth(given) > 0:
         raise OrbitError(
             f"values: wanted some inside of the image; {given.tolist()} are not, R has a real zero. See "
             "diagram.boundary(l3)."
         )
-    zeros = np.asarray(linear.roots(diagram.sextic(given)), dtype=np.complex128)
-    upper = zeros[zeros.imag > 0]
-    upper = upper[np.argsort(upper.real, kind="stable")]
+    upper = _upper_zeros(diagram.sextic(given))
+    if upper is None:
+        raise OrbitError(
+            f"values: wanted some at which doubles resolve the zeros of R; at {given.tolist()} they are too near to "
+            "one another or of too different sizes. Take others."
+        )
     last: Array | None = None
     n = _FEWEST
     while n <= _MOST:

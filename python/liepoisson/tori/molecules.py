@@ -10,7 +10,8 @@ It is computed as follows.  Circles are found from random states of the level.  
 lower values are carried along K, by small steps on the level, to the middle between critical values.  There commuting
 flows tell which of them are on one torus, and random states of the fibre are asked the same.  Circles beside one torus
 belong to one atom.  A torus with no circle at a critical value is carried past it.  In the end each family has an atom
-at both ends, and no random state lies beyond: else a circle was missed, and there is no answer.
+at both ends, and no random state lies beyond: else a circle was missed, and there is no answer.  A component of the
+level that no random state comes to has no part in this, and is missing.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 _BESIDE = 0.01
-"""Distance from a circle of the states beside it, in units of the leaf."""
+"""Distance from a circle of the states beside it, in units of the leaf, or relative to a circle that is smaller."""
 _AROUND = 256
 """Directions across a circle in which K is looked at."""
 _MOVE, _LEAST = 0.1, 1e-9
@@ -48,9 +49,11 @@ _MOVE, _LEAST = 0.1, 1e-9
 _SAME = 1e-7
 """Critical values of K that differ by less, relative to all, are one; states on circles are known to some 1e-12."""
 _ON = 1e-5
-"""A state nearer than this to a circle is on it, in units of the leaf."""
+"""A state nearer than this to a circle is on it, likewise."""
 _GRID, _MOST = 0.05, 20_000
-"""Distance of the points of a circle, in units of the leaf, and the most of them."""
+"""Distance of the points of a circle, likewise, and the most of them."""
+_SMALLEST = 1e-3
+"""The least size of a circle, in units of the leaf: of distances beside it K changes by their squares."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +162,8 @@ def molecule(
 ) -> Molecule:
     r"""The graph of the tori of a level of energy, for two degrees of freedom.
 
+    A component of the level that no random state comes to is not in it: take a larger `spread`, or more `n_starts`.
+
     Example:
         >>> double_well = lp.System(lp.canonical(2), "p1^2/2 - q1^2/2 + q1^4/4 + p2^2/2 + q2^2/2")
         >>> momentum = lp.tori.momentum_map(double_well, ["p1^2/2 - q1^2/2 + q1^4/4"])
@@ -249,7 +254,8 @@ class _Level:
             if any(self._is_on(x[k], weights[k], points) for points in near):
                 continue
             found.append((float(values[k]), self._points(x[k], weights[k])))
-            circles.append(self._circle(x[k], weights[k], float(values[k]), str(types[k]) == "elliptic"))
+            size = _size(found[-1][1])
+            circles.append(self._circle(x[k], weights[k], float(values[k]), str(types[k]) == "elliptic", size))
         return circles
 
     def refused(self, why: str) -> OrbitError:
@@ -272,11 +278,16 @@ class _Level:
 
     def _points(self, x: Array, weights: Array) -> Array:
         """Points of a circle, in units, once around or farther."""
+        # unequal lengths: equal ones may be whole turns of a small circle
+        share = np.arange(200) / 200
+        grid = _GRID * _size(self._orbit(x, weights, 200 * _GRID * share**2))
+        if grid < _GRID * _SMALLEST:
+            raise self.refused(f"the circle of {(x * self.units).tolist()} is too small: take another energy")
         for count in (200, 2000, _MOST):
-            points = self._orbit(x, weights, _GRID * np.arange(count, dtype=np.float64))
+            points = self._orbit(x, weights, grid * np.arange(count, dtype=np.float64))
             distance = linear.norm(points - x, axis=1)
-            away = np.flatnonzero(distance > 4 * _GRID)
-            back = np.flatnonzero(distance < _GRID)
+            away = np.flatnonzero(distance > 4 * grid)
+            back = np.flatnonzero(distance < grid)
             if len(away) and len(back) and back[-1] > away[0]:
                 return points[: back[back > away[0]][0] + 2]
         raise self.refused(f"the orbit of {(x * self.units).tolist()} does not close: the level is not compact")
@@ -292,15 +303,15 @@ class _Level:
             here = self._orbit(x, weights, np.array([way]))[0]
             tangent = self._velocity(here, weights) / speed
             way += float(((place - here) * tangent).sum() / (tangent * tangent).sum())
-        return bool(linear.norm(self._orbit(x, weights, np.array([way]))[0] - place) < _ON)
+        return bool(linear.norm(self._orbit(x, weights, np.array([way]))[0] - place) < _ON * _size(points))
 
-    def _circle(self, x: Array, weights: Array, value: float, is_elliptic: bool) -> _Circle:
+    def _circle(self, x: Array, weights: Array, value: float, is_elliptic: bool, size: float) -> _Circle:
         """A circle with the states beside it."""
         rows = np.concatenate([self.critical.equations.relative(x[None])[1][0], self._velocity(x, weights)[None]])
         across = linear.svd(rows)[2][-2:]
         angles = 2 * np.pi * np.arange(_AROUND) / _AROUND
         turned = np.stack([elementary.cos(angles), elementary.sin(angles)], axis=1)
-        beside = self._on_level((x + _BESIDE * linear.matmul(turned, across)) * self.units)
+        beside = self._on_level((x + _BESIDE * size * linear.matmul(turned, across)) * self.units)
         if len(beside) < _AROUND:
             raise self.refused(f"the states around {(x * self.units).tolist()} are not resolved: take another energy")
         change = self.integral(beside) - value
@@ -338,6 +349,11 @@ class _Level:
         return state
 
 
+def _size(points: Array) -> float:
+    """The extent of a circle from its first point, in units of the leaf; of larger ones 1."""
+    return min(1.0, float(linear.norm(points - points[0], axis=1).max()))
+
+
 class _Graph:
     """Circles joined by the tori between them."""
 
@@ -361,7 +377,9 @@ class _Graph:
         beyond = level.integral(self.random)
         slack = _SAME * np.abs(self.values).max()
         if ((beyond < self.values[0] - slack) | (beyond > self.values[-1] + slack)).any():
-            raise level.refused("states lie beyond all critical values found: take more n_starts")
+            raise level.refused("states lie beyond all critical values found: take more n_starts, or a larger spread")
+        if not len(self.middles):
+            raise level.refused("one critical value was found: take more n_starts, or a larger spread")
         for gap, middle in enumerate(self.middles):
             states, owners = self._beside(gap, float(middle))
             random = on_fibre(

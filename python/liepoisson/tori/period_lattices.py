@@ -190,6 +190,8 @@ class Closures:
         """
         units = units * 2.0 ** max(0, frexp(float(np.abs(state / units).max()))[1])
         fields = momentum.fields(state) / units[:, None]
+        if not np.isfinite(fields).all():
+            raise OrbitError(f"state: wanted one with finite flows; got {state.tolist()}. Take a smaller one.")
         if momentum.rank(state) < len(momentum.names):
             raise OrbitError(
                 f"state: wanted one with independent flows of {', '.join(momentum.names)}; got a critical one, "
