@@ -168,7 +168,7 @@ DIAGRAMS = {
     "lagrange, 0": lambda: symmetric_top(LAGRANGE, 0.0, 2.0, 6.0),
     "lagrange, 1": lambda: symmetric_top(LAGRANGE, 1.0, 2.0, 6.0),
     "lagrange, 2.5": lambda: symmetric_top(LAGRANGE, 2.5, 2.0, 12.0),
-    "pendulum": lambda: symmetric_top(PENDULUM, 0.0, 0.0, 3.0),
+    "pendulum": lambda: symmetric_top(PENDULUM, 0.0, 1.0, 3.0),
 }
 
 
@@ -185,7 +185,7 @@ def drawn(known):
 @pytest.mark.parametrize("n", STARTS)
 def test_critical_values_are_on_the_curves(known, n):
     found = lp.tori.critical_states(known.leaf, momentum=known.momentum, n_starts=n)
-    assert len(found) > 0.8 * n
+    assert len(found) > 0.4 * n
     for value, rank, type_ in zip(found.values, found.rank, found.type, strict=True):
         expected, miss = known.kind(value)
         assert miss < ROUND_OFF * (1 + np.abs(value).max()), value
@@ -275,7 +275,7 @@ def lattice_of_the_top(c, excess, value):
     low, high, above = np.sort(of_height(c, excess, value).roots().real)
     theta = (np.arange(4000) + 0.5) * np.pi / 4000 - np.pi / 2
     z = (low + high) / 2 + (high - low) / 2 * np.sin(theta)
-    dt = 2 * np.pi / 4000 / np.sqrt(2 * (above - z))
+    dt = np.pi / 4000 / np.sqrt(2 * (above - z))
     turn = ((z * (c - value[1] * z) / (1 - z**2) - excess * value[1]) * dt).sum()
     return np.array([[2 * dt.sum(), 2 * turn], [0, 2 * np.pi]])
 
@@ -333,6 +333,6 @@ def test_the_pendulum_by_elimination():
     (curve,) = lp.tori.critical_equations(PENDULUM, {"C1": 0, "C2": 1}).curves
     ratio = sp.cancel(sp.sympify(str(curve)).subs({"H": h, "l3": k}) / wanted)
     assert ratio.is_number
-    found = symmetric_top(PENDULUM, 0.0, 0.0, 3.0).curves["elliptic"]
+    found = symmetric_top(PENDULUM, 0.0, 1.0, 3.0).curves["elliptic"]
     values = sp.lambdify((h, k), wanted)(*np.concatenate(found).T)
     assert np.abs(values).max() < 1e-8
