@@ -42,6 +42,8 @@ _TURN = 0.98
 _MOST_POINTS = 4000
 _SAME = 1e-9
 """Values that differ by less, relative to the figure, are the same."""
+_DOUBLE = 1e-5
+"""A double root is nearer than this: Newton's method ends at residuals of 1e-12, whose root is 1e-6."""
 _NEW = 3
 """Points in a row on no curve make a family new: where both end, one may be longer by a step, of two points."""
 _REST = 1e-3
@@ -162,8 +164,8 @@ def diagram(
 
     Families are followed from equilibria of both flows and from random states.  One that comes to no equilibrium and
     that no start comes to is not in it.  Families of degenerate states are not followed, such as all states where F = 0
-    if the integral is F^2: their values are `degenerate_values`.  Families whose energy has no lower bound are shown as far below the lowest
-    equilibrium, or minimum along another family, as `energy_max` is above it.
+    if the integral is F^2: their values are `degenerate_values`.  Families whose energy has no lower bound are shown as
+    far below the lowest equilibrium, or minimum along another family, as `energy_max` is above it.
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
@@ -272,10 +274,14 @@ class _Families:
         return (energies >= self.energy_min) & (energies <= self.energy_max)
 
     def each_once(self, x: Array) -> Array:
-        """States between the energies, one for each value and type."""
+        """States between the energies, one for each value and type; those at which all flows rest also by these."""
+        x = np.concatenate([self.critical.resting(x), x])
         x = x[self.is_within(x)]
-        values, types, found = self.values(x), self.critical.kinds(x)[1], list[int]()
+        (ranks, types), values, found = self.critical.kinds(x), self.values(x), list[int]()
         for k in range(len(x)):
+            # Where more flows rest the equations have a double root: x is known to the root of the residual
+            if (linear.norm(x[ranks < ranks[k]] - x[k], axis=1) < _DOUBLE).any():
+                continue
             twins = linear.norm(values[found] - values[k], axis=1) <= _SAME * (1 + linear.norm(values[k]))
             if not (twins & (types[found] == types[k])).any():
                 found.append(k)
