@@ -114,7 +114,7 @@ def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
     if "H" not in found.at:
         ax.set_ylim(top=found.energy_max)
     set_heading(ax, _heading(found.leaf, found.at), is_new=is_new)
-    ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.13), ncols=2, borderaxespad=0.0)  # curves may be anywhere
+    ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=2, borderaxespad=0.0)  # curves may be anywhere
     _number(found, regions, ax)
     return ax
 

@@ -249,7 +249,13 @@ def _held(at: Mapping[object, object], momentum: MomentumMap) -> dict[str, float
     if len(names) - len(at) != 2:
         raise ParameterError(
             f"at: wanted two integrals that are left for the plane; of {', '.join(names)} {len(names) - len(at)} are. "
-            + (f'Hold one of three, such as at={{"{names[1]}": 0.3}}.' if len(names) > 2 else "Leave it out.")
+            + (
+                f'Hold one of three, such as at={{"{names[1]}": 0.3}}.'
+                if len(names) > 2
+                else "Leave it out."
+                if at
+                else "Its leaves have no such diagram."
+            )
         )
     return {str(name): as_finite(value, f"at[{str(name)!r}]") for name, value in at.items()}
 
