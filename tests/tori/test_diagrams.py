@@ -210,7 +210,7 @@ def test_a_square_of_an_integral_has_degenerate_values_without_a_curve():
 
 def test_regions_without_critical_values():
     below = lp.tori.diagram(PENDULUM, energy_max=-2, n_starts=5)
-    assert len(below) == 0
+    assert below.families == ()
     assert len(lp.tori.regions(below, n_values=20)) == 0
     free = lp.System(lp.canonical(2), "p1")
     nothing = lp.tori.diagram(lp.Leaf(free, {}), momentum=lp.tori.momentum_map(free, ["p2"]), n_starts=5)
@@ -221,7 +221,7 @@ def test_regions_without_critical_values():
 
 @pytest.mark.parametrize("call", [lp.tori.diagram, lp.tori.critical_states])
 def test_a_spread_of_zero_is_refused(call):
-    with pytest.raises(ParameterError, match="^spread: "):
+    with pytest.raises(ParameterError, match=r"^spread: "):
         call(PENDULUM, spread=0)
 
 
@@ -229,7 +229,7 @@ def test_rows_of_states_and_times_have_to_fit():
     momentum = lp.tori.momentum_map(PENDULUM.system)
     states = np.array([[0, 1.3, 0, 0.8, 0, 0.6]] * 3)
     assert momentum.flow(states, [0.1, 0.2]).shape == (3, 6)
-    with pytest.raises(ShapeError, match="^times: wanted one row"):
+    with pytest.raises(ShapeError, match=r"^times: wanted one row"):
         momentum.flow(states, [[0.1, 0.2]] * 2)
 
 
@@ -247,7 +247,7 @@ def test_numbers_of_tori_are_apart_from_curves_and_the_legend_is_below():
             assert not any(box.overlaps(other) for other in boxes[:k])
             assert axes.bbox.fully_contains(box.x0, box.y0)
             assert axes.bbox.fully_contains(box.x1, box.y1)
-            for line in axes.lines:
+            for line in (one for one in axes.lines if one.get_linestyle() != "None"):
                 x, y = axes.transData.transform(np.stack(line.get_data(), axis=1)).T
                 share = np.linspace(0, 1, 50)[:, None]
                 x, y = ((one[:-1] + share * np.diff(one)).ravel() for one in (x, y))
