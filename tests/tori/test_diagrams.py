@@ -167,17 +167,21 @@ def test_a_slice_through_a_sleeping_top_has_it_once():
 PENDULUM = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
 
 
-def wells(energy_max):
+def wells(energy_max, n_starts=30, seed=0):
     """Two double wells, with K the energy of the first one, which rests at -1/4 and 0, as the second one does."""
     first = "p1^2/2 - q1^2/2 + q1^4/4"
     system = lp.System(lp.canonical(2), f"{first} + p2^2/2 - q2^2/2 + q2^4/4")
     momentum = lp.tori.momentum_map(system, [first])
-    return lp.tori.diagram(lp.Leaf(system, {}), momentum=momentum, energy_max=energy_max, n_starts=30)
+    return lp.tori.diagram(lp.Leaf(system, {}), momentum=momentum, energy_max=energy_max, n_starts=n_starts, seed=seed)
 
 
-def test_families_that_are_short_beside_the_figure_are_found():
+MISSED = pytest.mark.xfail(strict=True, reason="two of the eight families are not found from these starts")
+
+
+@pytest.mark.parametrize(("n_starts", "seed"), [(30, 0), pytest.param(60, 1, marks=MISSED)])
+def test_families_that_are_short_beside_the_figure_are_found(n_starts, seed):
     """Each of four lines is cut where the other well is at its saddle: one part has the length 1/4, the other 20."""
-    found = wells(20)
+    found = wells(20, n_starts, seed)
     parts = sorted(
         (one.type, *one.values[one.values[:, 0].argmin()].round(3), float(np.ptp(one.values[:, 0])) < 1)
         for one in found.families
