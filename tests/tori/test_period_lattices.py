@@ -1,11 +1,11 @@
 """Period lattices against frequencies of orbits, elliptic integrals and quadrature on the spectral curve."""
 
-from itertools import combinations, pairwise, product
-from math import gcd
+from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
 import pytest
+from lattices import check_frequencies, same_lattice
 from scipy.special import ellipk
 
 import liepoisson as lp
@@ -33,56 +33,20 @@ def state_of(system, seed):
     return lp.sample_states(system, 1, seed=seed)[0]
 
 
-def combinations_up_to(most, n):
-    return np.array([k for k in product(range(-most, most + 1), repeat=n) if any(k)])
-
-
-def check_frequencies(name, seed, signals):
-    r"""The lines of signals are integer combinations of the frequencies of the lattice, and generate all of them.
-
-    The error of the analysis falls like a power of the number of periods of the slowest beat in a window.  So windows
-    are forty periods of the slowest one of the combinations $k\cdot\omega$ up to $|k| = 5$ of two frequencies, 3 of
-    three: the lines of Kovalevskaya's top are strong up to there.  Windows of a fixed length miss slow ones: T = 1000
-    is three periods of those of Manakov's, and finds their frequencies to 1e-4, as its drift says.  Samples are 16 to
-    the shortest period: with 8 to a period of the free body harmonics are folded onto the line itself, which moves it
-    by 2e-9 in both windows, and no drift shows it.
-    """
-    system = lp.catalog.system(name)
-    torus = lp.tori.period_lattice(system, state_of(system, seed))
-    omega = torus.frequencies
-    slowest = np.abs(combinations_up_to(5 if len(omega) < 3 else 3, len(omega)) @ omega).min()
-    window = 40 * 2 * np.pi / slowest
-    n_samples = int(16 * np.abs(omega).sum() * window / np.pi)
-    candidates, found = combinations_up_to(8, len(omega)), []
-    for signal in signals:
-        seen = lp.chaos.frequency_drift(
-            system, torus.state, observable=signal, t_end=2 * window, window_order=3, n_samples=n_samples
-        )
-        distance = np.abs(candidates @ omega - seen.frequency[0, 0])
-        assert distance.min() < 1e-9, (name, seed, signal, seen.drift)  # measured up to 2e-10
-        found.append(candidates[distance.argmin()])
-    minors = [round(np.linalg.det([found[i] for i in some])) for some in combinations(range(len(found)), len(omega))]
-    assert gcd(*minors) <= 1, "a lattice of which this is a part"  # 0: the strongest lines are dependent
-
-
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", SIGNALS)
 def test_frequencies_are_those_of_orbits(name):
-    check_frequencies(name, 3 if name != "twisted-lagrange" else 7, SIGNALS[name][:1])
+    system = lp.catalog.system(name)
+    start = state_of(system, 3 if name != "twisted-lagrange" else 7)
+    check_frequencies(lp.tori.momentum_map(system), start, SIGNALS[name][:1])
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("name", SIGNALS)
 def test_frequencies_of_many_tori_are_those_of_orbits(name, seed):
-    check_frequencies(name, seed, SIGNALS[name])
-
-
-def same_lattice(one, other):
-    """How far the matrix between two bases is from integers; its determinant has to be one of them."""
-    quotient = one @ np.linalg.inv(other)
-    assert abs(round(np.linalg.det(quotient))) == 1
-    return np.abs(quotient - np.round(quotient)).max()
+    system = lp.catalog.system(name)
+    check_frequencies(lp.tori.momentum_map(system), state_of(system, seed), SIGNALS[name])
 
 
 @pytest.mark.parametrize("seed", range(5))

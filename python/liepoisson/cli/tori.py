@@ -123,6 +123,8 @@ def diagram_lines(found: Diagram | LagrangeDiagram) -> list[str]:
             lines.append(f"{family.type}: {span}")
         for kind, value in zip(found.rest_types, found.rest_values, strict=True):
             lines.append(f"{rest}, {kind}: {h} = {value[0]:.6g}, {other} = {value[1]:.6g}")
+        for value in found.degenerate_values:
+            lines.append(f"degenerate, on no curve: {h} = {value[0]:.6g}, {other} = {value[1]:.6g}")
         return lines
     return [*lines, *(f"{curve.kind} from {curve.ends[0]} to {curve.ends[1]}" for curve in found.curves)]
 

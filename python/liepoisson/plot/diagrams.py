@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_number
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, sequence
 from liepoisson.inputs.refusals import check_kind, not_a
@@ -24,6 +25,7 @@ from liepoisson.plot.style import (
     new_figure,
     set_heading,
 )
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,7 +65,7 @@ def diagram(
 
     Args:
         found: What `diagram` or `lagrange_diagram` returned; or several slices of three integrals on one leaf.
-        regions: What `regions` returned for it: the number of tori is written into each.
+        regions: What `regions` returned for it: the number of tori is written into each that has room for it.
         l3: Of the twisted Lagrange top, the value at which the diagram is cut.
 
     Raises:
@@ -96,9 +98,7 @@ def diagram(
 
 
 def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
-    from matplotlib.patheffects import withStroke
-
-    is_new, ax = ax is None, axes_or_new(ax, height=4.4)
+    is_new, ax = ax is None, axes_or_new(ax, height=4.8)
     name = named_once(ax)
     for family in found.families:
         style, colour = _LINES[family.type]
@@ -107,20 +107,67 @@ def _plane(found: Diagram, regions: Sequence[Region], ax: Axes | None) -> Axes:
         chosen = found.rest_values[[one == kind for one in found.rest_types]]
         mark, words = _POINTS.get(kind, "D"), name(f"{_rest(found)}: {kind}")
         ax.plot(chosen[:, 1], chosen[:, 0], mark, color=INK, markersize=4, zorder=4, linestyle="none", label=words)
-    # Numbers stay readable on curves of narrow regions
-    halo = [withStroke(linewidth=2, foreground=ax.get_facecolor())]
-    columns = [found.momentum.names.index(name) for name in found.names]
-    for region in regions:
-        if region.fibre is not None:
-            one, other = region.fibre.value[columns].tolist()
-            words = str(region.fibre.n_tori)
-            ax.annotate(words, (other, one), ha="center", va="center", color=INK, path_effects=halo, zorder=3)
+    if len(found.degenerate_values):
+        h, other = found.degenerate_values.T
+        ax.plot(other, h, ".", color=MUTED, markersize=2, linestyle="none", label=name("degenerate, no curve"))
     ax.set(xlabel=label(found.names[1]), ylabel=label(found.names[0]))
     if "H" not in found.at:
         ax.set_ylim(top=found.energy_max)
     set_heading(ax, _heading(found.leaf, found.at), is_new=is_new)
-    ax.legend(loc="best")
+    ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=2, borderaxespad=0.0)  # curves may be anywhere
+    _number(found, regions, ax)
     return ax
+
+
+def _number(found: Diagram, regions: Sequence[Region], ax: Axes) -> None:
+    """Write the number of tori into each region, at the point that is farthest from what is drawn, where it fits."""
+    from liepoisson.tori.diagrams import apart
+
+    counted = [region for region in regions if region.fibre is not None]
+    if not counted:
+        return
+    ax.get_figure(root=True).draw_without_rendering()  # the layout decides the size of axes
+    box, to_pixels = ax.bbox, ax.transData
+    parts = [to_pixels.transform(one.values[:, ::-1]) for one in found.families]
+    points = [to_pixels.transform(found.rest_values[:, ::-1])]
+    begins = np.concatenate([np.zeros((0, 2)), *(one[:-1] for one in parts), *points])
+    ends = np.concatenate([np.zeros((0, 2)), *(one[1:] for one in parts), *points])
+    taken = np.zeros((0, 3))
+
+    def room(places: Array) -> Array:
+        """How far pixels are from curves, edges of the axes, and circles of other numbers."""
+        edges = np.concatenate([places - box.min, box.max - places], axis=1).min(axis=1)
+        curves = apart(places[:, None], begins, ends).min(axis=1, initial=np.inf)
+        numbers = (linear.norm(places[:, None] - taken[:, :2], axis=2) - taken[:, 2]).min(axis=1, initial=np.inf)
+        return np.minimum(np.minimum(edges, curves), numbers)
+
+    for region in counted:
+        text = ax.annotate(str(region.fibre.n_tori), (0, 0), ha="center", va="center", color=INK, zorder=3)
+        need = linear.norm(np.array(text.get_window_extent().size)) / 2
+        place, radius = _farthest(room, to_pixels.transform(region.values[:, ::-1]))
+        if radius < need:
+            text.remove()
+            continue
+        text.xy = tuple(to_pixels.inverted().transform(place))
+        text.set_position(text.xy)
+        taken = np.concatenate([taken, [[*place, need]]])
+
+
+def _farthest(room: Callable[[Array], Array], places: Array) -> tuple[Array, float]:
+    """The place with most room near the best of some, by moves so short that they cross no curve."""
+    rooms = room(places)
+    place, best = places[rooms.argmax()], float(rooms.max())
+    angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+    step = best / 2
+    while step > 1:
+        around = place + step * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        rooms = room(around)
+        if rooms.max() > best:
+            place, best = around[rooms.argmax()], float(rooms.max())
+            step = best / 2
+        else:
+            step /= 2
+    return place, best
 
 
 def _rest(found: Diagram) -> str:

@@ -24,7 +24,7 @@ from liepoisson.inputs.arrays import Array, ReadOnlyArrays
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline, checkpoint
 from liepoisson.inputs.given import by_name
-from liepoisson.inputs.refusals import check_choice, check_kind
+from liepoisson.inputs.refusals import check_choice, check_kind, counted
 from liepoisson.io.tables import beside
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.orbits.saved_orbits import SavedWhole
@@ -42,8 +42,10 @@ _TURN = 0.98
 _MOST_POINTS = 4000
 _SAME = 1e-9
 """Values that differ by less, relative to the figure, are the same."""
-_NEW = 0.02
-"""Where half of a family is known, the rest is new if it is longer than this, relative to the figure."""
+_DOUBLE = 1e-5
+"""A double root is nearer than this: Newton's method ends at residuals of 1e-12, whose root is 1e-6."""
+_NEW = 3
+"""Points in a row on no curve make a family new: where both end, one may be longer by a step, of two points."""
 _REST = 1e-3
 """Fields that are dependent but for this length, relative to typical ones, are near to lower rank."""
 
@@ -91,6 +93,8 @@ class Diagram(SavedWhole):
         rest_types: Their types.
         energy_max: The energy up to which families were followed.
         at: The value of the integral that is held in a slice, by its name; else empty.
+        degenerate_values: Values at degenerate states of one less than the full rank that are on no curve, shape
+            (point, 2).  Families of them are not followed: where there are such values curves are missing.
     """
 
     kind = "diagram"
@@ -105,6 +109,7 @@ class Diagram(SavedWhole):
     rest_types: tuple[str, ...]
     energy_max: float
     at: dict[str, float] = field(default_factory=dict)
+    degenerate_values: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     @property
     def names(self) -> tuple[str, str]:
@@ -119,23 +124,28 @@ class Diagram(SavedWhole):
 
     def __len__(self) -> int:
         """How many critical values it has."""
-        return sum(len(one.values) for one in self.families) + len(self.rest_types)
+        return sum(len(one.values) for one in self.families) + len(self.rest_types) + len(self.degenerate_values)
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the table: of each critical value its curve (-1 for an equilibrium), type and values."""
-        values = np.concatenate([*(one.values for one in self.families), self.rest_values])
-        lengths = [*(len(one.values) for one in self.families), *(1 for _ in self.rest_types)]
-        curves = [*range(len(self.families)), *(-1 for _ in self.rest_types)]
-        types = [*(one.type for one in self.families), *self.rest_types]
+        """The columns of the table: of each critical value its curve (-1 if it is on none), type and values."""
+        single = [*self.rest_types, *("degenerate" for _ in self.degenerate_values)]
+        values = np.concatenate([*(one.values for one in self.families), self.rest_values, self.degenerate_values])
+        lengths = [*(len(one.values) for one in self.families), *(1 for _ in single)]
+        curves = [*range(len(self.families)), *(-1 for _ in single)]
+        types = [*(one.type for one in self.families), *single]
         rows: dict[str, NDArray[Any]] = {"curve": np.repeat(np.array(curves, dtype=np.intp), lengths)}
         rows["type"] = np.repeat(np.array(types, dtype=np.str_), lengths)
         return beside(rows, self.names, values)
+
+    def _missing(self) -> str:
+        n = len(self.degenerate_values)
+        return f"; curves are missing through {counted(n, 'degenerate value')}" if n else ""
 
     def __repr__(self) -> str:
         held = "".join(f" at {name} = {value:g}" for name, value in self.at.items())
         return (
             f"<Diagram of ({', '.join(self.names)}){held} of {self.leaf.system.name!r}: {len(self.families)} "
-            f"families, {len(self.rest_states)} {'relative ' if held else ''}equilibria>"
+            f"families, {len(self.rest_states)} {'relative ' if held else ''}equilibria{self._missing()}>"
         )
 
 
@@ -154,8 +164,9 @@ def diagram(
     r"""The critical values of a system with two commuting integrals on a leaf; of three, where one of them has a value.
 
     Families are followed from equilibria of both flows and from random states.  One that comes to no equilibrium and
-    that no start comes to is not in it.  Families whose energy has no lower bound are shown as far below the lowest
-    equilibrium, or minimum along another family, as `energy_max` is above it.
+    that no start comes to is not in it.  Families of degenerate states are not followed, such as all states where F = 0
+    if the integral is F^2: their values are `degenerate_values`.  Families whose energy has no lower bound are shown as
+    far below the lowest equilibrium, or minimum along another family, as `energy_max` is above it.
 
     Example:
         >>> leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
@@ -211,6 +222,7 @@ def diagram(
             if len(several) > len(rest):
                 rest, families = several, search.families(several, *critical_starts)
         families = search.above(rest, families)
+        degenerate = search.on_none(families)
     states = rest * critical.units
     return Diagram(
         momentum,
@@ -221,6 +233,7 @@ def diagram(
         tuple(map(str, critical.kinds(rest)[1])),
         held.get("H", top),
         held,
+        degenerate,
     )
 
 
@@ -236,7 +249,13 @@ def _held(at: Mapping[object, object], momentum: MomentumMap) -> dict[str, float
     if len(names) - len(at) != 2:
         raise ParameterError(
             f"at: wanted two integrals that are left for the plane; of {', '.join(names)} {len(names) - len(at)} are. "
-            + (f'Hold one of three, such as at={{"{names[1]}": 0.3}}.' if len(names) > 2 else "Leave it out.")
+            + (
+                f'Hold one of three, such as at={{"{names[1]}": 0.3}}.'
+                if len(names) > 2
+                else "Leave it out."
+                if at
+                else "Its leaves have no such diagram."
+            )
         )
     return {str(name): as_finite(value, f"at[{str(name)!r}]") for name, value in at.items()}
 
@@ -248,6 +267,7 @@ class _Families:
         self.critical = critical
         self.energy_min, self.energy_max = energy_min, energy_max
         self.n = len(critical.momentum.names)
+        self.degenerate = np.zeros((0, 2))
         self.free = [k for k, name in enumerate(critical.momentum.names) if name not in held]
 
     def values(self, x: Array) -> Array:
@@ -260,10 +280,14 @@ class _Families:
         return (energies >= self.energy_min) & (energies <= self.energy_max)
 
     def each_once(self, x: Array) -> Array:
-        """States between the energies, one for each value and type."""
+        """States between the energies, one for each value and type; those at which all flows rest also by these."""
+        x = np.concatenate([self.critical.resting(x), x])
         x = x[self.is_within(x)]
-        values, types, found = self.values(x), self.critical.kinds(x)[1], list[int]()
+        (ranks, types), values, found = self.critical.kinds(x), self.values(x), list[int]()
         for k in range(len(x)):
+            # Where more flows rest the equations have a double root: x is known to the root of the residual
+            if (linear.norm(x[ranks < ranks[k]] - x[k], axis=1) < _DOUBLE).any():
+                continue
             twins = linear.norm(values[found] - values[k], axis=1) <= _SAME * (1 + linear.norm(values[k]))
             if not (twins & (types[found] == types[k])).any():
                 found.append(k)
@@ -281,21 +305,34 @@ class _Families:
         size = np.where(size > 0, size, 1.0)
         found = list[CriticalFamily]()
 
-        def new(values: Array, kind: str) -> Array:
-            """The values, in parts of the figure, that are on no curve yet."""
+        def new(values: Array, kind: str) -> NDArray[np.bool_]:
+            """Which values are on no curve yet."""
             inside = (values[:, 0] >= self.energy_min) & (values[:, 0] <= self.energy_max)
             for curve in (one.values for one in found if one.type == kind):
                 inside &= ~are_on(values / size, curve / size)
-            return values[inside] / size
+            return inside
 
+        dropped = [values[wanted & (types == "degenerate")]]
         for k in np.flatnonzero(wanted):
-            if not len(new(values[k, None], str(types[k]))):
+            if not new(values[k, None], str(types[k])).any():
                 continue
-            for family in self._by_type(self._both_ways(x[k], weights[k])):
+            parts, degenerate = self._by_type(self._both_ways(x[k], weights[k]))
+            dropped.append(degenerate)
+            for family in parts:
                 fresh = new(family.values, family.type)
-                if len(fresh) > len(family.values) / 2 or (len(fresh) and np.ptp(fresh, axis=0).max() > _NEW):
+                if fresh.sum() > len(fresh) / 2 or _longest_run(fresh) >= _NEW:
                     found.append(family)
+        self.degenerate = np.concatenate(dropped)
         return found
+
+    def on_none(self, found: list[CriticalFamily]) -> Array:
+        """Degenerate values that were met, but for those on curves, where types change."""
+        values = self.degenerate
+        size = np.ptp(np.concatenate([values, *(one.values for one in found)]), axis=0) if len(values) else np.ones(2)
+        size = np.where(size > 0, size, 1.0)
+        for family in found:
+            values = values[~are_on(values / size, family.values / size)]
+        return values
 
     def above(self, rest: Array, found: list[CriticalFamily]) -> list[CriticalFamily]:
         """The families, those that came to the lowest energy cut as far below the others as the highest is above."""
@@ -387,7 +424,8 @@ class _Families:
         across = across / linear.norm(across)
         return across if like is None or (across * like).sum() > 0 else -across
 
-    def _by_type(self, points: Array) -> list[CriticalFamily]:
+    def _by_type(self, points: Array) -> tuple[list[CriticalFamily], Array]:
+        """The parts of one type, and the values of those that are degenerate."""
         critical = self.critical
         _, types = critical.kinds(points)
         states = points * critical.units
@@ -399,7 +437,13 @@ class _Families:
                 if stop - begin > 1 and types[begin] not in {"degenerate", "regular"}:
                     found.append(CriticalFamily(str(types[begin]), values[begin:stop], states[begin:stop]))
                 begin = k
-        return found
+        return found, values[types == "degenerate"]
+
+
+def _longest_run(given: NDArray[np.bool_]) -> int:
+    """How many in a row are true."""
+    ends = np.flatnonzero(~np.pad(given, 1))
+    return int(np.diff(ends).max()) - 1
 
 
 def are_on(values: Array, curve: Array) -> NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import Field
 from liepoisson.equilibrium.critical_points import HamiltonianFields
-from liepoisson.errors import ParameterError, UnsupportedFieldError
+from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_positive
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
@@ -151,11 +151,17 @@ class MomentumMap:
             times: The times t of the flows, shape (n,) or (m, n).
 
         Raises:
+            ShapeError: states and times have different numbers of rows.
             TimeLimitError: the deadline of the call has passed.
         """
         x, t = self._states(states), as_array(times, "times", self.names)
         check_shape(t.shape[-1:] == (len(self.names),), "times", f"(..., {len(self.names)})", t)
-        m = np.broadcast_shapes(x.shape[:-1], t.shape[:-1])
+        try:
+            m = np.broadcast_shapes(x.shape[:-1], t.shape[:-1])
+        except ValueError:
+            raise ShapeError(
+                f"times: wanted one row, or one for each of the states of shape {x.shape}; got shape {t.shape}"
+            ) from None
         starts = np.broadcast_to(x, (*m, x.shape[-1])).reshape(-1, x.shape[-1])
         rates = np.broadcast_to(t, (*m, t.shape[-1])).reshape(-1, t.shape[-1])
         system, method = self._flows
