@@ -281,19 +281,20 @@ class _Families:
         size = np.where(size > 0, size, 1.0)
         found = list[CriticalFamily]()
 
-        def new(values: Array, kind: str) -> Array:
-            """The values, in parts of the figure, that are on no curve yet."""
+        def are_new(values: Array, kind: str) -> NDArray[np.bool_]:
+            """Which values are on no curve yet."""
             inside = (values[:, 0] >= self.energy_min) & (values[:, 0] <= self.energy_max)
             for curve in (one.values for one in found if one.type == kind):
                 inside &= ~are_on(values / size, curve / size)
-            return values[inside] / size
+            return inside
 
         for k in np.flatnonzero(wanted):
-            if not len(new(values[k, None], str(types[k]))):
+            if not are_new(values[k, None], str(types[k])).any():
                 continue
-            for family in self._by_type(self._both_ways(x[k], weights[k])):
-                fresh = new(family.values, family.type)
-                if len(fresh) > len(family.values) / 2 or (len(fresh) and np.ptp(fresh, axis=0).max() > _NEW):
+            for family in self._parts(self._both_ways(x[k], weights[k]), size):
+                fresh = are_new(family.values, family.type)
+                lengths = linear.norm(np.diff(family.values / size, axis=0), axis=1)
+                if fresh.sum() > len(fresh) / 2 or lengths[fresh[1:] & fresh[:-1]].sum() > _NEW:
                     found.append(family)
         return found
 
@@ -387,19 +388,26 @@ class _Families:
         across = across / linear.norm(across)
         return across if like is None or (across * like).sum() > 0 else -across
 
-    def _by_type(self, points: Array) -> list[CriticalFamily]:
+    def _parts(self, points: Array, size: Array) -> list[CriticalFamily]:
+        """The parts between places where the type changes, or the values turn back, the longest first.
+
+        They do at a cusp, and where a family goes through an orbit of both flows that a symmetry maps to itself: what
+        follows is the image of what was before, with the same values.
+        """
         critical = self.critical
         _, types = critical.kinds(points)
         states = points * critical.units
         values = self.values(points)
+        steps = np.diff(values / size, axis=0)
+        turns = np.pad((steps[:-1] * steps[1:]).sum(axis=1) < 0, 1) if len(points) > 2 else np.zeros(len(points), bool)
         found, begin = list[CriticalFamily](), 0
         for k in range(1, len(points) + 1):
-            if k == len(points) or types[k] != types[begin]:
-                stop = min(k + 1, len(points))  # both share the place where the type changes
+            if k == len(points) or types[k] != types[begin] or turns[k]:
+                stop = min(k + 1, len(points))  # both share the place
                 if stop - begin > 1 and types[begin] not in {"degenerate", "regular"}:
                     found.append(CriticalFamily(str(types[begin]), values[begin:stop], states[begin:stop]))
                 begin = k
-        return found
+        return sorted(found, key=lambda one: -len(one.values))
 
 
 def are_on(values: Array, curve: Array) -> NDArray[np.bool_]:
