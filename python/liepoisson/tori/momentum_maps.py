@@ -7,9 +7,9 @@ $$ \Phi^t = \varphi^{t_1}_{F_1}\circ\dots\circ\varphi^{t_n}_{F_n} $$
 is the flow of $\sum_k t_kF_k$ over the time 1: an action of $\mathbb R^n$ on the fibres of F, of which the compact ones
 without critical points consist of tori [arnold1989].
 
-Some functions commute on one leaf only, such as the cubic of Goryachev and Chaplygin where $l\cdot\alpha = 0$.  As
-Casimirs have no fields, the field of a function on a leaf is that of its values there: what vanishes on the leaf commutes
-with all.  So brackets need to vanish on the leaf, which is certain if they are in the ideal of its equations.
+Some functions commute on one leaf only, such as H and the cubic of Goryachev and Chaplygin where $l\cdot\alpha = 0$.
+Flows do not leave a leaf, and on it they are those of the functions restricted to it: their brackets need to vanish
+there only.  They do if they are in the ideal of the equations of the leaf.
 """
 
 from __future__ import annotations
@@ -157,8 +157,8 @@ class MomentumMap:
             return
         raise LeafError(
             f"states: wanted those of {self.leaf!r}, on which alone the map ({', '.join(self.names)}) holds; got "
-            f"{np.atleast_2d(states)[~np.atleast_1d(on)][0].tolist()}. Move them there by momentum.leaf.project, or make "
-            "a map on their leaf: lp.tori.momentum_map(system, leaf=lp.Leaf(system, {...}))."
+            f"{np.atleast_2d(states)[~np.atleast_1d(on)][0].tolist()}. Move them there by momentum.leaf.project, or "
+            "make a map on their leaf: lp.tori.momentum_map(system, leaf=lp.Leaf(system, {...}))."
         )
 
     def _states(self, given: ArrayLike) -> Array:
@@ -267,7 +267,8 @@ def momentum_map(
                     known[name] = f
             if names := commuting_integrals(system, known, 2 * half, on):
                 return MomentumMap(system, {name: functions.of(known[name]) for name in names}, leaf)
-        others = [f"{name} where {zero} = 0" for name, (_, zero) in system.partial_integrals.items() if name not in known]
+        partial = {name: zero for name, (_, zero) in system.partial_integrals.items() if name not in known}
+        others = [f"{name} where {zero} = 0" for name, zero in partial.items()]
         raise ParameterError(
             f"integrals: wanted {half} that commute, H among them; of {shown(system)} are known {', '.join(known)}"
             f"{'' if leaf is None else f' on {leaf!r}'}. "
