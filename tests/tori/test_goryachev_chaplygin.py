@@ -237,6 +237,8 @@ def test_the_diagram_is_these_curves_each_once(drawn):
             assert family.type == kind_of(curve, value[0])
             curves.add((curve, float(np.sign(value[1])) if curve else float(np.sign(value[0] - 1))))
         assert len(curves) == 1
+        steps = np.diff(family.values[:, 0])
+        assert (steps * steps[len(steps) // 2] > -1e-12).all(), "a curve that is run along twice"
         seen[curves.pop()] += 1
     assert seen == dict.fromkeys([(1, 1.0), (1, -1.0), (-1, 1.0), (-1, -1.0), (0, 1.0), (0, -1.0)], 1)
     wanted = [[h, 0.0] for h in np.linspace(-1, 3, 200)]
