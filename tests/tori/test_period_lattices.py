@@ -18,6 +18,7 @@ SIGNALS = {
     "free-rigid-body": ("l1", "l2", "l3"),
     "lagrange": ("l1", "alpha1", "alpha3"),
     "kovalevskaya": ("l3", "alpha3"),
+    "goryachev-chaplygin": ("l2", "l3", "alpha1"),
     "spherical-pendulum": ("alpha1", "alpha3"),
     "manakov-so4": ("M12", "M13", "M14"),
     "henon-heiles-sawada-kotera": ("x + y", "x - y"),
@@ -30,7 +31,14 @@ def state_of(system, seed):
     """A random state, of the polynomial one inside of the well."""
     if system.name.startswith("henon"):
         return np.random.default_rng(seed).uniform(-0.25, 0.25, 4)
-    return lp.sample_states(system, 1, seed=seed)[0]
+    state = lp.sample_states(system, 1, seed=seed)[0]
+    if system.partial_integrals:  # away from the resonance 1:2 of the equilibrium, where combinations are slow
+        return lp.Leaf(system, {"C1": 0, "C2": 1}).project(state * [3, 3, 3, 1, 1, 1])
+    return state
+
+
+def momentum_of(system):
+    return lp.tori.momentum_map(system, leaf=lp.Leaf(system, {"C1": 0, "C2": 1}) if system.partial_integrals else None)
 
 
 @pytest.mark.thorough
@@ -38,7 +46,7 @@ def state_of(system, seed):
 def test_frequencies_are_those_of_orbits(name):
     system = lp.catalog.system(name)
     start = state_of(system, 3 if name != "twisted-lagrange" else 7)
-    check_frequencies(lp.tori.momentum_map(system), start, SIGNALS[name][:1])
+    check_frequencies(momentum_of(system), start, SIGNALS[name][:1])
 
 
 @pytest.mark.slow
@@ -46,7 +54,7 @@ def test_frequencies_are_those_of_orbits(name):
 @pytest.mark.parametrize("name", SIGNALS)
 def test_frequencies_of_many_tori_are_those_of_orbits(name, seed):
     system = lp.catalog.system(name)
-    check_frequencies(lp.tori.momentum_map(system), state_of(system, seed), SIGNALS[name])
+    check_frequencies(momentum_of(system), state_of(system, seed), SIGNALS[name])
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
@@ -30,6 +31,7 @@ from liepoisson.inputs.deadline import SEARCH_LIMIT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from liepoisson.model.system import System
     from liepoisson.tori.critical_polynomials import CriticalEquations
     from liepoisson.tori.diagrams import Diagram
     from liepoisson.tori.fibre_regions import Regions
@@ -63,6 +65,7 @@ def diagram(
     """Print the bifurcation diagram of an integrable system on a leaf: the critical values of its integrals.
 
     Of two integrals, or of three with --at, by search; of the twisted Lagrange top, charged or not, in closed form.
+    Without a leaf it is that of a random state, where partial integrals of the system hold if it has any.
     """
     from liepoisson.tori.lagrange_leaves import is_twisted_lagrange
 
@@ -91,9 +94,9 @@ def diagram(
             raise ParameterError("--cut is for the diagram of the twisted Lagrange top in closed form. Leave it out.")
         held = assignments([] if at is None else [at], "--at", "--at l3=0.3", "integral")
         values = {name: as_double(value, "--at") for name, value in held.items()}
-        momentum = momentum_map(chosen, integral or None)
         limit = None if energy_max is None else as_double(energy_max, "--energy-max")
-        leaf = find_start(chosen, where, seed).leaf
+        leaf = find_start(chosen, where if where.is_given else replace(where, leaf=_known_values(chosen)), seed).leaf
+        momentum = momentum_map(chosen, integral or None, leaf=leaf if leaf.is_regular else None)
         with running("looking for critical values", 1.0, quiet=common.quiet):
             found = search(leaf, at=values, momentum=momentum, energy_max=limit, seed=seed, time_limit=time_limit)
             counted = count(found, seed=seed, time_limit=time_limit) if regions else ()
@@ -107,6 +110,16 @@ def diagram(
         files += write_figure(cast("Figure", axes.figure), picture)
     lines = [*diagram_lines(found), *(repr(one)[1:-1] for one in counted), *(f"wrote    {path}" for path in files)]
     show(found, format_, diagram_record, text=lambda _: "\n".join(lines))
+
+
+def _known_values(system: System) -> list[str] | None:
+    """The values of Casimirs where partial integrals of a system hold, "C1=0", if there are any."""
+    values = list[str]()
+    for name, casimir in system.functions.casimirs.items():
+        for _, zero in system.partial_integrals.values():
+            if (value := (casimir.expression - zero).expand()).is_number:
+                values.append(f"{name}={value}")
+    return list(dict.fromkeys(values)) or None
 
 
 def diagram_lines(found: Diagram | LagrangeDiagram) -> list[str]:

@@ -11,6 +11,7 @@ On a leaf of dimension 2n:
   and P has its generic rank is a torus of dimension $\operatorname{corank} P = 2n - k$, on which the motion is linear.
 
 Independence is that of the Hamiltonian vector fields, at a point modulo a prime, which proves it for generic points.
+On one leaf brackets vanish that are in the ideal of its equations, and the point is one of it.
 The brackets are written as polynomials in the integrals and Casimirs, which is an identity of polynomials, and the rank
 of P is that over the field of rational functions of them.  Compactness is not examined.
 
@@ -38,7 +39,7 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank_mod, solve
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, multiply, value_at
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Level
+from liepoisson.integrability.derivation import Level, level_of
 from liepoisson.integrability.search import modular, point_on_level, residues_of
 from liepoisson.model.system import System
 from liepoisson.structure.trace import traces_in
@@ -69,23 +70,32 @@ def are_integrals(system: System, functions: Sequence[Expr]) -> list[bool]:
     return _vanish(system, _brackets(system, [(f, system.hamiltonian) for f in functions]))
 
 
-def are_in_involution(system: System, functions: Sequence[Expr]) -> bool:
-    """Whether functions commute with each other, exactly."""
-    return all(_vanish(system, _brackets(system, combinations(functions, 2))))
+def are_in_involution(system: System, functions: Sequence[Expr], on: Sequence[Expr] = ()) -> bool:
+    """Whether functions commute with each other, exactly; on a leaf, if its brackets are in the ideal of the equations.
+
+    Args:
+        on: Functions that vanish on the leaf, such as Casimirs less their values.
+    """
+    return all(_vanish(system, _brackets(system, combinations(functions, 2)), on))
 
 
-def fields_rank(system: System, functions: Sequence[Expr]) -> int:
-    """The rank of the Hamiltonian vector fields of functions at a random point modulo a prime, a lower bound."""
+def fields_rank(system: System, functions: Sequence[Expr], on: Sequence[Expr] = ()) -> int:
+    """The rank of the Hamiltonian vector fields of functions at a random point modulo a prime, a lower bound.
+
+    Args:
+        on: Functions that vanish at the point.
+    """
     scale = _scale(system)
     fields = [[(e / scale).expand() for e in system.bracket.vector_field(f)] for f in functions]
-    equations, entries = algebraic_equations(system, *(e for one in fields for e in one))
+    equations, read = algebraic_equations(system, *(e for one in fields for e in one), *on)
     if not functions:
         return 0
     n, variables = len(system.variables), len(equations.derivation.variables)
+    entries, zeros = read[: n * len(functions)], [*equations.relations, *read[n * len(functions) :]]
     found = 0
     for skipped in range(_MOST_PRIMES):
-        residues = residues_of(equations.derivation.field, (*entries, *equations.relations), skipped)
-        p, point = residues.p, point_on_level(equations.relations, residues, variables)
+        residues = residues_of(equations.derivation.field, (*entries, *zeros), skipped)
+        p, point = residues.p, point_on_level(zeros, residues, variables)
         values = [value_at(modular(e, residues).items(), point) for e in entries]
         rows = [{k: v for k, v in enumerate(values[i : i + n]) if v} for i in range(0, len(values), n)]
         found = max(found, rank_mod(rows, n, p))
@@ -94,18 +104,24 @@ def fields_rank(system: System, functions: Sequence[Expr]) -> int:
     return found
 
 
-def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> tuple[str, ...]:
-    """Names of as many commuting integrals with independent vector fields as half the rank, H among them, if found."""
+def commuting_integrals(
+    system: System, integrals: Mapping[str, Expr], rank: int, on: Sequence[Expr] = ()
+) -> tuple[str, ...]:
+    """Names of as many commuting integrals with independent vector fields as half the rank, H among them, if found.
+
+    Args:
+        on: Functions that vanish on the leaf that is meant.
+    """
     names, n = list(integrals), rank // 2
     if len(names) < n or not n:
         return ()
     others = [pair for pair in combinations(names, 2) if "H" not in pair]
-    zero = _vanish(system, _brackets(system, [(integrals[a], integrals[b]) for a, b in others]))
+    zero = _vanish(system, _brackets(system, [(integrals[a], integrals[b]) for a, b in others]), on)
     commuting = {frozenset(pair) for pair, vanishes in zip(others, zero, strict=True) if vanishes}
     for chosen in combinations(names[1:], n - 1):
         if (
             all(frozenset(pair) in commuting for pair in combinations(chosen, 2))
-            and fields_rank(system, [integrals[c] for c in ("H", *chosen)]) == n
+            and fields_rank(system, [integrals[c] for c in ("H", *chosen)], on) == n
         ):
             return ("H", *chosen)
     return ()
@@ -142,9 +158,11 @@ def _brackets(system: System, pairs: Iterable[tuple[Expr, Expr]]) -> list[Expr]:
     return [(system.bracket(f, g) / scale).expand() for f, g in pairs]
 
 
-def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
-    equations, polynomials = algebraic_equations(system, *functions)
-    return [not equations.level.remainder(f) for f in polynomials]
+def _vanish(system: System, functions: Sequence[Expr], on: Sequence[Expr] = ()) -> list[bool]:
+    equations, read = algebraic_equations(system, *functions, *on)
+    n = len(functions)
+    level = level_of(equations.derivation, [*equations.relations, *read[n:]]) if on else equations.level
+    return [not level.remainder(f) for f in read[:n]]
 
 
 def as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:

@@ -143,6 +143,7 @@ def monodromy(
     Raises:
         ShapeError: loop is no array of values.
         ParameterError: the loop is a point.
+        LeafError: the integrals commute on another leaf only.
         OrbitError: the first value is not reached from the state, too few flows close there, or the loop meets a
             critical value, with the value where it does.
         TimeLimitError: the time is over.
@@ -155,7 +156,7 @@ def monodromy(
     x = as_phase_points(state, bracket.coordinate_names_in_order, bracket.field_names, "state")
     corners, number = _corners(loop, momentum.names), as_seed(seed)
     with deadline.running(), np.errstate(all="ignore"):
-        leaf = Leaf.through(momentum.system, x)
+        leaf = momentum.leaf_through(x)
         first = on_fibre(momentum, leaf, x[None], corners[0])[0]
         if not np.isfinite(first).all():
             raise OrbitError(

@@ -158,10 +158,10 @@ def momentum_of(leaf: Leaf, momentum: MomentumMap | None) -> MomentumMap:
 
     Raises:
         ParameterError: the one given is of another system.
-        LeafError: the leaf has not twice as many dimensions as there are integrals.
+        LeafError: the leaf has not twice as many dimensions as there are integrals, or these commute on another one.
     """
     if momentum is None:
-        momentum = momentum_map(leaf.system)
+        momentum = momentum_map(leaf.system, leaf=leaf if leaf.is_regular else None)
     check_kind(momentum, MomentumMap, "momentum", "what momentum_map returns", "call it first")
     if momentum.system is not leaf.system and momentum.system != leaf.system:
         raise ParameterError(
@@ -172,6 +172,11 @@ def momentum_of(leaf: Leaf, momentum: MomentumMap | None) -> MomentumMap:
         raise LeafError(
             f"leaf: wanted one of dimension {2 * len(momentum.names)}, as there are {len(momentum.names)} integrals; "
             f"got {leaf!r}. On it they are dependent everywhere, or more than it needs."
+        )
+    if momentum.leaf is not None and not (leaf.is_regular and leaf.casimirs == momentum.leaf.casimirs):
+        raise LeafError(
+            f"leaf: wanted {momentum.leaf!r}, on which alone the map ({', '.join(momentum.names)}) holds; got "
+            f"{leaf.casimirs}. Make a map on this one: lp.tori.momentum_map(system, leaf=leaf)."
         )
     return momentum
 

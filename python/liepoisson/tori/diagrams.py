@@ -44,8 +44,8 @@ _SAME = 1e-9
 """Values that differ by less, relative to the figure, are the same."""
 _DOUBLE = 1e-5
 """A double root is nearer than this: Newton's method ends at residuals of 1e-12, whose root is 1e-6."""
-_NEW = 3
-"""Points in a row on no curve make a family new: where both end, one may be longer by a step, of two points."""
+_NEW = 0.02
+"""Where half of a family is known, the rest is new if it is longer than this, relative to the figure."""
 _REST = 1e-3
 """Fields that are dependent but for this length, relative to typical ones, are near to lower rank."""
 
@@ -305,7 +305,7 @@ class _Families:
         size = np.where(size > 0, size, 1.0)
         found = list[CriticalFamily]()
 
-        def new(values: Array, kind: str) -> NDArray[np.bool_]:
+        def are_new(values: Array, kind: str) -> NDArray[np.bool_]:
             """Which values are on no curve yet."""
             inside = (values[:, 0] >= self.energy_min) & (values[:, 0] <= self.energy_max)
             for curve in (one.values for one in found if one.type == kind):
@@ -314,13 +314,14 @@ class _Families:
 
         dropped = [values[wanted & (types == "degenerate")]]
         for k in np.flatnonzero(wanted):
-            if not new(values[k, None], str(types[k])).any():
+            if not are_new(values[k, None], str(types[k])).any():
                 continue
-            parts, degenerate = self._by_type(self._both_ways(x[k], weights[k]))
+            parts, degenerate = self._parts(self._both_ways(x[k], weights[k]), size)
             dropped.append(degenerate)
             for family in parts:
-                fresh = new(family.values, family.type)
-                if fresh.sum() > len(fresh) / 2 or _longest_run(fresh) >= _NEW:
+                fresh = are_new(family.values, family.type)
+                lengths = linear.norm(np.diff(family.values / size, axis=0), axis=1)
+                if fresh.sum() > len(fresh) / 2 or lengths[fresh[1:] & fresh[:-1]].sum() > _NEW:
                     found.append(family)
         self.degenerate = np.concatenate(dropped)
         return found
@@ -424,26 +425,26 @@ class _Families:
         across = across / linear.norm(across)
         return across if like is None or (across * like).sum() > 0 else -across
 
-    def _by_type(self, points: Array) -> tuple[list[CriticalFamily], Array]:
-        """The parts of one type, and the values of those that are degenerate."""
+    def _parts(self, points: Array, size: Array) -> tuple[list[CriticalFamily], Array]:
+        """The parts between places where the type changes, or the values turn back, and the values that are degenerate.
+
+        They do at a cusp, and where a family goes through an orbit of both flows that a symmetry maps to itself: what
+        follows is the image of what was before, with the same values.  The longest part comes first.
+        """
         critical = self.critical
         _, types = critical.kinds(points)
         states = points * critical.units
         values = self.values(points)
+        steps = np.diff(values / size, axis=0)
+        turns = np.pad((steps[:-1] * steps[1:]).sum(axis=1) < 0, 1) if len(points) > 2 else np.zeros(len(points), bool)
         found, begin = list[CriticalFamily](), 0
         for k in range(1, len(points) + 1):
-            if k == len(points) or types[k] != types[begin]:
-                stop = min(k + 1, len(points))  # both share the place where the type changes
+            if k == len(points) or types[k] != types[begin] or turns[k]:
+                stop = min(k + 1, len(points))  # both share the place
                 if stop - begin > 1 and types[begin] not in {"degenerate", "regular"}:
                     found.append(CriticalFamily(str(types[begin]), values[begin:stop], states[begin:stop]))
                 begin = k
-        return found, values[types == "degenerate"]
-
-
-def _longest_run(given: NDArray[np.bool_]) -> int:
-    """How many in a row are true."""
-    ends = np.flatnonzero(~np.pad(given, 1))
-    return int(np.diff(ends).max()) - 1
+        return sorted(found, key=lambda one: -len(one.values)), values[types == "degenerate"]
 
 
 def are_on(values: Array, curve: Array) -> NDArray[np.bool_]:

@@ -27,7 +27,6 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.io.tables import vector_columns
-from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
@@ -145,6 +144,7 @@ def period_lattice(
 
     Raises:
         ParameterError: the integrals are none, do not commute, or are not as many as wanted.
+        LeafError: they commute on another leaf only.
         OrbitError: they are dependent at the state, or too few flows close: the fibre is not compact, or the state is
             near to a critical one.
         TimeLimitError: the time is over.
@@ -157,7 +157,7 @@ def period_lattice(
         raise ShapeError(f"state: wanted one state, shape ({x.shape[-1]},); got shape {x.shape}")
     number = as_seed(seed)
     with deadline.running(), np.errstate(all="ignore"):
-        torus = Closures.at(momentum, x, Leaf.through(momentum.system, x).in_units().units)
+        torus = Closures.at(momentum, x, momentum.leaf_through(x).in_units().units)
         periods = torus.lattice(number)
         return PeriodLattice(momentum, x, periods, float(torus.distances(periods).max()))
 
