@@ -12,7 +12,8 @@ References: [keller1977]; [doedel2003].
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
@@ -32,6 +33,7 @@ _GOOD, _BAD = 0.2, 0.5
 """The step grows where its tangents differ by less than the first angle, and is made again above the second."""
 TRIALS = 8
 """How often the first step is tried."""
+TOGETHER, NEAR, KNOWN = 16, 1e-4, 9
 _SECANTS, _KNOWN, _SAME, _ZERO = 40, 4, 1e-6, 1e-13
 """Steps of the secant method, in which each third one triples the digits; solutions that correct a cubic; the distance,
 relative to the step, of solutions that are the same; and the part of its change below which a function is zero."""
@@ -94,6 +96,10 @@ class Curve(Protocol[P]):
     def obstacle(self, first: P, last: P, /) -> tuple[str, bool]:
         """What lies between two points that no step may pass, and whether shorter steps are of no use; else nothing."""
         return "", False
+
+    def ahead(self, guesses: Array, last: P, direction: Array, length: float, /) -> Sequence[P]:
+        """The points that follow a last one by equal steps, from guesses of all; as many as are found together."""
+        return ()
 
     def settled(self, point: P, /) -> P:
         """The same point as the next steps begin there."""
@@ -180,6 +186,7 @@ class Follower(Generic[P]):
     def __init__(self, curve: Curve[P], point: P, longest: float) -> None:
         self.curve, self.longest, self.step = curve, longest, min(FIRST, longest)
         self.here = point, curve.null_space(point, 1)[0]
+        self._past, self._ahead = [point], list[P]()
 
     def turn_towards(self, bound: float | None, increasing: bool | None) -> None:
         """Go on towards a value, or to larger or smaller ones."""
@@ -196,8 +203,25 @@ class Follower(Generic[P]):
                 new = self._moved(first, step)
                 if new.residual <= HOLDS:
                     self.here, self.step = (new, self._nearest(new, _tangent(first), 1)[0]), float(step)
+                    self._past = [new]
                     return True
         return False
+
+    def _look_ahead(self) -> None:
+        """Points some equal steps ahead, all at once, where the past predicts them.
+
+        With the differences of the last points, $x_j \\approx \\sum_{i<q}\\binom{i+j-1}{i}\\nabla^i x$, and the next
+        term is about the error: there are as many as are so near that Newton's method converges quadratically.
+        """
+        known, (last, direction) = np.array([one.unknowns for one in self._past]), self.here
+        differences = [np.diff(known, i, axis=0)[-1] for i in range(len(known))]
+        order, finite = len(differences) - 1, np.isfinite(last.units)
+        size = float(linear.norm((differences[-1] / last.units)[finite]))
+        n = next((j for j in range(TOGETHER) if not math.comb(order + j, order) * size < NEAR), TOGETHER)
+        if order > 1 and n > 1:
+            weights = np.array([[math.comb(i + j, i) for i in range(order)] for j in range(n)], dtype=float)
+            guesses = linear.matmul(weights, np.array(differences[:-1]))
+            self._ahead = list(self.curve.ahead(guesses, last, direction, self.step))
 
     def _moved(self, end: Direction[P], length: float) -> P:
         """The point after a step in a direction, corrected across it."""
@@ -218,8 +242,11 @@ class Follower(Generic[P]):
         """Go on by one point; why the curve ends there, or nothing."""
         curve, here, obstacle = self.curve, self.here, ""
         old, tangent = curve.value(here[0]), _tangent(here)
+        if not self._ahead:
+            self._look_ahead()
         while self.step > _SHORTEST:
-            new, end = self._moved(here, self.step), ""
+            is_ahead = bool(self._ahead)
+            new, end = self._ahead.pop(0) if is_ahead else self._moved(here, self.step), ""
             value = curve.value(new)
             if bound is not None and new.residual <= HOLDS and old != bound and (old - bound) * (value - bound) <= 0:
                 near = self._moved(here, self.step * (bound - old) / (value - old))
@@ -232,14 +259,20 @@ class Follower(Generic[P]):
                 direction, angle = self._nearest(new, tangent, 1)
                 if not words and angle < _BAD:
                     break
-            self.step /= 2
+            self._past, self._ahead = [], []
+            self.step = self.step if is_ahead else self.step / 2  # it may be that only what was predicted fails
         else:
             return obstacle or _TOO_SHORT
         last = new, direction
         self._piece, settled = Piece(here, last), curve.settled(new)
         self.here = last if settled is new else (settled, self._nearest(settled, _tangent(last), 1)[0])
+        old_step = self.step
         if angle < _GOOD:
             self.step = min(self.longest, 1.5 * self.step)
+        if settled is not new or self.step != old_step:
+            self._past.clear()
+            self._ahead.clear()
+        self._past = [*self._past, settled][-KNOWN:]
         return end
 
     def followed(
@@ -262,6 +295,7 @@ class Follower(Generic[P]):
                 new, found = member(self._piece.ends[1][0]), self._zeros(len(members) - 1)
                 if not all(one.is_located for one in found) and self._piece.length >= _LEAST * self.longest:
                     self.here, self.step, end = self._piece.ends[0], self._piece.length / 2, ""  # not in one step
+                    self._past, self._ahead = [], []
                     continue
                 if found and found[-1].kind == _SINGULAR:
                     end = found.pop().kind

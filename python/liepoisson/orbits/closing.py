@@ -154,6 +154,66 @@ class Closing:
                 break
         return best
 
+    def chained(self, guesses: Loops, last: Loops, tangent: Array, length: float) -> tuple[Loops, Linearised, Array]:
+        """Loops that follow a last one, each by a step along the tangent of the one before, corrected across it.
+
+        They are those to which `solved` comes one after the other, but are improved together: a correction moves the
+        guess from which the next one is held.  What does not begin where convergence is quadratic, nor converge at
+        once, is left out with all that follows.
+
+        Args:
+            guesses: States, times and angles, in their order.
+            last: The loop before them.
+            tangent: Its direction in (state, time, angle), in units, shape (N + 1 + k,).
+            length: The length of a step.
+
+        Returns:
+            The loops, their derivatives, and their tangents, shape (n, N + 1 + k).
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
+        x, T, angle = guesses.state.copy(), guesses.time.copy(), guesses.angle.copy()
+        N, units, held = x.shape[2], self.level.units, slice(x.shape[2], x.shape[2] + len(self.held))
+        n_kept, is_last, bound = len(T), False, np.full(len(T), _MEETS)
+        while True:
+            checkpoint("Newton's method for closed orbits")
+            found = self.linearised(x, T, angle)
+            n_kept = _prefix(np.isfinite(found.gaps).all(axis=(1, 2)) & np.isfinite(found.segments).all(axis=(1, 2, 3)))
+            x, T, angle, found = x[:n_kept], T[:n_kept], angle[:n_kept], found.of(slice(n_kept))
+            if not n_kept:
+                return Loops(x, T, angle, np.zeros(0), np.zeros(0)), found, np.zeros((0, len(tangent)))
+            rows, values = self._equations(found, (x, T, angle), (x[:, 0], T, angle), None)
+            own = linear.svd(rows).Vh[:, -1]
+            own = own * np.cumprod(np.sign((own * np.concatenate([tangent[None], own[:-1]])).sum(axis=1)))[:, None]
+            size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), np.abs(values[:, held]).max(axis=1, initial=0.0))
+            if is_last:
+                return Loops(x, T, angle, size, np.ones(n_kept)), found, own
+            before = np.concatenate([tangent[None], own[:-1]])
+            start, time, turned = (
+                np.concatenate([mine, others[:-1]])
+                for mine, others in ((last.state[:, 0], x[:, 0]), (last.time, T), (last.angle, angle))
+            )
+            moved = np.column_stack([
+                (x[:, 0] - start) / units - length * before[:, :N],
+                T / (time * (1.0 + length * before[:, N])) - 1.0,
+                angle - turned - length * before[:, N + 1 :],
+            ])  # fmt: skip
+            across = np.concatenate([rows[:, held.stop :], before[:, None]], axis=1)  # what is held, from the one before
+            inverse = linear.pinv(np.concatenate([rows, before[:, None]], axis=1), rcond=_RANK)
+            values = np.concatenate([values[:, : held.stop], linear.einsum("nij,nj->ni", across, moved)], axis=1)
+            step = -linear.einsum("nij,nj->ni", inverse, values)
+            carried = linear.matmul(inverse[:, :, held.stop :], across)
+            for j in range(1, n_kept):
+                step[j] += linear.matmul(carried[j], step[j - 1])
+            moves, delay, turned = found.moves(step)
+            long = np.maximum(linear.norm(moves, axis=2).max(axis=1), np.abs(delay))
+            long = np.maximum(long, linear.norm(turned, axis=1))
+            n_kept = _prefix(long < bound[: len(long)])
+            bound = np.maximum(long / 2, _LAST_STEP)
+            is_last = bool((long[:n_kept] < _LAST_STEP).all())
+            x, T, angle = (one[:n_kept] for one in (x + moves * units, T * (1.0 + delay), angle + turned))
+
     def linearised(self, x: Array, T: Array, angle: Array) -> Linearised:
         """The gaps between the segments of some loops, and their derivatives by all states, times and angles."""
         n, m, N = x.shape
@@ -250,6 +310,10 @@ class Linearised:
     segments: Array
     late: Array
 
+    def of(self, rows: slice) -> Linearised:
+        """Those of some loops."""
+        return Linearised(self.gaps[rows], self.segments[rows], self.late[rows])
+
     def condensed(self) -> tuple[Array, Array, Array]:
         """The derivatives of the last end by the first state and the relative time, and the gap, all others closed."""
         matrix, late, rest = self.segments[:, 0], self.late[:, 0], self.gaps[:, 0]
@@ -269,6 +333,11 @@ class Linearised:
             moves[:, i + 1] = linear.einsum("nij,nj->ni", self.segments[:, i], moves[:, i]) + self.gaps[:, i]
             moves[:, i + 1] += self.late[:, i] * delay[:, None]
         return moves, delay, step[:, N + 1 :]
+
+
+def _prefix(good: NDArray[np.bool_]) -> int:
+    """How many are good before the first one that is not."""
+    return int(np.cumprod(good).sum())
 
 
 def _unit(vectors: Array) -> Array:

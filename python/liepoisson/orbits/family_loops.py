@@ -14,6 +14,7 @@ References: [munozalmaraz2003]; [howard1987], the multipliers.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -29,7 +30,6 @@ from liepoisson.numeric.curves import Curve
 from liepoisson.orbits.closed_orbits import Momenta, PeriodicOrbit, Problem, problem_at, with_parameter
 from liepoisson.orbits.closing import GROWTH, Closing, Linearised, Loops, guessed
 from liepoisson.orbits.level import level_of
-from liepoisson.orbits.multipliers import HYPERBOLIC
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -46,6 +46,11 @@ class FamilyLoop:
 
     curve: LoopCurve
     loops: Loops
+
+    @cached_property
+    def direction(self) -> Array:
+        """That of the curve, of either sign."""
+        return self.curve.directions(self, 1)[0]
 
     @property
     def start(self) -> Array:
@@ -77,8 +82,7 @@ class FamilyLoop:
     @cached_property
     def orbit(self) -> PeriodicOrbit:
         """The loop with its multipliers, on its own level; it is alone there if no multiplier is 1."""
-        one = self.curve.described(self.loops)
-        return replace(one, is_isolated=bool((np.abs(one.multipliers - 1) > HYPERBOLIC).all()))
+        return self.curve.described(self.loops)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,9 +161,30 @@ class LoopCurve(Curve[FamilyLoop]):
         closing = replace(self.held, held={**self.held.held, self.name: (function, aim + rest)})
         return FamilyLoop(self, closing.solved(loops))
 
+    def ahead(self, guesses: Array, last: FamilyLoop, direction: Array, length: float) -> list[FamilyLoop]:
+        """The loops that follow a last one by equal steps, from guesses of all; as many as Newton's method finds."""
+        shape, n = last.loops.state.shape, last.loops.state.size
+        given = guessed(guesses[:, :n].reshape(-1, *shape[1:]), guesses[:, n], guesses[:, n + 1 :])
+        tangent = (direction / last.units)[np.isfinite(last.units)]
+        loops, found, tangents = self.closing.chained(given, last.loops, tangent, length)
+        moves, delay, turned = replace(found, gaps=np.zeros_like(found.gaps)).moves(tangents)
+        points = [FamilyLoop(self, loops.of(np.array([k]))) for k in range(len(loops))]
+        for k, one in enumerate(points):
+            vars(one)["linearised"] = found.of(slice(k, k + 1))
+            vars(one)["direction"] = _flat(moves[k] * self.units, delay[k : k + 1] * one.loops.time, turned[k])
+        if self.variable is None and self.name == "H" and points:
+            with suppress(linear.LinAlgError):  # of one of them, which may not be reached
+                for one, orbit in zip(points, self.described(loops), strict=True):
+                    vars(one)["orbit"] = orbit
+        return points
+
     def null_space(self, point: FamilyLoop, n: int, /, *, least: int = 1) -> Array:
         """The n directions in which it moves most nearly along loops."""
         del least
+        return point.direction[None] if n == 1 else self.directions(point, n)
+
+    def directions(self, point: FamilyLoop, n: int) -> Array:
+        """The same, computed."""
         closed = replace(point.linearised, gaps=np.zeros_like(point.linearised.gaps))
         found: list[Array] = []
         for tangent in self.closing.null_space(point.loops, point.linearised, n):
@@ -200,19 +225,23 @@ class LoopCurve(Curve[FamilyLoop]):
         loops = self.problem.loops(point.loops.state[:, 0], point.loops.time, point.loops.angle)
         return FamilyLoop(self, self.closing.solved(loops))
 
-    def described(self, loops: Loops) -> PeriodicOrbit:
-        """A loop with its multipliers, on its own level."""
-        start, system = loops.state[0, 0], self.problem.system
+    def described(self, loops: Loops) -> list[PeriodicOrbit]:
+        """Loops with their multipliers, each on its own level; with a parameter, one loop."""
+        starts, system, problem = loops.state[:, 0], self.problem.system, replace(self.problem, closing=self.held)
         if self.variable is not None:
-            system, start = self.variable.at(float(start[-1])), start[:-1]
-            problem = problem_at(system, start, momenta=tuple(self.problem.momenta), threads=1)
+            system, starts = self.variable.at(float(starts[0, -1])), starts[:, :-1]
+            problem = problem_at(system, starts[0], momenta=tuple(self.problem.momenta), threads=1)
             loops = replace(loops, state=loops.state[..., :-1])
-        else:
-            level = self.held.level
-            if self.name != "H":
-                level = level_of(system, Leaf.through(system, start), float(system.functions.energy(start)))
-            problem = replace(self.problem, closing=replace(self.held, level=level.through(start)))
-        return problem.in_units(self.units[: len(start)]).described(loops)
+        problem = problem.in_units(self.units[: starts.shape[1]])
+        levels = [problem.closing.level] * len(loops)
+        if self.variable is None and self.name != "H":
+            levels = [
+                level_of(system, Leaf.through(system, x), float(system.functions.energy(x))).through(x) for x in starts
+            ]
+            levels = [replace(one, units=problem.closing.level.units) for one in levels]
+        elif self.variable is None:
+            levels = [problem.closing.level.through(x) for x in starts]
+        return problem.descriptions(loops, levels)
 
 
 def _flat(state: Array, time: Array, angle: Array) -> Array:
