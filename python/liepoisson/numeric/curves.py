@@ -34,6 +34,7 @@ _GOOD, _BAD = 0.2, 0.5
 TRIALS = 8
 """How often the first step is tried."""
 TOGETHER, NEAR, KNOWN = 16, 1e-4, 9
+BINOMIALS = np.array([[math.comb(i + j, i) for j in range(TOGETHER)] for i in range(KNOWN)], dtype=np.float64)
 _SECANTS, _KNOWN, _SAME, _ZERO = 40, 4, 1e-6, 1e-13
 """Steps of the secant method, in which each third one triples the digits; solutions that correct a cubic; the distance,
 relative to the step, of solutions that are the same; and the part of its change below which a function is zero."""
@@ -187,6 +188,7 @@ class Follower(Generic[P]):
         self.curve, self.longest, self.step = curve, longest, min(FIRST, longest)
         self.here = point, curve.null_space(point, 1)[0]
         self._past, self._ahead = [point], list[P]()
+        self._known_tests: list[tuple[Direction[P], dict[str, Array]]] = []
 
     def turn_towards(self, bound: float | None, increasing: bool | None) -> None:
         """Go on towards a value, or to larger or smaller ones."""
@@ -213,14 +215,17 @@ class Follower(Generic[P]):
         With the differences of the last points, $x_j \\approx \\sum_{i<q}\\binom{i+j-1}{i}\\nabla^i x$, and the next
         term is about the error: there are as many as are so near that Newton's method converges quadratically.
         """
-        known, (last, direction) = np.array([one.unknowns for one in self._past]), self.here
-        differences = [np.diff(known, i, axis=0)[-1] for i in range(len(known))]
-        order, finite = len(differences) - 1, np.isfinite(last.units)
-        size = float(linear.norm((differences[-1] / last.units)[finite]))
-        n = next((j for j in range(TOGETHER) if not math.comb(order + j, order) * size < NEAR), TOGETHER)
-        if order > 1 and n > 1:
-            weights = np.array([[math.comb(i + j, i) for i in range(order)] for j in range(n)], dtype=float)
-            guesses = linear.matmul(weights, np.array(differences[:-1]))
+        differences, rest = list[Array](), np.array([one.unknowns for one in self._past])
+        while len(rest):
+            differences.append(rest[-1])
+            rest = rest[1:] - rest[:-1]
+        (last, direction), terms = self.here, np.array(differences)
+        sizes = linear.norm((terms / last.units)[2:, np.isfinite(last.units)], axis=1)
+        errors = BINOMIALS[2 : len(terms)] * sizes[:, None]
+        n = int((errors < NEAR).sum(axis=1).max(initial=0))
+        if n > 1:
+            order = 2 + int(errors[:, n - 1].argmin())
+            guesses = linear.matmul(BINOMIALS[:order, :n].T, terms[:order])
             self._ahead = list(self.curve.ahead(guesses, last, direction, self.step))
 
     def _moved(self, end: Direction[P], length: float) -> P:
@@ -308,7 +313,13 @@ class Follower(Generic[P]):
         return tuple(members), tuple(zeros), end
 
     def _tests(self, end: Direction[P]) -> dict[str, Array]:
-        return self.curve.tests(end[0], end[1] / end[0].units)
+        """The functions at a point; those of the last two, the ends of a step, are kept."""
+        for known, found in self._known_tests:
+            if known is end:
+                return found
+        found = self.curve.tests(end[0], end[1] / end[0].units)
+        self._known_tests = [(end, found), *self._known_tests[:1]]
+        return found
 
     def _zeros(self, after: int) -> list[Zero[P]]:
         """What changes in the last step, after a member, in its order up to a singular level."""
@@ -342,8 +353,8 @@ class Follower(Generic[P]):
         found: dict[tuple[str, int], tuple[float, float]] = {}
         for kind, values in first.items():
             others = last.get(kind, np.zeros(0))
-            low, high = sorted(int((one < 0).sum()) for one in (values, others))
-            for k in range(low, high) if len(values) == len(others) else ():
+            n, m = np.count_nonzero(values < 0), np.count_nonzero(others < 0)
+            for k in range(min(n, m), max(n, m)) if len(values) == len(others) else ():
                 found[kind, k] = float(values[k]), float(others[k])
         return found
 

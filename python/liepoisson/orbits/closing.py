@@ -204,8 +204,11 @@ class Closing:
             values = np.concatenate([values[:, : held.stop], linear.einsum("nij,nj->ni", across, moved)], axis=1)
             step = -linear.einsum("nij,nj->ni", inverse, values)
             carried = linear.matmul(inverse[:, :, held.stop :], across)
-            for j in range(1, n_kept):
-                step[j] += linear.matmul(carried[j], step[j - 1])
+            n = 1
+            while n < n_kept:  # step_j + carried_j step_(j - 1), of 1, 2, 4, ... terms
+                step[n:] += linear.einsum("nij,nj->ni", carried[n:], step[:-n])
+                carried[n:] = linear.matmul(carried[n:], carried[:-n])
+                n *= 2
             moves, delay, turned = found.moves(step)
             long = np.maximum(linear.norm(moves, axis=2).max(axis=1), np.abs(delay))
             long = np.maximum(long, linear.norm(turned, axis=1))

@@ -17,7 +17,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -38,6 +38,14 @@ if TYPE_CHECKING:
 AT_REST = "an equilibrium"
 _HOMOCLINIC = "an equilibrium on the orbit, which is homoclinic there"
 _SMALL = 4.0
+
+
+class AtStart(NamedTuple):
+    """What varies along the curve, its gradient, and the velocity, in units, where a loop begins."""
+
+    value: float
+    gradient: Array
+    rate: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,17 +70,22 @@ class FamilyLoop:
         """How well the loop closes."""
         return float(self.loops.residual[0])
 
-    @property
+    @cached_property
     def unknowns(self) -> Array:
         """All states, the time and the angles."""
         return _flat(self.loops.state, self.loops.time, self.loops.angle)
 
-    @property
+    @cached_property
     def units(self) -> Array:
         """Those of the level for the first state, from which others follow, and the time, which counts relatively."""
         units = np.full(self.loops.state[0].shape, np.inf)
         units[0] = self.curve.units
         return _flat(units, self.loops.time, np.ones_like(self.loops.angle))
+
+    @cached_property
+    def at_start(self) -> AtStart:
+        """What the functions of the curve are there."""
+        return self.curve.at_starts(self.start[None])[0]
 
     @cached_property
     def linearised(self) -> Linearised:
@@ -148,7 +161,13 @@ class LoopCurve(Curve[FamilyLoop]):
 
     def value(self, point: FamilyLoop) -> float:
         """The energy, the Casimir or the parameter that varies."""
-        return float(self.free(point.start))
+        return point.at_start.value
+
+    @np.errstate(all="ignore")  # Newton's method may have ended where the functions do not exist
+    def at_starts(self, starts: Array) -> list[AtStart]:
+        """What the functions are where loops begin."""
+        rates = self.closing.flow.system.vector_field(starts) / self.units
+        return [*map(AtStart, self.free(starts).tolist(), self.free.gradient(starts) * self.units, rates)]
 
     def solved(self, guess: Array, near: FamilyLoop, aim: Array | float) -> FamilyLoop:
         """What Newton's method makes of a guess: across a direction, or where the value is a wanted one."""
@@ -169,8 +188,8 @@ class LoopCurve(Curve[FamilyLoop]):
         loops, found, tangents = self.closing.chained(given, last.loops, tangent, length)
         moves, delay, turned = replace(found, gaps=np.zeros_like(found.gaps)).moves(tangents)
         points = [FamilyLoop(self, loops.of(np.array([k]))) for k in range(len(loops))]
-        for k, one in enumerate(points):
-            vars(one)["linearised"] = found.of(slice(k, k + 1))
+        for k, (one, at_start) in enumerate(zip(points, self.at_starts(loops.state[:, 0]), strict=True)):
+            vars(one)["linearised"], vars(one)["at_start"] = found.of(slice(k, k + 1)), at_start
             vars(one)["direction"] = _flat(moves[k] * self.units, delay[k : k + 1] * one.loops.time, turned[k])
         if self.variable is None and self.name == "H" and points:
             with suppress(linear.LinAlgError):  # of one of them, which may not be reached
@@ -194,8 +213,8 @@ class LoopCurve(Curve[FamilyLoop]):
 
     def tests(self, point: FamilyLoop, tangent: Array) -> dict[str, Array]:
         """Functions that pass zero where something changes; of loops without multipliers the slope of the value."""
-        gradient = self.free.gradient(point.start) * self.units
-        found: dict[str, Array] = {"fold": np.array([linear.matmul(gradient, tangent[: len(gradient)])])}
+        slope = linear.matmul(point.at_start.gradient, tangent[: len(point.start)])
+        found: dict[str, Array] = {"fold": np.array([slope])}
         half = point.orbit.multipliers[: len(point.orbit.multipliers) // 2]
         if half.size:
             sums = half + 1 / half
@@ -210,9 +229,7 @@ class LoopCurve(Curve[FamilyLoop]):
         An orbit that is as small as the step shrinks to it, after which the same orbits come: a small one has the size
         $2a$, and the step to one of the amplitude $-b$ the length $a + b$; an orbit near to a saddle stays large.
         """
-        field = self.closing.flow.system.vector_field
-        rates = [field(one.start) / self.units for one in (first, last)]
-        if not linear.matmul(rates[0], rates[1]) < 0:
+        if not linear.matmul(first.at_start.rate, last.at_start.rate) < 0:
             return "", False
         half, _ = self.closing.flow.ends(first.start[None], np.array([float(first.loops.time[0]) / 2]))
         size, step = (linear.norm((one - first.start) / self.units) for one in (half[0], last.start))
@@ -240,7 +257,7 @@ class LoopCurve(Curve[FamilyLoop]):
             ]
             levels = [replace(one, units=problem.closing.level.units) for one in levels]
         elif self.variable is None:
-            levels = [problem.closing.level.through(x) for x in starts]
+            levels = problem.closing.level.through_each(starts)
         return problem.descriptions(loops, levels)
 
 
