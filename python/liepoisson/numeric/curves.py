@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -33,11 +33,12 @@ _GOOD, _BAD = 0.2, 0.5
 """The step grows where its tangents differ by less than the first angle, and is made again above the second."""
 TRIALS = 8
 """How often the first step is tried."""
-TOGETHER, NEAR, KNOWN = 16, 1e-4, 9
-BINOMIALS = np.array([[math.comb(i + j, i) for j in range(TOGETHER)] for i in range(KNOWN)], dtype=np.float64)
 _SECANTS, _KNOWN, _SAME, _ZERO = 40, 4, 1e-6, 1e-13
 """Steps of the secant method, in which each third one triples the digits; solutions that correct a cubic; the distance,
 relative to the step, of solutions that are the same; and the part of its change below which a function is zero."""
+_PAST, _NEAR = 9, 1e-4
+"""Points from which the next ones are predicted, and the error of a prediction, in units, from which Newton's method
+converges quadratically."""
 _REACHED, _TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
 
 
@@ -65,7 +66,13 @@ M = TypeVar("M")
 
 
 class Curve(Protocol[P]):
-    """The equations of a curve.  A direction is a change of the unknowns."""
+    """The equations of a curve.  A direction is a change of the unknowns.
+
+    Attributes:
+        together: How many points are solved for together at most.
+    """
+
+    together: ClassVar[int] = 1
 
     def value(self, point: P, /) -> float:
         """What varies along the curve."""
@@ -99,7 +106,7 @@ class Curve(Protocol[P]):
         return "", False
 
     def ahead(self, guesses: Array, last: P, direction: Array, length: float, /) -> Sequence[P]:
-        """The points that follow a last one by equal steps, from guesses of all; as many as are found together."""
+        """The points that follow a last one by equal steps, from guesses; as many as are found together."""
         return ()
 
     def settled(self, point: P, /) -> P:
@@ -188,6 +195,8 @@ class Follower(Generic[P]):
         self.curve, self.longest, self.step = curve, longest, min(FIRST, longest)
         self.here = point, curve.null_space(point, 1)[0]
         self._past, self._ahead = [point], list[P]()
+        ahead = range(curve.together)
+        self._binomials = np.array([[float(math.comb(i + j, i)) for j in ahead] for i in range(_PAST)])
         self._known_tests: list[tuple[Direction[P], dict[str, Array]]] = []
 
     def turn_towards(self, bound: float | None, increasing: bool | None) -> None:
@@ -209,11 +218,12 @@ class Follower(Generic[P]):
                     return True
         return False
 
-    def _look_ahead(self) -> None:
-        """Points some equal steps ahead, all at once, where the past predicts them.
+    def _look_ahead(self, most: int) -> None:
+        r"""Some of the next points, all at once, where the past predicts them: after equal steps, at most so many.
 
-        With the differences of the last points, $x_j \\approx \\sum_{i<q}\\binom{i+j-1}{i}\\nabla^i x$, and the next
-        term is about the error: there are as many as are so near that Newton's method converges quadratically.
+        With the differences of the last points, $x_j \approx \sum_{i<q}\binom{i+j-1}{i}\nabla^i x$, and the next term
+        is about the error: the order is the one that predicts most points so well that Newton's method converges
+        quadratically, and these best.
         """
         differences, rest = list[Array](), np.array([one.unknowns for one in self._past])
         while len(rest):
@@ -221,11 +231,11 @@ class Follower(Generic[P]):
             rest = rest[1:] - rest[:-1]
         (last, direction), terms = self.here, np.array(differences)
         sizes = linear.norm((terms / last.units)[2:, np.isfinite(last.units)], axis=1)
-        errors = BINOMIALS[2 : len(terms)] * sizes[:, None]
-        n = int((errors < NEAR).sum(axis=1).max(initial=0))
+        errors = self._binomials[2 : len(terms), :most] * sizes[:, None]
+        n = int((errors < _NEAR).sum(axis=1).max(initial=0))
         if n > 1:
             order = 2 + int(errors[:, n - 1].argmin())
-            guesses = linear.matmul(BINOMIALS[:order, :n].T, terms[:order])
+            guesses = linear.matmul(self._binomials[:order, :n].T, terms[:order])
             self._ahead = list(self.curve.ahead(guesses, last, direction, self.step))
 
     def _moved(self, end: Direction[P], length: float) -> P:
@@ -243,12 +253,12 @@ class Follower(Generic[P]):
         cosine = float(linear.norm(share))
         return linear.matmul(share, space) / (cosine or 1.0), float(elementary.arccos(min(1.0, cosine)))
 
-    def _advance(self, bound: float | None) -> str:
-        """Go on by one point; why the curve ends there, or nothing."""
+    def _advance(self, bound: float | None, most: int) -> str:
+        """Go on by one point, of at most so many; why the curve ends there, or nothing."""
         curve, here, obstacle = self.curve, self.here, ""
         old, tangent = curve.value(here[0]), _tangent(here)
-        if not self._ahead:
-            self._look_ahead()
+        if not self._ahead and len(self._past) > 2 and curve.together > 1:
+            self._look_ahead(most)
         while self.step > _SHORTEST:
             is_ahead = bool(self._ahead)
             new, end = self._ahead.pop(0) if is_ahead else self._moved(here, self.step), ""
@@ -271,13 +281,10 @@ class Follower(Generic[P]):
         last = new, direction
         self._piece, settled = Piece(here, last), curve.settled(new)
         self.here = last if settled is new else (settled, self._nearest(settled, _tangent(last), 1)[0])
-        old_step = self.step
-        if angle < _GOOD:
-            self.step = min(self.longest, 1.5 * self.step)
-        if settled is not new or self.step != old_step:
-            self._past.clear()
-            self._ahead.clear()
-        self._past = [*self._past, settled][-KNOWN:]
+        step = min(self.longest, 1.5 * self.step) if angle < _GOOD else self.step
+        if settled is not new or step != self.step:
+            self.step, self._past, self._ahead = step, [], []
+        self._past = [*self._past, settled][-_PAST:]
         return end
 
     def followed(
@@ -294,7 +301,7 @@ class Follower(Generic[P]):
         members, zeros, end = [member(self.here[0])], list[Zero[P]](), ""
         while not end and len(members) < most:
             try:
-                end = self._advance(bound)
+                end = self._advance(bound, most - len(members))
                 if end not in ("", _REACHED):
                     break
                 new, found = member(self._piece.ends[1][0]), self._zeros(len(members) - 1)

@@ -154,12 +154,14 @@ class Closing:
                 break
         return best
 
-    def chained(self, guesses: Loops, last: Loops, tangent: Array, length: float) -> tuple[Loops, Linearised, Array]:
-        """Loops that follow a last one, each by a step along the tangent of the one before, corrected across it.
+    def chained(
+        self, guesses: Loops, last: Loops, tangent: Array, length: float
+    ) -> tuple[Loops, Linearised, Array] | None:
+        r"""Loops that follow a last one, each by a step along the tangent of the one before, corrected across it.
 
-        They are those to which `solved` comes one after the other, but are improved together: a correction moves the
-        guess from which the next one is held.  What does not begin where convergence is quadratic, nor converge at
-        once, is left out with all that follows.
+        They are those to which `solved` comes one after the other, improved together: a correction moves the guess
+        from which the next loop is held, $d_j = s_j + C_j d_{j-1}$.  A loop that does not begin where convergence is
+        quadratic, or whose corrections do not become shorter, is left out with all that follow.
 
         Args:
             guesses: States, times and angles, in their order.
@@ -168,54 +170,55 @@ class Closing:
             length: The length of a step.
 
         Returns:
-            The loops, their derivatives, and their tangents, shape (n, N + 1 + k).
+            The loops, their derivatives, and their tangents, shape (n, N + 1 + k); None where there is none.
 
         Raises:
             TimeLimitError: the deadline of the call has passed.
         """
-        x, T, angle = guesses.state.copy(), guesses.time.copy(), guesses.angle.copy()
-        N, units, held = x.shape[2], self.level.units, slice(x.shape[2], x.shape[2] + len(self.held))
-        n_kept, is_last, bound = len(T), False, np.full(len(T), _MEETS)
-        while True:
+        here, N, units = (guesses.state, guesses.time, guesses.angle), guesses.state.shape[2], self.level.units
+        first, is_last, bound = N + len(self.held), False, np.full(len(guesses), _MEETS)
+        while len(here[1]):
             checkpoint("Newton's method for closed orbits")
-            found = self.linearised(x, T, angle)
-            n_kept = _prefix(np.isfinite(found.gaps).all(axis=(1, 2)) & np.isfinite(found.segments).all(axis=(1, 2, 3)))
-            x, T, angle, found = x[:n_kept], T[:n_kept], angle[:n_kept], found.of(slice(n_kept))
-            if not n_kept:
-                return Loops(x, T, angle, np.zeros(0), np.zeros(0)), found, np.zeros((0, len(tangent)))
-            rows, values = self._equations(found, (x, T, angle), (x[:, 0], T, angle), None)
+            found = self.linearised(*here)
+            rows, values = self._equations(found, here, (here[0][:, 0], *here[1:]), None)
+            some = slice(_prefix(np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(values).all(axis=1)))
+            x, T, angle = here = tuple(one[some] for one in here)
+            rows, values, found = rows[some], values[some], found.of(some)
+            if not len(T):
+                break
             own = linear.svd(rows).Vh[:, -1]
-            own = own * np.cumprod(np.sign((own * np.concatenate([tangent[None], own[:-1]])).sum(axis=1)))[:, None]
-            size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), np.abs(values[:, held]).max(axis=1, initial=0.0))
+            before = np.concatenate([tangent[None], own])[: len(own)]
+            turns = np.cumprod(np.where((own * before).sum(axis=1) < 0, -1.0, 1.0))[:, None]
+            own, before = own * turns, np.concatenate([tangent[None], own * turns])[: len(own)]
             if is_last:
-                return Loops(x, T, angle, size, np.ones(n_kept)), found, own
-            before = np.concatenate([tangent[None], own[:-1]])
+                size = np.abs(values[:, N:first]).max(axis=1, initial=0.0)
+                size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), size)
+                return Loops(x, T, angle, size, np.ones(len(T))), found, own
             start, time, turned = (
-                np.concatenate([mine, others[:-1]])
-                for mine, others in ((last.state[:, 0], x[:, 0]), (last.time, T), (last.angle, angle))
+                np.concatenate([one, others])[: len(T)]
+                for one, others in ((last.state[:, 0], x[:, 0]), (last.time, T), (last.angle, angle))
             )
-            moved = np.column_stack([
+            moved = np.concatenate([
                 (x[:, 0] - start) / units - length * before[:, :N],
-                T / (time * (1.0 + length * before[:, N])) - 1.0,
+                T[:, None] / (time[:, None] * (1.0 + length * before[:, N : N + 1])) - 1.0,
                 angle - turned - length * before[:, N + 1 :],
-            ])  # fmt: skip
-            across = np.concatenate([rows[:, held.stop :], before[:, None]], axis=1)  # what is held, from the one before
-            inverse = linear.pinv(np.concatenate([rows, before[:, None]], axis=1), rcond=_RANK)
-            values = np.concatenate([values[:, : held.stop], linear.einsum("nij,nj->ni", across, moved)], axis=1)
+            ], axis=1)  # fmt: skip
+            across = np.concatenate([rows[:, first:], before[:, None]], axis=1)  # what is held from the loop before
+            inverse = linear.pinv(np.concatenate([rows[:, :first], across], axis=1), rcond=_RANK)
+            values = np.concatenate([values[:, :first], linear.einsum("nij,nj->ni", across, moved)], axis=1)
             step = -linear.einsum("nij,nj->ni", inverse, values)
-            carried = linear.matmul(inverse[:, :, held.stop :], across)
-            n = 1
-            while n < n_kept:  # step_j + carried_j step_(j - 1), of 1, 2, 4, ... terms
+            carried, n = linear.matmul(inverse[:, :, first:], across), 1
+            while n < len(step):  # the sums over 1, 2, 4, ... loops
                 step[n:] += linear.einsum("nij,nj->ni", carried[n:], step[:-n])
                 carried[n:] = linear.matmul(carried[n:], carried[:-n])
                 n *= 2
             moves, delay, turned = found.moves(step)
             long = np.maximum(linear.norm(moves, axis=2).max(axis=1), np.abs(delay))
             long = np.maximum(long, linear.norm(turned, axis=1))
-            n_kept = _prefix(long < bound[: len(long)])
-            bound = np.maximum(long / 2, _LAST_STEP)
-            is_last = bool((long[:n_kept] < _LAST_STEP).all())
-            x, T, angle = (one[:n_kept] for one in (x + moves * units, T * (1.0 + delay), angle + turned))
+            some = slice(_prefix(long < bound[: len(long)]))
+            is_last, bound = bool((long[some] < _LAST_STEP).all()), np.maximum(long / 2, _LAST_STEP)
+            here = tuple(one[some] for one in (x + moves * units, T * (1.0 + delay), angle + turned))
+        return None
 
     def linearised(self, x: Array, T: Array, angle: Array) -> Linearised:
         """The gaps between the segments of some loops, and their derivatives by all states, times and angles."""

@@ -30,6 +30,7 @@ from liepoisson.numeric.curves import Curve
 from liepoisson.orbits.closed_orbits import Momenta, PeriodicOrbit, Problem, problem_at, with_parameter
 from liepoisson.orbits.closing import GROWTH, Closing, Linearised, Loops, guessed
 from liepoisson.orbits.level import level_of
+from liepoisson.orbits.shooting import TOGETHER
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -115,6 +116,7 @@ class LoopCurve(Curve[FamilyLoop]):
     name: str
     free: PhaseFunction
     variable: FreeParameter | None
+    together = TOGETHER
 
     @classmethod
     def near(
@@ -185,13 +187,16 @@ class LoopCurve(Curve[FamilyLoop]):
         shape, n = last.loops.state.shape, last.loops.state.size
         given = guessed(guesses[:, :n].reshape(-1, *shape[1:]), guesses[:, n], guesses[:, n + 1 :])
         tangent = (direction / last.units)[np.isfinite(last.units)]
-        loops, found, tangents = self.closing.chained(given, last.loops, tangent, length)
+        chained = self.closing.chained(given, last.loops, tangent, length)
+        if chained is None:
+            return []
+        loops, found, tangents = chained
         moves, delay, turned = replace(found, gaps=np.zeros_like(found.gaps)).moves(tangents)
         points = [FamilyLoop(self, loops.of(np.array([k]))) for k in range(len(loops))]
         for k, (one, at_start) in enumerate(zip(points, self.at_starts(loops.state[:, 0]), strict=True)):
             vars(one)["linearised"], vars(one)["at_start"] = found.of(slice(k, k + 1)), at_start
             vars(one)["direction"] = _flat(moves[k] * self.units, delay[k : k + 1] * one.loops.time, turned[k])
-        if self.variable is None and self.name == "H" and points:
+        if self.variable is None and self.name == "H":
             with suppress(linear.LinAlgError):  # of one of them, which may not be reached
                 for one, orbit in zip(points, self.described(loops), strict=True):
                     vars(one)["orbit"] = orbit
