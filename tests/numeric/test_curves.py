@@ -137,3 +137,54 @@ def test_what_does_not_hold_is_no_member():
     members, _, end = followed(half, (0.0, 0.0))
     assert end == "the steps became too short"
     assert 0.4999 < members[-1][0] < 0.5
+
+
+@dataclass(frozen=True)
+class Several(Plane):
+    """The same, with so many points of each prediction."""
+
+    together = 8
+    asked: tuple[list[int], ...] = ([], [])
+
+    def ahead(self, guesses, last, direction, length):
+        found = []
+        for guess in guesses:
+            point = self.solved(guess, last, direction / last.units)
+            if linear.norm(point.unknowns - guess) > 1e-3 or point.residual > 1e-12:
+                break
+            found.append(point)
+            if point.unknowns[1] > self.wall:
+                break
+            last, old = point, direction
+            direction = self.null_space(point, 1)[0]
+            direction = direction * np.sign(direction @ old)
+        self.asked[0].append(len(guesses))
+        self.asked[1].append(len(found))
+        return found
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"ends_at": 0.9}, {"wall": 0.45}], ids=["folds", "a singular level", "no tangent"]
+)
+def test_points_ahead_change_nothing_between_them(options):
+    """Folds and zeros of the circle, a singular level and the last point with a tangent, amid what is predicted."""
+    several = Several(CIRCLE.function, CIRCLE.gradient, asked=([], []), **options)
+    alone = Plane(CIRCLE.function, CIRCLE.gradient, **options)
+    (members, zeros, end), (_, single, same) = (
+        follower_of(curve).followed(None, 150, RUN, lambda point: point.unknowns) for curve in (several, alone)
+    )
+    assert max(several.asked[1]) > 3
+    assert max(several.asked[0]) <= 8
+    np.testing.assert_allclose(linear.norm(members, axis=1), 1, rtol=1e-12)
+    n = min(len(zeros), len(single))
+    assert n >= len(single) - 1
+    assert (end, [zero.kind for zero in zeros[:n]]) == (same, [zero.kind for zero in single[:n]])
+    for one, other in zip(zeros, single, strict=False):
+        np.testing.assert_allclose(one.point.unknowns, other.point.unknowns, atol=1e-12)
+        assert one.is_located
+
+
+def follower_of(curve):
+    follower = Follower(curve, curve.point(0.0, -1.0), 0.05)
+    follower.turn_towards(None, None)
+    return follower
