@@ -38,7 +38,8 @@ _SECANTS, _KNOWN, _SAME, _ZERO = 40, 4, 1e-6, 1e-13
 relative to the step, of solutions that are the same; and the part of its change below which a function is zero."""
 _PAST, _NEAR = 9, 1e-4
 """Points from which the next ones are predicted, and the error of a prediction, in units, from which Newton's method
-converges quadratically."""
+converges quadratically.  Measured in ten families of orbits: with 1e-3 they take as long, with 1e-6 a tenth longer, and
+with 1e-8 a third."""
 _REACHED, _TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
 
 

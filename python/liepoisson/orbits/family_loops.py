@@ -183,7 +183,7 @@ class LoopCurve(Curve[FamilyLoop]):
         return FamilyLoop(self, closing.solved(loops))
 
     def ahead(self, guesses: Array, last: FamilyLoop, direction: Array, length: float) -> list[FamilyLoop]:
-        """The loops that follow a last one by equal steps, from guesses of all; as many as Newton's method finds."""
+        """The loops that follow a last one by equal steps, from guesses, with all that is asked of them later."""
         shape, n = last.loops.state.shape, last.loops.state.size
         given = guessed(guesses[:, :n].reshape(-1, *shape[1:]), guesses[:, n], guesses[:, n + 1 :])
         tangent = (direction / last.units)[np.isfinite(last.units)]
