@@ -1,6 +1,6 @@
 """Curves of solutions: plane curves whose folds and crossings are known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -137,3 +137,52 @@ def test_what_does_not_hold_is_no_member():
     members, _, end = followed(half, (0.0, 0.0))
     assert end == "the steps became too short"
     assert 0.4999 < members[-1][0] < 0.5
+
+
+@dataclass(frozen=True)
+class Several(Plane):
+    """The same, with so many points of each prediction, of which one may not hold."""
+
+    together = 8
+    spoiled: int = 8
+    asked: tuple[list[int], ...] = ([], [])
+
+    def ahead(self, guesses, last, direction, length):
+        found = []
+        for guess in guesses:
+            point = self.solved(last.unknowns + length * direction, last, direction / last.units)
+            if linear.norm(point.unknowns - guess) > 1e-3 or point.residual > 1e-12:
+                break
+            found.append(replace(point, residual=1.0) if len(found) == self.spoiled else point)
+            if point.unknowns[1] > self.wall:
+                break
+            last, old = point, direction
+            direction = self.null_space(point, 1)[0]
+            direction = direction * np.sign(direction @ old)
+        self.asked[0].append(len(guesses))
+        self.asked[1].append(len(found))
+        return found
+
+
+AMID = {"folds": {}, "a singular level": {"ends_at": 0.9}, "no tangent": {"wall": 0.45}, "no point": {"spoiled": 1}}
+
+
+@pytest.mark.parametrize("options", AMID.values(), ids=AMID)
+def test_points_ahead_change_nothing(options):
+    """Folds and zeros of the circle, a singular level and the last point with a tangent, amid what is predicted."""
+    several = Several(CIRCLE.function, CIRCLE.gradient, asked=([], []), **options)
+    shared = {name: value for name, value in options.items() if name != "spoiled"}
+    alone = Plane(CIRCLE.function, CIRCLE.gradient, **shared)
+    found = []
+    for curve in (several, alone):
+        follower = Follower(curve, curve.point(0.0, -1.0), 0.05)
+        follower.turn_towards(None, None)
+        found.append(follower.followed(None, 150, RUN, lambda point: point.unknowns))
+    (members, zeros, end), (same, single, last) = found
+    assert max(several.asked[1]) > 2
+    assert max(several.asked[0]) <= 8
+    np.testing.assert_allclose(members, same, atol=1e-12)
+    assert (end, [(zero.kind, zero.after) for zero in zeros]) == (last, [(zero.kind, zero.after) for zero in single])
+    for one, other in zip(zeros, single, strict=True):
+        np.testing.assert_allclose(one.point.unknowns, other.point.unknowns, atol=1e-12)
+        assert one.is_located

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 import liepoisson as lp
+from liepoisson.orbits.family_loops import LoopCurve
 
 PENDULUM = lp.System(lp.canonical(1), "p1^2/2 - cos(q1)")
 SADDLE = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2 + q2*sin(q1)/10", name="saddle")
@@ -357,3 +358,53 @@ def test_the_wanted_value_says_the_direction():
     family = lp.orbits.orbit_family(HENON, first, until="1/100")
     assert (family.end, family[-1].energy) == ("the wanted value", pytest.approx(0.01, rel=1e-14))
     assert all(one.is_isolated for one in family)
+
+
+TOGETHER = {
+    "double periods and a branch": (HENON, [0, 0, 0, 0.2], 6.3, {"until": 0.163, "longest_step": 0.01}),
+    "in several segments": (SADDLE, [3.1, 0, 0, 0.4], 6.3, {"max_orbits": 33, "longest_step": 0.01}),
+    "an equilibrium": (PENDULUM, [0.3, 0], 6.3, {"increasing": False, "longest_step": 0.01}),
+    "with rotations": (
+        lp.catalog.system("lagrange"), lp.sample_states(lp.catalog.system("lagrange"), 1, seed=3)[0], 3,
+        {"max_orbits": 20, "longest_step": 0.02, "momenta": ["l3"]},
+    ),
+    "in a parameter": (
+        lp.System(lp.canonical(1), "p1^2/2 - g*cos(q1)", {"g": 1}), [1, 0], 7,
+        {"along": "g", "max_orbits": 20, "longest_step": 0.02},
+    ),
+    "in a Casimir": (
+        lp.catalog.system("kovalevskaya"), [0, 0, 1, 1, 0, 0], 6,
+        {"along": "C1", "max_orbits": 14, "longest_step": 0.01},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOGETHER)
+def test_orbits_together_are_those_one_after_the_other(name, monkeypatch):
+    """Most orbits come from predictions; they, the points between them and the end are those of single steps."""
+    system, start, period, options = TOGETHER[name]
+    first = lp.orbits.periodic_orbit(system, start, period=period, momenta=options.get("momenta", ()))
+    found, ahead = list[int](), LoopCurve.ahead
+
+    def counted(self, *given):
+        points = ahead(self, *given)
+        found.append(len(points))
+        return points
+
+    monkeypatch.setattr(LoopCurve, "ahead", counted)
+    together = lp.orbits.orbit_family(system, first, **options)
+    assert sum(found) > len(together) / 2
+    assert max(found) > 3
+    monkeypatch.setattr(LoopCurve, "together", 1)
+    found.clear()
+    single = lp.orbits.orbit_family(system, first, **options)
+    assert not found
+    assert (together.end, len(together)) == (single.end, len(single))
+    np.testing.assert_allclose([one.start for one in together], [one.start for one in single], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(together.period, single.period, rtol=1e-11)
+    np.testing.assert_allclose(together.multipliers, single.multipliers, rtol=1e-8)
+    assert [one.is_isolated for one in together] == [one.is_isolated for one in single]
+    kinds = [[(one.kind, one.after, one.is_located) for one in family.points] for family in (together, single)]
+    assert kinds[0] == kinds[1]
+    energies = [[one.orbit.energy for one in family.points] for family in (together, single)]
+    np.testing.assert_allclose(*energies, rtol=1e-12)

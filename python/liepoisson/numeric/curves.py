@@ -12,8 +12,9 @@ References: [keller1977]; [doedel2003].
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -35,6 +36,10 @@ TRIALS = 8
 _SECANTS, _KNOWN, _SAME, _ZERO = 40, 4, 1e-6, 1e-13
 """Steps of the secant method, in which each third one triples the digits; solutions that correct a cubic; the distance,
 relative to the step, of solutions that are the same; and the part of its change below which a function is zero."""
+_PAST, _NEAR = 9, 1e-4
+"""Points from which the next ones are predicted, and the error of a prediction, in units, from which Newton's method
+converges quadratically.  Measured in ten families of orbits: with 1e-3 they take as long, with 1e-6 a tenth longer, and
+with 1e-8 a third."""
 _REACHED, _TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
 
 
@@ -62,7 +67,13 @@ M = TypeVar("M")
 
 
 class Curve(Protocol[P]):
-    """The equations of a curve.  A direction is a change of the unknowns."""
+    """The equations of a curve.  A direction is a change of the unknowns.
+
+    Attributes:
+        together: How many points are solved for together at most.
+    """
+
+    together: ClassVar[int] = 1
 
     def value(self, point: P, /) -> float:
         """What varies along the curve."""
@@ -94,6 +105,10 @@ class Curve(Protocol[P]):
     def obstacle(self, first: P, last: P, /) -> tuple[str, bool]:
         """What lies between two points that no step may pass, and whether shorter steps are of no use; else nothing."""
         return "", False
+
+    def ahead(self, guesses: Array, last: P, direction: Array, length: float, /) -> Sequence[P]:
+        """The points that follow a last one by equal steps, from guesses; as many as are found together."""
+        return ()
 
     def settled(self, point: P, /) -> P:
         """The same point as the next steps begin there."""
@@ -180,6 +195,10 @@ class Follower(Generic[P]):
     def __init__(self, curve: Curve[P], point: P, longest: float) -> None:
         self.curve, self.longest, self.step = curve, longest, min(FIRST, longest)
         self.here = point, curve.null_space(point, 1)[0]
+        self._past, self._ahead = [point], list[P]()
+        ahead = range(curve.together)
+        self._binomials = np.array([[float(math.comb(i + j, i)) for j in ahead] for i in range(_PAST)])
+        self._known_tests: list[tuple[Direction[P], dict[str, Array]]] = []
 
     def turn_towards(self, bound: float | None, increasing: bool | None) -> None:
         """Go on towards a value, or to larger or smaller ones."""
@@ -196,8 +215,29 @@ class Follower(Generic[P]):
                 new = self._moved(first, step)
                 if new.residual <= HOLDS:
                     self.here, self.step = (new, self._nearest(new, _tangent(first), 1)[0]), float(step)
+                    self._past = [new]
                     return True
         return False
+
+    def _look_ahead(self, most: int) -> None:
+        r"""Some of the next points, all at once, where the past predicts them: after equal steps, at most so many.
+
+        With the differences of the last points, $x_j \approx \sum_{i<q}\binom{i+j-1}{i}\nabla^i x$, and the next term
+        is about the error: the order is the one that predicts most points so well that Newton's method converges
+        quadratically, and these best.
+        """
+        differences, rest = list[Array](), np.array([one.unknowns for one in self._past])
+        while len(rest):
+            differences.append(rest[-1])
+            rest = rest[1:] - rest[:-1]
+        (last, direction), terms = self.here, np.array(differences)
+        sizes = linear.norm((terms / last.units)[2:, np.isfinite(last.units)], axis=1)
+        errors = self._binomials[2 : len(terms), :most] * sizes[:, None]
+        n = int((errors < _NEAR).sum(axis=1).max(initial=0))
+        if n > 1:
+            order = 2 + int(errors[:, n - 1].argmin())
+            guesses = linear.matmul(self._binomials[:order, :n].T, terms[:order])
+            self._ahead = list(self.curve.ahead(guesses, last, direction, self.step))
 
     def _moved(self, end: Direction[P], length: float) -> P:
         """The point after a step in a direction, corrected across it."""
@@ -214,12 +254,15 @@ class Follower(Generic[P]):
         cosine = float(linear.norm(share))
         return linear.matmul(share, space) / (cosine or 1.0), float(elementary.arccos(min(1.0, cosine)))
 
-    def _advance(self, bound: float | None) -> str:
-        """Go on by one point; why the curve ends there, or nothing."""
+    def _advance(self, bound: float | None, most: int) -> str:
+        """Go on by one point, of at most so many; why the curve ends there, or nothing."""
         curve, here, obstacle = self.curve, self.here, ""
         old, tangent = curve.value(here[0]), _tangent(here)
+        if not self._ahead and len(self._past) > 2 and curve.together > 1:
+            self._look_ahead(most)
         while self.step > _SHORTEST:
-            new, end = self._moved(here, self.step), ""
+            is_ahead = bool(self._ahead)
+            new, end = self._ahead.pop(0) if is_ahead else self._moved(here, self.step), ""
             value = curve.value(new)
             if bound is not None and new.residual <= HOLDS and old != bound and (old - bound) * (value - bound) <= 0:
                 near = self._moved(here, self.step * (bound - old) / (value - old))
@@ -232,14 +275,17 @@ class Follower(Generic[P]):
                 direction, angle = self._nearest(new, tangent, 1)
                 if not words and angle < _BAD:
                     break
-            self.step /= 2
+            self._past, self._ahead = [], []
+            self.step = self.step if is_ahead else self.step / 2  # it may be that only what was predicted fails
         else:
             return obstacle or _TOO_SHORT
         last = new, direction
         self._piece, settled = Piece(here, last), curve.settled(new)
         self.here = last if settled is new else (settled, self._nearest(settled, _tangent(last), 1)[0])
-        if angle < _GOOD:
-            self.step = min(self.longest, 1.5 * self.step)
+        step = min(self.longest, 1.5 * self.step) if angle < _GOOD else self.step
+        if settled is not new or step != self.step:
+            self.step, self._past, self._ahead = step, [], []
+        self._past = [*self._past, settled][-_PAST:]
         return end
 
     def followed(
@@ -256,12 +302,13 @@ class Follower(Generic[P]):
         members, zeros, end = [member(self.here[0])], list[Zero[P]](), ""
         while not end and len(members) < most:
             try:
-                end = self._advance(bound)
+                end = self._advance(bound, most - len(members))
                 if end not in ("", _REACHED):
                     break
                 new, found = member(self._piece.ends[1][0]), self._zeros(len(members) - 1)
                 if not all(one.is_located for one in found) and self._piece.length >= _LEAST * self.longest:
                     self.here, self.step, end = self._piece.ends[0], self._piece.length / 2, ""  # not in one step
+                    self._past, self._ahead = [], []
                     continue
                 if found and found[-1].kind == _SINGULAR:
                     end = found.pop().kind
@@ -274,7 +321,13 @@ class Follower(Generic[P]):
         return tuple(members), tuple(zeros), end
 
     def _tests(self, end: Direction[P]) -> dict[str, Array]:
-        return self.curve.tests(end[0], end[1] / end[0].units)
+        """The functions at a point; those of the last two, the ends of a step, are kept."""
+        for known, found in self._known_tests:
+            if known is end:
+                return found
+        found = self.curve.tests(end[0], end[1] / end[0].units)
+        self._known_tests = [(end, found), *self._known_tests[:1]]
+        return found
 
     def _zeros(self, after: int) -> list[Zero[P]]:
         """What changes in the last step, after a member, in its order up to a singular level."""
@@ -308,8 +361,8 @@ class Follower(Generic[P]):
         found: dict[tuple[str, int], tuple[float, float]] = {}
         for kind, values in first.items():
             others = last.get(kind, np.zeros(0))
-            low, high = sorted(int((one < 0).sum()) for one in (values, others))
-            for k in range(low, high) if len(values) == len(others) else ():
+            n, m = np.count_nonzero(values < 0), np.count_nonzero(others < 0)
+            for k in range(min(n, m), max(n, m)) if len(values) == len(others) else ():
                 found[kind, k] = float(values[k]), float(others[k])
         return found
 

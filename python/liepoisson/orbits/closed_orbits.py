@@ -31,7 +31,7 @@ from liepoisson.model.free_parameter import FreeParameter, StateAndParameter
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.closing import GROWTH, MOST_SEGMENTS, Closing, Loops, guessed
 from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import ClosedOrbit, ComplexArray, loop_spectrum
+from liepoisson.orbits.multipliers import HYPERBOLIC, ClosedOrbit, ComplexArray, loop_spectra
 from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import elementary, linear
 
@@ -243,30 +243,50 @@ class Problem:
 
     def described(self, loops: Loops, row: int = 0) -> PeriodicOrbit:
         """A loop that was found, with its multipliers."""
+        return self.descriptions(loops.of(np.array([row])))[0]
+
+    def descriptions(self, loops: Loops, levels: Sequence[Level] | None = None) -> list[PeriodicOrbit]:
+        """Loops that were found, with their multipliers.
+
+        Args:
+            levels: Of each its own, along a family, on which it is alone if no multiplier is 1; by default the one of
+                the problem, on which the equations tell.
+        """
         closing, level = self.closing, self.closing.level
-        x, T, angle = loops.state[row], float(loops.time[row]), loops.angle[row]
-        m, flow, turn = len(x), closing.flow, closing.turn(angle[None])[0]
-        _, forth = flow.ends(x, np.full(m, T / m), np.eye(x.shape[1]))
-        after = np.concatenate([x[1:], linear.matmul(turn, x[0])[None]])
-        _, back = flow.ends(after, np.full(m, -T / m), np.eye(x.shape[1]))
-        forwards, backwards = np.eye(x.shape[1]), np.eye(x.shape[1])
+        x, T, angle, turn = loops.state, loops.time, loops.angle, closing.turn(loops.angle)
+        (n, m, N), first = x.shape, x[:, 0]
+        after = np.concatenate([x[:, 1:], linear.matmul(turn, first[..., None])[:, None, :, 0]], axis=1)
+        forth, back = (
+            closing.flow.ends(states.reshape(-1, N), np.repeat(times / m, m), np.eye(N))[1].reshape(n, m, N, N)
+            for states, times in ((x, T), (after, -T))
+        )
+        forwards, backwards = np.broadcast_to(np.eye(N), (2, n, N, N))
         for i in range(m):
-            forwards, backwards = linear.matmul(forth[i], forwards), linear.matmul(backwards, back[i])
+            forwards, backwards = linear.matmul(forth[:, i], forwards), linear.matmul(backwards, back[:, i])
         units, undone = level.units, linear.inv(turn)
-        rates = np.stack([self.system.vector_field(x[0]), *linear.matmul(closing.rotations, x[0])])
+        turned = linear.matmul(closing.rotations, first[:, None, :, None])[..., 0]
+        rates = np.concatenate([self.system.vector_field(first)[:, None], turned], axis=1)
         functions = {**level.functions, **{name: f for name, (f, _) in closing.held.items()}}
-        gradients = np.stack([f.gradient(x[0]) for f in functions.values()])
-        level = level.through(x[0]) if closing.holds_period else level
-        found = loop_spectrum(
+        gradients = np.stack([f.gradient(first) for f in functions.values()], axis=1)
+        spectra = loop_spectra(
             linear.matmul(undone, forwards) * units / units[:, None],
             linear.matmul(backwards, turn) * units / units[:, None],
             gradients * units,
             rates / units,
         )
-        return PeriodicOrbit(
-            level, x[0].copy(), T, self.symmetry, self.momenta, angle.copy(), m, float(loops.residual[row]),
-            bool(loops.regularity[row] > ISOLATED), found.values, found.pair_defect, found.trivial_defect,
-        )  # fmt: skip
+        if levels is None:
+            levels = [level.through(one) if closing.holds_period else level for one in first]
+            alone = loops.regularity > ISOLATED
+        else:
+            alone = [(np.abs(one.values - 1) > HYPERBOLIC).all() for one in spectra]
+        return [
+            PeriodicOrbit(
+                levels[k], first[k].copy(), float(T[k]), self.symmetry, self.momenta, angle[k].copy(), m,
+                float(loops.residual[k]), bool(alone[k]), one.values, one.pair_defect,
+                one.trivial_defect,
+            )
+            for k, one in enumerate(spectra)
+        ]  # fmt: skip
 
     @property
     def system(self) -> System:

@@ -154,6 +154,72 @@ class Closing:
                 break
         return best
 
+    def chained(
+        self, guesses: Loops, last: Loops, tangent: Array, length: float
+    ) -> tuple[Loops, Linearised, Array] | None:
+        r"""Loops that follow a last one, each by a step along the tangent of the one before, corrected across it.
+
+        They are those to which `solved` comes one after the other, improved together: a correction moves the guess
+        from which the next loop is held, $d_j = s_j + C_j d_{j-1}$.  A loop that does not begin where convergence is
+        quadratic, or whose corrections do not become shorter, is left out with all that follow.
+
+        Args:
+            guesses: States, times and angles, in their order.
+            last: The loop before them.
+            tangent: Its direction in (state, time, angle), in units, shape (N + 1 + k,).
+            length: The length of a step.
+
+        Returns:
+            The loops, their derivatives, and their tangents, shape (n, N + 1 + k); None where there is none.
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
+        here, N, units = (guesses.state, guesses.time, guesses.angle), guesses.state.shape[2], self.level.units
+        first, is_last, bound = N + len(self.held), False, np.full(len(guesses), _MEETS)
+        while len(here[1]):
+            checkpoint("Newton's method for closed orbits")
+            found = self.linearised(*here)
+            rows, values = self._equations(found, here, (here[0][:, 0], *here[1:]), None)
+            some = slice(_prefix(np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(values).all(axis=1)))
+            x, T, angle = here = tuple(one[some] for one in here)
+            rows, values, found = rows[some], values[some], found.of(some)
+            if not len(T):
+                break
+            own = linear.svd(rows).Vh[:, -1]
+            before = np.concatenate([tangent[None], own])[: len(own)]
+            turns = np.cumprod(np.where((own * before).sum(axis=1) < 0, -1.0, 1.0))[:, None]
+            own, before = own * turns, np.concatenate([tangent[None], own * turns])[: len(own)]
+            if is_last:
+                size = np.abs(values[:, N:first]).max(axis=1, initial=0.0)
+                size = np.maximum(np.abs(found.gaps).max(axis=(1, 2)), size)
+                return Loops(x, T, angle, size, np.ones(len(T))), found, own
+            start, time, turned = (
+                np.concatenate([one, others])[: len(T)]
+                for one, others in ((last.state[:, 0], x[:, 0]), (last.time, T), (last.angle, angle))
+            )
+            moved = np.concatenate([
+                (x[:, 0] - start) / units - length * before[:, :N],
+                T[:, None] / (time[:, None] * (1.0 + length * before[:, N : N + 1])) - 1.0,
+                angle - turned - length * before[:, N + 1 :],
+            ], axis=1)  # fmt: skip
+            across = np.concatenate([rows[:, first:], before[:, None]], axis=1)  # what is held from the loop before
+            inverse = linear.pinv(np.concatenate([rows[:, :first], across], axis=1), rcond=_RANK)
+            values = np.concatenate([values[:, :first], linear.einsum("nij,nj->ni", across, moved)], axis=1)
+            step = -linear.einsum("nij,nj->ni", inverse, values)
+            carried, n = linear.matmul(inverse[:, :, first:], across), 1
+            while n < len(step):  # the sums over 1, 2, 4, ... loops
+                step[n:] += linear.einsum("nij,nj->ni", carried[n:], step[:-n])
+                carried[n:] = linear.matmul(carried[n:], carried[:-n])
+                n *= 2
+            moves, delay, turned = found.moves(step)
+            long = np.maximum(linear.norm(moves, axis=2).max(axis=1), np.abs(delay))
+            long = np.maximum(long, linear.norm(turned, axis=1))
+            some = slice(_prefix(long < bound[: len(long)]))
+            is_last, bound = bool((long[some] < _LAST_STEP).all()), np.maximum(long / 2, _LAST_STEP)
+            here = tuple(one[some] for one in (x + moves * units, T * (1.0 + delay), angle + turned))
+        return None
+
     def linearised(self, x: Array, T: Array, angle: Array) -> Linearised:
         """The gaps between the segments of some loops, and their derivatives by all states, times and angles."""
         n, m, N = x.shape
@@ -250,6 +316,10 @@ class Linearised:
     segments: Array
     late: Array
 
+    def of(self, rows: slice) -> Linearised:
+        """Those of some loops."""
+        return Linearised(self.gaps[rows], self.segments[rows], self.late[rows])
+
     def condensed(self) -> tuple[Array, Array, Array]:
         """The derivatives of the last end by the first state and the relative time, and the gap, all others closed."""
         matrix, late, rest = self.segments[:, 0], self.late[:, 0], self.gaps[:, 0]
@@ -269,6 +339,11 @@ class Linearised:
             moves[:, i + 1] = linear.einsum("nij,nj->ni", self.segments[:, i], moves[:, i]) + self.gaps[:, i]
             moves[:, i + 1] += self.late[:, i] * delay[:, None]
         return moves, delay, step[:, N + 1 :]
+
+
+def _prefix(good: NDArray[np.bool_]) -> int:
+    """How many are good before the first one that is not."""
+    return int(np.cumprod(good).sum())
 
 
 def _unit(vectors: Array) -> Array:

@@ -14,9 +14,10 @@ References: [munozalmaraz2003]; [howard1987], the multipliers.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from liepoisson.numeric.curves import Curve
 from liepoisson.orbits.closed_orbits import Momenta, PeriodicOrbit, Problem, problem_at, with_parameter
 from liepoisson.orbits.closing import GROWTH, Closing, Linearised, Loops, guessed
 from liepoisson.orbits.level import level_of
-from liepoisson.orbits.multipliers import HYPERBOLIC
+from liepoisson.orbits.shooting import TOGETHER
 from liepoisson.portable import linear
 
 if TYPE_CHECKING:
@@ -40,12 +41,25 @@ _HOMOCLINIC = "an equilibrium on the orbit, which is homoclinic there"
 _SMALL = 4.0
 
 
+class AtStart(NamedTuple):
+    """What varies along the curve, its gradient, and the velocity, in units, where a loop begins."""
+
+    value: float
+    gradient: Array
+    rate: Array
+
+
 @dataclass(frozen=True, eq=False)
 class FamilyLoop:
     """A loop of a family, with what is computed of it once."""
 
     curve: LoopCurve
     loops: Loops
+
+    @cached_property
+    def direction(self) -> Array:
+        """That of the curve, of either sign."""
+        return self.curve.directions(self, 1)[0]
 
     @property
     def start(self) -> Array:
@@ -57,17 +71,22 @@ class FamilyLoop:
         """How well the loop closes."""
         return float(self.loops.residual[0])
 
-    @property
+    @cached_property
     def unknowns(self) -> Array:
         """All states, the time and the angles."""
         return _flat(self.loops.state, self.loops.time, self.loops.angle)
 
-    @property
+    @cached_property
     def units(self) -> Array:
         """Those of the level for the first state, from which others follow, and the time, which counts relatively."""
         units = np.full(self.loops.state[0].shape, np.inf)
         units[0] = self.curve.units
         return _flat(units, self.loops.time, np.ones_like(self.loops.angle))
+
+    @cached_property
+    def at_start(self) -> AtStart:
+        """What the functions of the curve are there."""
+        return self.curve.at_starts(self.start[None])[0]
 
     @cached_property
     def linearised(self) -> Linearised:
@@ -77,8 +96,7 @@ class FamilyLoop:
     @cached_property
     def orbit(self) -> PeriodicOrbit:
         """The loop with its multipliers, on its own level; it is alone there if no multiplier is 1."""
-        one = self.curve.described(self.loops)
-        return replace(one, is_isolated=bool((np.abs(one.multipliers - 1) > HYPERBOLIC).all()))
+        return self.curve.described(self.loops)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +116,7 @@ class LoopCurve(Curve[FamilyLoop]):
     name: str
     free: PhaseFunction
     variable: FreeParameter | None
+    together = TOGETHER
 
     @classmethod
     def near(
@@ -144,7 +163,13 @@ class LoopCurve(Curve[FamilyLoop]):
 
     def value(self, point: FamilyLoop) -> float:
         """The energy, the Casimir or the parameter that varies."""
-        return float(self.free(point.start))
+        return point.at_start.value
+
+    @np.errstate(all="ignore")  # Newton's method may have ended where the functions do not exist
+    def at_starts(self, starts: Array) -> list[AtStart]:
+        """What the functions are where loops begin."""
+        rates = self.closing.flow.system.vector_field(starts) / self.units
+        return [*map(AtStart, self.free(starts).tolist(), self.free.gradient(starts) * self.units, rates)]
 
     def solved(self, guess: Array, near: FamilyLoop, aim: Array | float) -> FamilyLoop:
         """What Newton's method makes of a guess: across a direction, or where the value is a wanted one."""
@@ -157,9 +182,33 @@ class LoopCurve(Curve[FamilyLoop]):
         closing = replace(self.held, held={**self.held.held, self.name: (function, aim + rest)})
         return FamilyLoop(self, closing.solved(loops))
 
+    def ahead(self, guesses: Array, last: FamilyLoop, direction: Array, length: float) -> list[FamilyLoop]:
+        """The loops that follow a last one by equal steps, from guesses, with all that is asked of them later."""
+        shape, n = last.loops.state.shape, last.loops.state.size
+        given = guessed(guesses[:, :n].reshape(-1, *shape[1:]), guesses[:, n], guesses[:, n + 1 :])
+        tangent = (direction / last.units)[np.isfinite(last.units)]
+        chained = self.closing.chained(given, last.loops, tangent, length)
+        if chained is None:
+            return []
+        loops, found, tangents = chained
+        moves, delay, turned = replace(found, gaps=np.zeros_like(found.gaps)).moves(tangents)
+        points = [FamilyLoop(self, loops.of(np.array([k]))) for k in range(len(loops))]
+        for k, (one, at_start) in enumerate(zip(points, self.at_starts(loops.state[:, 0]), strict=True)):
+            vars(one)["linearised"], vars(one)["at_start"] = found.of(slice(k, k + 1)), at_start
+            vars(one)["direction"] = _flat(moves[k] * self.units, delay[k : k + 1] * one.loops.time, turned[k])
+        if self.variable is None and self.name == "H":
+            with suppress(linear.LinAlgError):  # of one of them, which may not be reached
+                for one, orbit in zip(points, self.described(loops), strict=True):
+                    vars(one)["orbit"] = orbit
+        return points
+
     def null_space(self, point: FamilyLoop, n: int, /, *, least: int = 1) -> Array:
         """The n directions in which it moves most nearly along loops."""
         del least
+        return point.direction[None] if n == 1 else self.directions(point, n)
+
+    def directions(self, point: FamilyLoop, n: int) -> Array:
+        """The same, computed."""
         closed = replace(point.linearised, gaps=np.zeros_like(point.linearised.gaps))
         found: list[Array] = []
         for tangent in self.closing.null_space(point.loops, point.linearised, n):
@@ -169,8 +218,8 @@ class LoopCurve(Curve[FamilyLoop]):
 
     def tests(self, point: FamilyLoop, tangent: Array) -> dict[str, Array]:
         """Functions that pass zero where something changes; of loops without multipliers the slope of the value."""
-        gradient = self.free.gradient(point.start) * self.units
-        found: dict[str, Array] = {"fold": np.array([linear.matmul(gradient, tangent[: len(gradient)])])}
+        slope = linear.matmul(point.at_start.gradient, tangent[: len(point.start)])
+        found: dict[str, Array] = {"fold": np.array([slope])}
         half = point.orbit.multipliers[: len(point.orbit.multipliers) // 2]
         if half.size:
             sums = half + 1 / half
@@ -185,9 +234,7 @@ class LoopCurve(Curve[FamilyLoop]):
         An orbit that is as small as the step shrinks to it, after which the same orbits come: a small one has the size
         $2a$, and the step to one of the amplitude $-b$ the length $a + b$; an orbit near to a saddle stays large.
         """
-        field = self.closing.flow.system.vector_field
-        rates = [field(one.start) / self.units for one in (first, last)]
-        if not linear.matmul(rates[0], rates[1]) < 0:
+        if not linear.matmul(first.at_start.rate, last.at_start.rate) < 0:
             return "", False
         half, _ = self.closing.flow.ends(first.start[None], np.array([float(first.loops.time[0]) / 2]))
         size, step = (linear.norm((one - first.start) / self.units) for one in (half[0], last.start))
@@ -200,19 +247,23 @@ class LoopCurve(Curve[FamilyLoop]):
         loops = self.problem.loops(point.loops.state[:, 0], point.loops.time, point.loops.angle)
         return FamilyLoop(self, self.closing.solved(loops))
 
-    def described(self, loops: Loops) -> PeriodicOrbit:
-        """A loop with its multipliers, on its own level."""
-        start, system = loops.state[0, 0], self.problem.system
+    def described(self, loops: Loops) -> list[PeriodicOrbit]:
+        """Loops with their multipliers, each on its own level; with a parameter, one loop."""
+        starts, system, problem = loops.state[:, 0], self.problem.system, replace(self.problem, closing=self.held)
         if self.variable is not None:
-            system, start = self.variable.at(float(start[-1])), start[:-1]
-            problem = problem_at(system, start, momenta=tuple(self.problem.momenta), threads=1)
+            system, starts = self.variable.at(float(starts[0, -1])), starts[:, :-1]
+            problem = problem_at(system, starts[0], momenta=tuple(self.problem.momenta), threads=1)
             loops = replace(loops, state=loops.state[..., :-1])
-        else:
-            level = self.held.level
-            if self.name != "H":
-                level = level_of(system, Leaf.through(system, start), float(system.functions.energy(start)))
-            problem = replace(self.problem, closing=replace(self.held, level=level.through(start)))
-        return problem.in_units(self.units[: len(start)]).described(loops)
+        problem = problem.in_units(self.units[: starts.shape[1]])
+        levels = [problem.closing.level] * len(loops)
+        if self.variable is None and self.name != "H":
+            levels = [
+                level_of(system, Leaf.through(system, x), float(system.functions.energy(x))).through(x) for x in starts
+            ]
+            levels = [replace(one, units=problem.closing.level.units) for one in levels]
+        elif self.variable is None:
+            levels = problem.closing.level.through_each(starts)
+        return problem.descriptions(loops, levels)
 
 
 def _flat(state: Array, time: Array, angle: Array) -> Array:

@@ -69,8 +69,13 @@ class Level(ReadOnlyArrays):
 
     def through(self, state: Array) -> Level:
         """The level of the same leaf with the energy of a state, without the round-off of what does not move."""
-        moving = Fraction(float(self.functions["H"](state)))
-        return replace(self, values={**self.values, "H": difference(moving, difference(Fraction(0), self._still))})
+        return self.through_each(state[None])[0]
+
+    def through_each(self, states: Array) -> list[Level]:
+        """Those of several states, shape (n, N)."""
+        less = difference(Fraction(0), self._still)
+        moving = map(Fraction, self.functions["H"](states).tolist())
+        return [replace(self, values={**self.values, "H": difference(energy, less)}) for energy in moving]
 
     def in_units_of(self, states: Array) -> Level:
         r"""The level in units that are the sizes of states, such as those of an orbit; itself where it nearly is.

@@ -62,11 +62,11 @@ class LoopSpectrum:
 
 
 def transversal_basis(gradients: Array, rates: Array) -> Array:
-    """An orthonormal basis of the vectors that are orthogonal to the gradients and to the flow, shape (N, k)."""
-    rows = np.vstack([gradients, rates])
-    rows = rows / linear.norm(rows, axis=1, keepdims=True)
-    left = linear.svd(rows.T, full_matrices=True)[0]
-    return left[:, len(rows) :]
+    """An orthonormal basis of the vectors that are orthogonal to the gradients and to the flow, shape (..., N, k)."""
+    rows = np.concatenate([gradients, np.atleast_2d(rates)], axis=-2)
+    rows = rows / linear.norm(rows, axis=-1, keepdims=True)
+    left = linear.svd(np.swapaxes(rows, -1, -2), full_matrices=True)[0]
+    return left[..., rows.shape[-2] :]
 
 
 def loop_spectrum(forwards: Array, backwards: Array, gradients: Array, rates: Array) -> LoopSpectrum:
@@ -78,20 +78,28 @@ def loop_spectrum(forwards: Array, backwards: Array, gradients: Array, rates: Ar
         gradients: The gradients of H, the Casimirs and other held functions where it begins, shape (function, N).
         rates: The vector field there, shape (N,), and those of symmetries, shape (field, N).
     """
-    rates = np.atleast_2d(rates)
-    basis = transversal_basis(gradients, rates)
-    forth, back = (
-        linear.matmul(linear.matmul(basis.T, forwards), basis),
-        linear.matmul(linear.matmul(basis.T, backwards), basis),
+    return loop_spectra(forwards[None], backwards[None], gradients[None], np.atleast_2d(rates)[None])[0]
+
+
+def loop_spectra(forwards: Array, backwards: Array, gradients: Array, rates: Array) -> list[LoopSpectrum]:
+    """The multipliers of loops: arrays as for one, along a first axis, and fields of shape (loop, field, N)."""
+    bases = transversal_basis(gradients, rates)
+    across = np.swapaxes(bases, -1, -2)
+    forth, back = (linear.matmul(linear.matmul(across, one), bases) for one in (forwards, backwards))
+    size = linear.norm(forwards, 2, axis=(-2, -1))
+    off = (
+        linear.matmul(rates, np.swapaxes(forwards, -1, -2)) - rates,
+        linear.matmul(gradients, forwards) - gradients,
     )
-    size = float(linear.norm(forwards, 2))
-    off = linear.matmul(rates, forwards.T) - rates, linear.matmul(gradients, forwards) - gradients
-    trivial = max(
-        float((linear.norm(moved, axis=1) / linear.norm(kept, axis=1)).max())
+    trivial = np.maximum(*(
+        (linear.norm(moved, axis=-1) / linear.norm(kept, axis=-1)).max(axis=-1)
         for moved, kept in zip(off, (rates, gradients), strict=True)
-    )
-    values, defect = _paired(linear.eigvals(forth + back).astype(np.complex128))
-    return LoopSpectrum(values, defect, trivial / size, forth, basis)
+    ))  # fmt: skip
+    found = map(_paired, linear.eigvals(forth + back).astype(np.complex128))
+    return [
+        LoopSpectrum(values, defect, float(trivial[k] / size[k]), forth[k], bases[k])
+        for k, (values, defect) in enumerate(found)
+    ]
 
 
 def _paired(sums: ComplexArray) -> tuple[ComplexArray, float]:
