@@ -321,6 +321,10 @@ CASES: dict[str, Case] = {
         lambda start: lp.proofs.prove_periodic_orbit(HENON, start, period=6.794384826845275, level={"H": "1/10"}),
         {"start": np.array([0.0, -0.1461901394453098704, 0.42017326094069075, 0.0])},
     ),
+    "periodic_orbits": Case(
+        lambda guesses, periods: lp.orbits.periodic_orbits(HENON, {}, "1/10", guesses=guesses, periods=periods),
+        {"guesses": np.array([[0.0, -0.15, 0.42, 0.0], [0.0, 0.0, 0.0, 0.4]]), "periods": np.array([6.8, 6.4])},
+    ),
     "equilibrium_near": Case(
         lambda guess: lp.phase_space.equilibrium_near(LAGRANGE, guess, along=("l3",)), {"guess": equilibrium()}
     ),

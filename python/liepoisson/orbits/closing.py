@@ -14,7 +14,7 @@ eliminated, so that the linear equations have the size of one state; residuals a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +67,13 @@ class Loops:
     def of(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Loops:
         """Some of them."""
         return Loops(self.state[rows], self.time[rows], self.angle[rows], self.residual[rows], self.regularity[rows])
+
+    def replaced(self, rows: NDArray[np.bool_], others: Loops) -> Loops:
+        """The same with others in the place of some of them."""
+        found = [getattr(self, one.name).copy() for one in fields(self)]
+        for mine, one in zip(found, fields(others), strict=True):
+            mine[rows] = getattr(others, one.name)
+        return Loops(*found)
 
 
 def guessed(state: Array, time: Array, angle: Array) -> Loops:
@@ -179,12 +186,15 @@ class Closing:
 
     def extent(self, loops: Loops) -> Array:
         """About how far loops move in their time, across the rotations and in units of the level, shape (n,)."""
-        rates = self.level.system.vector_field(loops.state) / self.level.units
+        return linear.norm(self.rates(loops.state), axis=2).max(axis=1) * loops.time
+
+    def rates(self, states: Array) -> Array:
+        """The vector field across the rotations, in units of the level, shape (n, m, N), at so many states."""
         basis: list[Array] = []
         for rotation in self.rotations:
-            turned = linear.einsum("ij,nmj->nmi", rotation, loops.state) / self.level.units
+            turned = linear.einsum("ij,nmj->nmi", rotation, states) / self.level.units
             basis.append(_unit(_across(turned, basis)))
-        return linear.norm(_across(rates, basis), axis=2).max(axis=1) * loops.time
+        return _across(self.level.system.vector_field(states) / self.level.units, basis)
 
     def _equations(
         self, found: Linearised, here: tuple[Array, Array, Array], anchors: tuple[Array, ...], extra: Array | None

@@ -57,7 +57,7 @@ CLASSES = {
     "OrbitFamily": "orbits.orbit_families",
     "PeriodLattice": "tori.period_lattices",
     "PeriodicOrbit": "orbits.closed_orbits",
-    "PeriodicOrbits": "orbits.guesses",
+    "PeriodicOrbits": "orbits.level_orbits",
     "PreciseMidpoint": "orbits.refine",
     "PreciseOrbit": "orbits.refine",
     "PreciseSegment": "orbits.refine",

@@ -141,30 +141,42 @@ class Flow:
         """States and tangent vectors as `integrate` has them, which is asked where one does not come to the end."""
         n, k, N = vectors.shape
         seconds = seconds_left(TIME_LIMIT)
-        if are_finite(starts).all() and np.isfinite(times).all() and not self._lose(starts):
+        begin = are_finite(starts) & ~self.lost(starts)
+        if begin.all() and np.isfinite(times).all():
             raw = _core.orbits(
                 *self._data, starts.ravel(), vectors.ravel(), k, times, 1, seconds, False, False, None
             )  # fmt: skip
             states, moved = (
                 raw[name].reshape(n, len(times), *rest) for name, rest in (("state", (N,)), ("tangent", (k, N)))
             )
-            if not (raw["outcome"].any() or self._lose(states)) and np.isfinite(raw["final_state"]).all():
+            if not (raw["outcome"].any() or self.lost(states).any()) and np.isfinite(raw["final_state"]).all():
                 return states, moved
-        orbit = integrate(
-            self.system,
-            starts,
-            times=times,
-            tangents=vectors if k else None,
-            method=self.method,
-            kernel="lanes",  # one trajectory alone is then the same as among others
-            threads=1,
-            time_limit=seconds,
-        )
-        return orbit.state, orbit.tangent
+        states, moved = np.full((n, len(times), N), np.nan), np.full((n, len(times), k, N), np.nan)
+        if begin.any():
+            orbit = integrate(
+                self.system,
+                starts[begin],
+                times=times,
+                tangents=vectors[begin] if k else None,
+                method=self.method,
+                kernel="lanes",  # one trajectory alone is then the same as among others
+                threads=1,
+                time_limit=seconds,
+            )
+            states[begin], moved[begin] = orbit.state, orbit.tangent
+        return states, moved
 
-    def _lose(self, states: Array) -> bool:
-        """Whether an invariant is no real number at one of them."""
-        return any(lost.any() for lost in without_value(self.system, states).values())
+    def lost(self, states: Array) -> NDArray[np.bool_]:
+        """At which of them an invariant is no real number, shape (...)."""
+        lost = np.zeros(states.shape[:-1], dtype=bool)
+        for one in without_value(self.system, states).values() if self._is_partial else ():
+            lost |= one
+        return lost
+
+    @cached_property
+    def _is_partial(self) -> bool:
+        """Whether an invariant has no value at some states."""
+        return bool(without_value(self.system, np.zeros(len(self.system.component_names))))
 
     @cached_property
     def _data(self) -> tuple[_core.Field, _core.Method]:
@@ -197,6 +209,30 @@ class Flow:
             threads=self.threads,
         )
         return grid, orbit.state
+
+    def paths(self, starts: Array, times: Array, n: int) -> Array:
+        """States at 0, 1/n, 2/n, ... of its own time of each trajectory, shape (len(starts), n + 1, N).
+
+        Args:
+            starts: Shape (len(starts), N).
+            times: Shape (len(starts),), positive.
+            n: In how many parts.
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
+        grids = np.linspace(0.0, times, n + 1, axis=1)
+        found = np.empty((*grids.shape, starts.shape[1]))
+        order = np.argsort(times, kind="stable")
+        for first in range(0, len(order), TOGETHER):
+            checkpoint(_UNDER_WAY)
+            some = order[first : first + TOGETHER]
+            grid = np.unique(grids[some])
+            states, _ = self._followed(starts[some], grid, np.zeros((len(some), 0, starts.shape[1])))
+            checkpoint(_UNDER_WAY)
+            for k, row in zip(some.tolist(), states, strict=True):
+                found[k] = row[np.searchsorted(grid, grids[k])]
+        return found
 
     def searching(self, n_times: int) -> Flow:
         """The same for a search that surveys so many times: trajectories that are too fast for these end."""
