@@ -126,7 +126,7 @@ def periodic_orbits(
         >>> states = [[0, 0, 0, 0.3], [0, 0, 0.3, 0], [0, 0, 0, 0.31], [0, 0, 0, 0]]
         >>> found = lp.orbits.periodic_orbits(henon, {}, "1/20", guesses=states, periods=6.3)
         >>> found.outcome.tolist(), found.orbit.tolist()
-        (['closed', 'closed', 'closed', 'at rest'], [0, 1, 0, -1])
+        (['closed', 'closed', 'closed', 'at rest'], [1, 0, 1, -1])
 
     Args:
         system: A system whose parameters are all numbers.

@@ -50,6 +50,7 @@ CLASSES = {
     "LagrangeDiagram": "tori.lagrange_diagrams",
     "LagrangeMonodromy": "tori.lagrange_braids",
     "Level": "orbits.level",
+    "MapExponents": "orbits.return_maps",
     "Melnikov": "orbits.melnikov_integrals",
     "Molecule": "tori.molecules",
     "MomentumMap": "tori.momentum_maps",

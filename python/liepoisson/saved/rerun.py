@@ -64,6 +64,7 @@ KEPT = {
     "precise segment": ("PreciseSegment", "orbit.polished"),
     "precise midpoint": ("PreciseMidpoint", "orbit.polished"),
     "cycles": ("Cycles", "lp.sections.return_map"),
+    "map exponents": ("MapExponents", "lp.sections.return_map"),
     "critical states": ("CriticalStates", "lp.tori.critical_states"),
     "diagram": ("Diagram", "lp.tori.diagram"),
     "regions of a diagram": ("Regions", "lp.tori.regions"),
