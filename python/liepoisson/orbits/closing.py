@@ -23,12 +23,10 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.shooting import Flow
+from liepoisson.orbits.shooting import LONGEST_DELAY, LONGEST_STEP, Flow
 from liepoisson.portable import elementary, linear
 
 _MOST_STEPS = 30
-_LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
-"""The longest correction of Newton's method: of a state, in units of the level, and of the time, relative to it."""
 _MEETS, _TRIALS = 1e-4, 12
 """A guess must have come to this residual, from which on convergence is quadratic, after so many steps."""
 _RANK = 1e-11
@@ -148,14 +146,12 @@ class Closing:
             step = -linear.einsum("nij,nj->ni", linear.pinv(matrix, rcond=_RANK), np.where(go[:, None], values, 0.0))
             moves, delay, turned = found.moves(step)
             with np.errstate(all="ignore"):
-                long = np.maximum(
-                    linear.norm(moves, axis=2).max(axis=1) / _LONGEST_STEP, np.abs(delay) / _LONGEST_DELAY
-                )
+                long = np.maximum(linear.norm(moves, axis=2).max(axis=1) / LONGEST_STEP, np.abs(delay) / LONGEST_DELAY)
             factor = 1.0 / np.maximum(1.0, np.where(np.isfinite(long), long, 1.0))
             x[active] += factor[:, None, None] * moves * self.level.units
             T[active] *= 1.0 + factor * delay
             angle[active] += factor[:, None] * turned
-            arrived[active] = np.maximum(long * _LONGEST_STEP, linear.norm(turned, axis=1)) < _LAST_STEP
+            arrived[active] = np.maximum(long * LONGEST_STEP, linear.norm(turned, axis=1)) < _LAST_STEP
             active = active[go & np.isfinite(long) & (T[active] > 0)]
             if not active.size:
                 break
