@@ -49,7 +49,7 @@ def test_close_encounters_do_not_end_a_long_search():
     kepler = lp.System(lp.canonical(2), "(p1^2 + p2^2)/2 - 1/sqrt(q1^2 + q2^2)")
     e, end = 0.9999, 80 * np.pi
     n_times = int(12 * end)
-    _, states = Flow(kepler, 1).searching(n_times).survey(
-        np.array([[1 + e, 0, 0, np.sqrt((1 - e) / (1 + e))]]), end, n_times
+    _, states = (
+        Flow(kepler, 1).searching(n_times).survey(np.array([[1 + e, 0, 0, np.sqrt((1 - e) / (1 + e))]]), end, n_times)
     )
     np.testing.assert_allclose(states[0, -1], states[0, 0], atol=1e-6)

@@ -35,7 +35,7 @@ TRIALS = 8
 _SECANTS, _KNOWN, _SAME, _ZERO = 40, 4, 1e-6, 1e-13
 """Steps of the secant method, in which each third one triples the digits; solutions that correct a cubic; the distance,
 relative to the step, of solutions that are the same; and the part of its change below which a function is zero."""
-_REACHED, _TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
+_REACHED, TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
 
 
 class Solution(Protocol):
@@ -234,7 +234,7 @@ class Follower(Generic[P]):
                     break
             self.step /= 2
         else:
-            return obstacle or _TOO_SHORT
+            return obstacle or TOO_SHORT
         last = new, direction
         self._piece, settled = Piece(here, last), curve.settled(new)
         self.here = last if settled is new else (settled, self._nearest(settled, _tangent(last), 1)[0])
