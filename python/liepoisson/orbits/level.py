@@ -141,14 +141,11 @@ class Level(ReadOnlyArrays):
     def projected(self, states: Array, directions: Array) -> tuple[Array, np.ndarray[Any, np.dtype[np.bool_]]]:
         """States moved onto the level along some directions by Newton steps of minimum norm, and which arrived.
 
-        One that has come to round-off is moved no more, whatever the others need.
-
         Args:
             states: Guesses, shape (n, N).
             directions: Columns along which they may be moved, shape (N, d) or (n, N, d).
         """
         x, is_ordinary = states.copy(), bool((self.units == 1).all())
-        goes_on = np.ones(len(x), dtype=bool)
         if not is_ordinary:
             directions = directions * linear.norm(directions * self.units[:, None], axis=-2)[..., None, :]
         for _ in range(_MOST_STEPS):
@@ -162,9 +159,8 @@ class Level(ReadOnlyArrays):
             move = -linear.einsum("nij,nj->ni", linear.pinv(slopes, rcond=1e-10), rest)
             step = linear.einsum("...ij,...j->...i", directions, move)
             size = linear.norm(step / self.units, axis=-1, keepdims=True)
-            x = np.where(goes_on[:, None], x + step / np.maximum(1.0, 2.0 * size), x)
-            goes_on &= ~(size[:, 0] < 1e-15)
-            if not goes_on.any():
+            x = x + step / np.maximum(1.0, 2.0 * size)
+            if size.max(initial=0.0) < 1e-15:
                 break
         return x, self.distance(x) < _ON_LEVEL
 

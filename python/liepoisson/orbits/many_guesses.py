@@ -177,7 +177,10 @@ class Guesses:
         """Improve guesses of the same units, and see which orbits they lead to."""
         level = problem.closing.level
         moved = linear.norm(problem.system.vector_field(self.states[rows]) / level.units, axis=1) * self.times[rows]
-        states, arrived = level.projected(self.states[rows], np.eye(self.states.shape[1]))
+        alone = [
+            level.projected(self.states[[row]], np.eye(self.states.shape[1])) for row in rows
+        ]  # as single calls do
+        states, arrived = (np.concatenate(each) for each in zip(*alone, strict=True))
         self.outcome[rows] = np.where(moved > SAME, OFF, AT_REST)
         go = arrived & (moved > SAME)
         rows, loops = rows[go], problem.improved(states[go], self.times[rows[go]])
