@@ -22,6 +22,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -121,13 +122,13 @@ def guesses() -> tuple[Any, Any]:
 
 
 def level() -> Sequence[Any]:
-    """The orbits of one level that all guesses lead to."""
-    from liepoisson.orbits.closed_orbits import problem_at
+    """The orbits of one level that all guesses lead to; none where Newton's method does not converge."""
+    import liepoisson as lp
 
     states, periods = guesses()
-    problem = problem_at(system_of("henon"), states[0], leaf={}, energy=ENERGY, threads=1, along=states)
-    loops = problem.closing.solved(problem.loops(states, periods))
-    return [problem.described(loops, k) for k in range(len(loops))]
+    found = lp.orbits.periodic_orbits(system_of("henon"), {}, ENERGY, guesses=states, periods=periods, threads=1)
+    none = SimpleNamespace(start=np.full(4, np.nan), period=np.nan)
+    return [none if k < 0 else found[k] for k in found.orbit.tolist()]
 
 
 def of_family(row: Row, orbits: Sequence[Any]) -> dict[str, Any]:

@@ -311,6 +311,9 @@ def _of_orbits_and_sections(add):
     level = {"leaf": {"C1": 0.0, "C2": 1.0}, "energy": -0.5}
     add("orbits.periodic_orbit", "leaf:v", system=SPHERICAL, guess=[1.0, 0, 0, 0, 0.1, -1], period=6.5, **level)
     add("orbits.periodic_orbits", "leaf:v", **search)
+    near = {"system": SPHERICAL, "guesses": [1.0, 0, 0, 0, 0.1, -1], "periods": [6.5]}
+    words, names = "leaf:v guesses:S periods:1", SPHERICAL.component_names
+    add("orbits.periodic_orbits:guesses", words, None, names, **near, **level)
     sleeping, middle = lp.Top.lagrange(transverse=1, axial=1, a3=1), [2.0, 0, 0, 0, 0, -1, 0, 0, 0]
     splits = {"system": sleeping, "starts": middle, "perturbation": "l1*l2", "integrals": ["l3"]}
     upright = lp.phase_space.equilibrium(sleeping, [0, 0, 0, 0, 0, 1, 0, 0, 0])

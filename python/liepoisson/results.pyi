@@ -43,10 +43,10 @@ from liepoisson.numeric.integrate import Orbit as Orbit
 from liepoisson.orbits.closed_orbits import PeriodicOrbit as PeriodicOrbit
 from liepoisson.orbits.connections import ConnectingOrbit as ConnectingOrbit
 from liepoisson.orbits.connections import ConnectingOrbits as ConnectingOrbits
-from liepoisson.orbits.guesses import PeriodicOrbits as PeriodicOrbits
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrbit
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
 from liepoisson.orbits.invariant_manifolds import InvariantManifold as InvariantManifold
+from liepoisson.orbits.level_orbits import PeriodicOrbits as PeriodicOrbits
 from liepoisson.orbits.melnikov_integrals import Melnikov as Melnikov
 from liepoisson.orbits.multipliers import SymmetricOrbit as SymmetricOrbit
 from liepoisson.orbits.multipliers import SymmetricOrbits as SymmetricOrbits

@@ -10,6 +10,7 @@ from liepoisson.cli.chaos import lyapunov
 from liepoisson.cli.options import flat
 from liepoisson.cli.orbit import orbit
 from liepoisson.cli.runs import DEFAULT_STEP, named_method
+from liepoisson.cli.section import section
 from liepoisson.errors import ParameterError, UnknownNameError
 from liepoisson.numeric.methods import METHODS, precisions
 
@@ -32,7 +33,7 @@ def test_a_method_is_made_by_name_with_any_of_its_options(name):
                 named_method(name, **{option: value})
 
 
-@pytest.mark.parametrize("command", [flat(lyapunov), flat(orbit)])
+@pytest.mark.parametrize("command", [flat(lyapunov), flat(orbit), flat(section)])
 def test_the_help_names_every_method_and_who_takes_an_option(command):
     options = inspect.signature(command).parameters
     assert all(name in help_of(command, "method") for name in METHODS)

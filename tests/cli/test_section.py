@@ -54,6 +54,49 @@ def test_a_top_with_two_fields_has_the_good_surface_and_a_warning_and_can_be_rer
     assert "error    " not in out
 
 
+@pytest.mark.parametrize(
+    ("given", "method"),
+    [
+        ((), lp.Taylor()),
+        (("--tol", "1e-9"), lp.Taylor(tol=1e-9)),
+        (("--method", "gauss", "--step", "0.1", "--order", "6"), lp.Gauss(step=0.1, order=6)),
+        (("--method", "runge-kutta", "--step", "0.1"), lp.RungeKutta(step=0.1)),
+    ],
+)
+def test_the_method_is_that_of_python(command, tmp_path, given, method):
+    path = tmp_path / "section.nc"
+    start = ("--start", "y=0.1", "--start", "p_x=0.3", "--surface", "x", "--crossings", "4")
+    code, out, err = command("section", "henon-heiles", *start, *given, "--out", path)
+    assert (code, err) == (0, "")
+    assert f"method   {method}, order" in out
+    run = lp.load(path)
+    wanted = lp.section(run.system, run.start, surface="x", t_end=run.t_end, direction=1, n_crossings=4, method=method)
+    np.testing.assert_array_equal(run.state, wanted.state)
+    assert run.method == method
+
+
+def test_a_default_step_is_a_tenth_of_the_natural_time(command, tmp_path):
+    path = tmp_path / "section.nc"
+    command("section", "henon-heiles", "--energy", "1/10", *FEW, "--method", "gauss", "--out", path)
+    run = lp.load(path)
+    assert run.method == lp.Gauss(step=float(f"{run.t_end / 5 / 100 / 10:.1e}"))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (("--method", "euler"), "--method must be one of taylor"),
+        (("--method", "runge-kutta"), "--method runge-kutta must come with --step where crossings are wanted"),
+        (("--method", "gauss", "--tol", "1e-9"), "--tol is not an option of gauss"),
+        (("--step", "0.1"), "--step is not an option of taylor"),
+    ],
+)
+def test_methods_that_are_refused(command, given, words):
+    code, out, err = command("section", "henon-heiles", *FEW, *given)
+    assert (code, out) == (2, "")
+    assert words in err
+
+
 @pytest.mark.parametrize("alone", [True, False])
 @pytest.mark.parametrize("name", ["heavy-top", "henon-heiles", "kovalevskaya", "twisted-lagrange"])
 def test_the_surface_by_default_is_that_of_python(command, name, alone):

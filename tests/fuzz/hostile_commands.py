@@ -55,6 +55,7 @@ OPTIONS = {
         "--surface": "surface", "--t-end": ["10", "5e-324", "-1", "nan", "0"],
         "--crossings": ["3", "1", "0", "-1", "x"], "--starts": ["2", "0", "x"],
         "--keep": "text", "--x": "text", "--y": "text",
+        "--method": [*METHODS, "x"], "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number",
     },
     "lyapunov": _WHERE | _FILES | _STARTS | {
         "--t-end": "number", "--ensemble": "text", "--tol": "number", "--spectrum": None,

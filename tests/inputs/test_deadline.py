@@ -205,6 +205,9 @@ COUNTED = {
     "orbits.periodic_orbits": lambda **limit: lp.orbits.periodic_orbits(
         HENON_HEILES, {}, energy="1/10", n_starts=MANY, **limit
     ),
+    "orbits.periodic_orbits, guesses": lambda **limit: lp.orbits.periodic_orbits(
+        HENON_HEILES, {}, energy="1/10", guesses=np.full((1000, 4), 0.2), periods=1e6, **limit
+    ),
     "results.ReturnMap.cycles": lambda **limit: lp.sections.return_map(HENON_HEILES, "x", t_end=100).cycles(
         {}, "1/10", n_starts=MANY, **limit
     ),

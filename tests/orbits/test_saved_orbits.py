@@ -98,10 +98,11 @@ def kept():
     sphere = lp.Leaf(pendulum, {"C1": 0, "C2": 1})
     plane = lp.tori.diagram(sphere, energy_max=2, n_starts=20)
     curves = lp.tori.lagrange_diagram(lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1}))
+    back = lp.sections.return_map(HENON, "x", t_end=100)
     found = [
         orbits, orbits[0], orbits[0].polished(), symmetric_orbits, symmetric_orbits[0], symmetric_orbits[0].polished(),
         homoclinic, homoclinic[0], homoclinic[0].polished(digits=16), connecting, connecting[0], connecting[0].unstable,
-        turning(), lp.sections.return_map(HENON, "x", t_end=100).cycles({}, "1/12", n_starts=20),
+        turning(), back.cycles({}, "1/12", n_starts=20), back.exponents([[0, 0.1, 0.49, 0.05], [0, 0.1, 0.3, 0]], 8),
         lp.orbits.melnikov(round_top, [2, 0, 0, 0, 0, -1], "l1*l2", origin=upright, integrals=["l3"]),
         lp.tori.critical_states(sphere, n_starts=10), plane, lp.tori.regions(plane, n_values=100, n_states=5),
         lp.tori.fibre(sphere, [0.5, 0.2], n_states=5), lp.tori.period_lattice(pendulum, state, integrals=["l3/2"]),
@@ -216,6 +217,9 @@ def test_what_is_loaded_goes_on(tmp_path):
     np.testing.assert_array_equal(
         *(one.polished().start for one in (again["periodic orbit"], kept()["periodic orbit"]))
     )
+    exponents = again["map exponents"]
+    more = exponents.back.exponents(exponents.start, exponents.n_returns)
+    np.testing.assert_array_equal(more.exponent, kept()["map exponents"].exponent)
     cycles = again["cycles"], kept()["cycles"]
     np.testing.assert_array_equal(*(one.back(one.points[0]).state for one in cycles))
     assert lp.orbits.periodic_orbit(HENON, again["symmetric orbits"][0]).period == pytest.approx(

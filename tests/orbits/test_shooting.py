@@ -42,3 +42,14 @@ def test_no_more_is_kept_than_the_last_ends():
     none, tangents = flow.ends(np.zeros((0, 4)), np.zeros(0), np.eye(4))
     assert none.shape == (0, 4)
     assert tangents.shape == (0, 4, 4)
+
+
+def test_close_encounters_do_not_end_a_long_search():
+    """Of the Kepler problem with the eccentricity 0.9999, at twelve times in a unit, for 40 turns."""
+    kepler = lp.System(lp.canonical(2), "(p1^2 + p2^2)/2 - 1/sqrt(q1^2 + q2^2)")
+    e, end = 0.9999, 80 * np.pi
+    n_times = int(12 * end)
+    _, states = (
+        Flow(kepler, 1).searching(n_times).survey(np.array([[1 + e, 0, 0, np.sqrt((1 - e) / (1 + e))]]), end, n_times)
+    )
+    np.testing.assert_allclose(states[0, -1], states[0, 0], atol=1e-6)

@@ -31,3 +31,11 @@ def test_a_family_in_a_parameter_has_a_figure():
     ax = lp.plot.family(lp.orbits.orbit_family(heavy, start, along="g", until=1.2))
     assert ax.get_xlabel() == "$g$"
     assert ax.get_title(loc="left").startswith("heavy")
+
+
+def test_each_orbit_has_a_dot():
+    """Lines only join them: the corners are where something was computed."""
+    found = family(PENDULUM, 0.5)
+    (line,) = lp.plot.family(found).lines
+    assert (line.get_marker(), line.get_linestyle()) == (".", "-")
+    assert line.get_xydata().tolist() == [[x, T] for x, T in zip(found.value, found.period, strict=True)]

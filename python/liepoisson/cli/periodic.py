@@ -74,7 +74,7 @@ def periodic(
 
     The exit code is 1 where no orbit is found.
     """
-    from liepoisson.orbits.guesses import periodic_orbits
+    from liepoisson.orbits.level_orbits import periodic_orbits
 
     check_limits(seed=seed, time_limit=time_limit)
     chosen = read_numeric_system(system, common.values)

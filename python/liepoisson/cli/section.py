@@ -15,9 +15,18 @@ import typer
 
 from liepoisson.cli.options import Common, Files, SeedOption, SystemArgument, Where
 from liepoisson.cli.output import announce, result_files
-from liepoisson.cli.runs import Limits, check_end_time, check_limits, running, unit_of_time, write_and_print
+from liepoisson.cli.runs import (
+    HowToRoundOff,
+    Limits,
+    check_end_time,
+    check_limits,
+    running,
+    unit_of_time,
+    write_and_print,
+)
 from liepoisson.cli.starts import find_start, leaf_lines, read_numeric_system, start_lines
 from liepoisson.errors import ParameterError, SurfaceWarning
+from liepoisson.numeric.methods import Method, RungeKutta
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -77,6 +86,7 @@ def section(
     crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = N_CROSSINGS,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     keep: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=KEEP_HELP)] = None,
+    how: HowToRoundOff,
     limits: Limits,
     files: Files,
     x: Annotated[str | None, typer.Option("--x", metavar="FORMULA", help=ACROSS_HELP)] = None,
@@ -98,6 +108,7 @@ def section(
     _check_counts(starts, crossings, alone=alone)
     check_end_time(t_end, forwards=False)
     check_limits(seed=seed, **asdict(limits))
+    _check_steps(how.named())  # refused before anything is computed
     data, stem = result_files(files, chosen, common.values, "section")
     if stem is not None:
         _check_axes(chosen, x, y, keep)
@@ -116,8 +127,9 @@ def section(
             begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
         )
     )
+    unit = unit_of_time(chosen, states)
     if t_end is None:
-        t_end = _TIME * crossings * unit_of_time(chosen, states)
+        t_end = _TIME * crossings * unit
     if not alone:
         announce(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", (data, stem))
     total = len(states) * abs(t_end)
@@ -132,6 +144,7 @@ def section(
             direction=direction.sign,
             n_crossings=crossings,
             keep=keep or None,
+            method=how.named(unit),
             progress=listen,
             **asdict(limits),
         )
@@ -266,6 +279,15 @@ def _check_counts(starts: int | None, crossings: int, *, alone: bool) -> None:
     ):
         if value is not None and not 1 <= value <= most:
             raise ParameterError(f"--{name} must be from 1 to {most}; got {value}. Try {usual}.")
+
+
+def _check_steps(method: Method) -> None:
+    """Refuse the one method of the commands that has neither power series nor equal steps."""
+    if isinstance(method, RungeKutta) and method.step is None:
+        raise ParameterError(
+            "--method runge-kutta must come with --step where crossings are wanted: they lie between steps of one "
+            "length. Try --step 0.1."
+        )
 
 
 def _check_formulas(system: System, formulas: Sequence[str]) -> None:

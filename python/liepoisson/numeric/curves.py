@@ -40,7 +40,7 @@ _PAST, _NEAR = 9, 1e-4
 """Points from which the next ones are predicted, and the error of a prediction, in units, from which Newton's method
 converges quadratically.  Measured in ten families of orbits: with 1e-3 they take as long, with 1e-6 a tenth longer, and
 with 1e-8 a third."""
-_REACHED, _TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
+_REACHED, TOO_SHORT, _SINGULAR = "the wanted value", "the steps became too short", "a singular level"
 
 
 class Solution(Protocol):
@@ -278,7 +278,7 @@ class Follower(Generic[P]):
             self._past, self._ahead = [], []
             self.step = self.step if is_ahead else self.step / 2  # it may be that only what was predicted fails
         else:
-            return obstacle or _TOO_SHORT
+            return obstacle or TOO_SHORT
         last = new, direction
         self._piece, settled = Piece(here, last), curve.settled(new)
         self.here = last if settled is new else (settled, self._nearest(settled, _tangent(last), 1)[0])

@@ -4,9 +4,9 @@ from liepoisson.numeric.integrate import integrate as integrate
 from liepoisson.numeric.time_scale import time_scale as time_scale
 from liepoisson.orbits.connections import connecting_orbits as connecting_orbits
 from liepoisson.orbits.guesses import periodic_orbit as periodic_orbit
-from liepoisson.orbits.guesses import periodic_orbits as periodic_orbits
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits as symmetric_homoclinic_orbits
 from liepoisson.orbits.invariant_manifolds import invariant_manifold as invariant_manifold
+from liepoisson.orbits.level_orbits import periodic_orbits as periodic_orbits
 from liepoisson.orbits.melnikov_integrals import melnikov as melnikov
 from liepoisson.orbits.orbit_families import orbit_family as orbit_family
 from liepoisson.orbits.symmetric_orbits import symmetric_periodic_orbits as symmetric_periodic_orbits

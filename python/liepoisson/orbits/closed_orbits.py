@@ -166,34 +166,74 @@ class Problem:
             states: Shape (n, N).
             times: Shape (n,).
             angles: Shape (n, k), by default those by which the states turn towards where their orbits end.
-            n_segments: Of how many segments; by default so many that neighbours grow by no more than `GROWTH` in each,
-                or least, where twice as many do not help; of several loops, on the average.
+            n_segments: Of how many segments; by default as many as one needs, and several where neighbours grow most.
         """
-        flow = self.closing.flow
-        angles = self._turned(states, flow.ends(states, times)[0]) if angles is None else angles
+        angles = self._turned(states, self.closing.flow.ends(states, times)[0]) if angles is None else angles
         if n_segments is None:
-            units = self.closing.level.units
-            _, tangents = flow.ends(states, times, np.eye(states.shape[1]))
-            growth = np.abs(tangents * (units / units[:, None])).sum(axis=2).max(initial=1.0)
-            if not np.isfinite(growth):  # an orbit that does not reach the time has no states between
-                return self._chained(states, times, angles, 1)
-            wanted = np.ceil(elementary.log(growth) / elementary.log(GROWTH))
-            n_segments = int(np.clip(wanted, 1, MOST_SEGMENTS))
-            tried = [self._chained(states, times, angles, n_segments)]
-            if len(states) == 1:  # neighbours that move apart and together again grow in each segment, not in all
-                while (growth := self.closing.growth(tried[-1])[0]) > GROWTH and len(tried) <= n_segments:
-                    tried.append(self._chained(states, times, angles, n_segments + len(tried)))
-                if not growth <= GROWTH:
-                    return min(tried, key=lambda one: float(self.closing.growth(one)[0]))
-            return tried[-1]
+            wanted = self._counts(states, times, angles) if len(states) == 1 else self._wanted(states, times)
+            n_segments = int(wanted.max())
         return self._chained(states, times, angles, n_segments)
+
+    def improved(
+        self, states: Array, times: Array, angles: Array | None = None, *, n_segments: int | None = None
+    ) -> list[tuple[Loops, bool]]:
+        """What Newton's method makes of each guess, and whether that is an orbit.
+
+        Each is made of as many segments as it needs, and those of as many are improved together, so that no loop
+        depends on the other guesses.
+
+        Args:
+            states: Shape (n, N).
+            times: Shape (n,).
+            angles: As for `loops`.
+            n_segments: Of how many segments all are.
+        """
+        angles = self._turned(states, self.closing.flow.ends(states, times)[0]) if angles is None else angles
+        counts = np.full(len(states), n_segments or 0)
+        if n_segments is None:
+            counts = self._counts(states, times, angles)
+        found: dict[int, tuple[Loops, bool]] = {}
+        for count in np.unique(counts).tolist():
+            rows = np.nonzero(counts == count)[0]
+            loops = self.closing.solved(self._chained(states[rows], times[rows], angles[rows], count))
+            left = ~self.closed(loops) & np.isfinite(loops.residual)
+            if left.any():  # once more, held across the flow where they came, not at a far guess
+                loops = loops.replaced(left, self.closing.solved(loops.of(left)))
+            each = zip(rows.tolist(), self.closed(loops).tolist(), strict=True)
+            found |= {row: (loops.of(np.array([j])), is_orbit) for j, (row, is_orbit) in enumerate(each)}
+        return [found[row] for row in range(len(states))]
+
+    def _wanted(self, states: Array, times: Array) -> NDArray[np.intp]:
+        """So many segments that neighbours grow by `GROWTH` in each, if they do so evenly; 1 for lost ones."""
+        units = self.closing.level.units
+        _, tangents = self.closing.flow.ends(states, times, np.eye(states.shape[1]))
+        growth = np.abs(tangents * (units / units[:, None])).sum(axis=2).max(axis=1)
+        growth = np.where(np.isfinite(growth), growth, 1.0)  # an orbit that does not reach the time has none between
+        wanted = np.ceil(elementary.log(np.maximum(growth, 1.0)) / elementary.log(GROWTH))
+        return np.clip(wanted, 1, MOST_SEGMENTS).astype(np.intp)
+
+    def _counts(self, states: Array, times: Array, angles: Array) -> NDArray[np.intp]:
+        """The least numbers of segments in each of which neighbours grow by no more than `GROWTH`.
+
+        Neighbours that move apart and together again grow in each segment more than in all.  Up to twice as many
+        segments are tried; where these do not help, the number with the least growth is taken.
+        """
+        first = self._wanted(states, times)
+        tried, best, least = first.copy(), first.copy(), np.full(len(first), np.inf)
+        left = np.arange(len(first))
+        while left.size:
+            for count in np.unique(tried[left]).tolist():
+                rows = left[tried[left] == count]
+                growth = self.closing.growth(self._chained(states[rows], times[rows], angles[rows], count))
+                better = rows[growth < least[rows]]
+                best[better], least[better] = count, growth[growth < least[rows]]
+            left = left[~(least[left] <= GROWTH) & (tried[left] < 2 * first[left])]
+            tried[left] += 1
+        return best
 
     def _chained(self, states: Array, times: Array, angles: Array, n_segments: int) -> Loops:
         """Guesses of so many segments."""
-        chain = [states]
-        for i in range(1, n_segments):
-            chain.append(self.closing.flow.ends(states, times * (i / n_segments))[0])
-        return guessed(np.stack(chain, axis=1), times, angles)
+        return guessed(self.closing.flow.paths(states, times, n_segments)[:, :-1], times, angles)
 
     def in_short_segments(self, loops: Loops) -> Loops:
         """A loop that was found among others, in segments of its own where neighbours grow too much in one of these."""
@@ -227,6 +267,15 @@ class Problem:
             starts: Shape (n, N).
             states: Shape (n, time, N).
         """
+        return linear.norm(self.ways(starts, states), axis=2)
+
+    def ways(self, starts: Array, states: Array) -> Array:
+        """From states to starts that are turned towards them, in units of the level, shape (n, time, N).
+
+        Args:
+            starts: Shape (n, N).
+            states: Shape (n, time, N).
+        """
         x, y = np.broadcast_to(starts[:, None], states.shape), states / self.closing.level.units
         for rotation in self.closing.rotations:
             rate = _rate(rotation)
@@ -235,7 +284,7 @@ class Problem:
             parts = [(one / self.closing.level.units * y).sum(axis=2) for one in (across, along)]
             angle = elementary.arctan2(*parts)[..., None]
             x = x - along + elementary.cos(angle) * along + elementary.sin(angle) * across
-        return linear.norm(x / self.closing.level.units - y, axis=2)
+        return x / self.closing.level.units - y
 
     def closed(self, loops: Loops) -> NDArray[np.bool_]:
         """Which loops are orbits: they close, and are no equilibria, nor relative ones, that close after any time."""

@@ -14,7 +14,7 @@ eliminated, so that the linear equations have the size of one state; residuals a
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +23,10 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.level import Level
-from liepoisson.orbits.shooting import Flow
+from liepoisson.orbits.shooting import LONGEST_DELAY, LONGEST_STEP, Flow
 from liepoisson.portable import elementary, linear
 
 _MOST_STEPS = 30
-_LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
-"""The longest correction of Newton's method: of a state, in units of the level, and of the time, relative to it."""
 _MEETS, _TRIALS = 1e-4, 12
 """A guess must have come to this residual, from which on convergence is quadratic, after so many steps."""
 _RANK = 1e-11
@@ -67,6 +65,13 @@ class Loops:
     def of(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Loops:
         """Some of them."""
         return Loops(self.state[rows], self.time[rows], self.angle[rows], self.residual[rows], self.regularity[rows])
+
+    def replaced(self, rows: NDArray[np.bool_], others: Loops) -> Loops:
+        """The same with others in the place of some of them."""
+        found = [getattr(self, one.name).copy() for one in fields(self)]
+        for mine, one in zip(found, fields(others), strict=True):
+            mine[rows] = getattr(others, one.name)
+        return Loops(*found)
 
 
 def guessed(state: Array, time: Array, angle: Array) -> Loops:
@@ -141,14 +146,12 @@ class Closing:
             step = -linear.einsum("nij,nj->ni", linear.pinv(matrix, rcond=_RANK), np.where(go[:, None], values, 0.0))
             moves, delay, turned = found.moves(step)
             with np.errstate(all="ignore"):
-                long = np.maximum(
-                    linear.norm(moves, axis=2).max(axis=1) / _LONGEST_STEP, np.abs(delay) / _LONGEST_DELAY
-                )
+                long = np.maximum(linear.norm(moves, axis=2).max(axis=1) / LONGEST_STEP, np.abs(delay) / LONGEST_DELAY)
             factor = 1.0 / np.maximum(1.0, np.where(np.isfinite(long), long, 1.0))
             x[active] += factor[:, None, None] * moves * self.level.units
             T[active] *= 1.0 + factor * delay
             angle[active] += factor[:, None] * turned
-            arrived[active] = np.maximum(long * _LONGEST_STEP, linear.norm(turned, axis=1)) < _LAST_STEP
+            arrived[active] = np.maximum(long * LONGEST_STEP, linear.norm(turned, axis=1)) < _LAST_STEP
             active = active[go & np.isfinite(long) & (T[active] > 0)]
             if not active.size:
                 break
@@ -245,12 +248,15 @@ class Closing:
 
     def extent(self, loops: Loops) -> Array:
         """About how far loops move in their time, across the rotations and in units of the level, shape (n,)."""
-        rates = self.level.system.vector_field(loops.state) / self.level.units
+        return linear.norm(self.rates(loops.state), axis=2).max(axis=1) * loops.time
+
+    def rates(self, states: Array) -> Array:
+        """The vector field across the rotations, in units of the level, shape (n, m, N), at so many states."""
         basis: list[Array] = []
         for rotation in self.rotations:
-            turned = linear.einsum("ij,nmj->nmi", rotation, loops.state) / self.level.units
+            turned = linear.einsum("ij,nmj->nmi", rotation, states) / self.level.units
             basis.append(_unit(_across(turned, basis)))
-        return linear.norm(_across(rates, basis), axis=2).max(axis=1) * loops.time
+        return _across(self.level.system.vector_field(states) / self.level.units, basis)
 
     def _equations(
         self, found: Linearised, here: tuple[Array, Array, Array], anchors: tuple[Array, ...], extra: Array | None

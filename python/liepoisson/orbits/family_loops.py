@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from liepoisson.model.system import System
 
 AT_REST = "an equilibrium"
-_HOMOCLINIC = "an equilibrium on the orbit, which is homoclinic there"
+HOMOCLINIC = "an equilibrium on the orbit, which is homoclinic there"
 _SMALL = 4.0
 
 
@@ -238,11 +238,11 @@ class LoopCurve(Curve[FamilyLoop]):
             return "", False
         half, _ = self.closing.flow.ends(first.start[None], np.array([float(first.loops.time[0]) / 2]))
         size, step = (linear.norm((one - first.start) / self.units) for one in (half[0], last.start))
-        return (AT_REST, True) if size < _SMALL * step else (_HOMOCLINIC, False)
+        return (AT_REST, True) if size < _SMALL * step else (HOMOCLINIC, False)
 
     def settled(self, point: FamilyLoop) -> FamilyLoop:
         """The loop in other segments, if neighbours grow too much in these."""
-        if not np.abs(point.linearised.segments).max() > GROWTH**2:
+        if not np.abs(point.linearised.segments).max() > 10 * GROWTH:  # whose round-off is a fifth of what must close
             return point
         loops = self.problem.loops(point.loops.state[:, 0], point.loops.time, point.loops.angle)
         return FamilyLoop(self, self.closing.solved(loops))

@@ -1,36 +1,29 @@
-"""Where periodic orbits are looked for: what a caller gives, and Newton's method from there."""
+"""The periodic orbit near one guess: what a caller gives, and Newton's method from there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from liepoisson.algebra.residues import primes
 from liepoisson.equilibrium.stability import Equilibrium
-from liepoisson.errors import LeafError, OrbitError, ParameterError, TimeLimitError
+from liepoisson.errors import LeafError, OrbitError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
-from liepoisson.inputs.deadline import blocks, checkpoint, has_passed
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import as_system
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.run_options import RunOptions
-from liepoisson.numeric.starts import StartsLike, given_starts
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states, given_starts
 from liepoisson.orbits.closed_orbits import CLOSES, SAME, Momenta, PeriodicOrbit, Problem, problem_at
 from liepoisson.orbits.closing import Loops
-from liepoisson.orbits.level import Level, level_of
-from liepoisson.orbits.multipliers import SymmetricOrbit, orbit_columns
-from liepoisson.orbits.saved_orbits import SearchedOrbits
-from liepoisson.orbits.shooting import Flow, n_times_of
-from liepoisson.orbits.symmetric_orbits import natural_time, searched
+from liepoisson.orbits.multipliers import SymmetricOrbit
+from liepoisson.orbits.shooting import Flow
 from liepoisson.portable import linear
-from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.leaf.leaf import Leaf
@@ -43,8 +36,7 @@ _RETURNS, _OTHER_PERIOD = 8, 0.05
 """How many of the nearest returns of a trajectory are tried, and how much their times differ, relative."""
 _NEAR_PERIOD = 0.2
 """How much a return's time may differ from a period that is given."""
-_UNITS, _TIMES_PER_UNIT, _GUESSES, _TOGETHER = 30.0, 12.0, 2, 64
-_SIZES = 32
+SIZES = 32
 """States of the orbit of a guess whose sizes are the units."""
 _LOOKS = 1000
 """Times of a trajectory at which returns are looked for; all pairs of them are compared."""
@@ -105,15 +97,10 @@ def periodic_orbit(
     system = as_system(system)
     holds_period = _holds_period(hold, energy, period)
     count = None if n_segments is None else as_count(n_segments, "n_segments", least=1, most=256)
-    if isinstance(guess, Equilibrium):
-        raise ParameterError(
-            "guess: wanted a state on an orbit; got an equilibrium, whose small orbits are those of "
-            "lp.orbits.orbit_family(system, equilibrium)"
-        )
+    check_moves(guess, "guess")
     with run.deadline.running():
         states, times, angles = _guesses(system, guess, period)
-        flow = Flow(system, run.threads)
-        _, along = flow.survey(states, float(times.max()), _SIZES)
+        along = Flow(system, run.threads).paths(states, times, SIZES)
         problem = problem_at(
             system, states[0], leaf=leaf, energy=energy, holds_period=holds_period, momenta=momenta,
             symmetry=symmetry, threads=run.threads, along=along.reshape(-1, states.shape[1]),
@@ -133,27 +120,22 @@ def periodic_orbit(
                 )
             states, times, angles = states[arrived], times[arrived], angles[arrived]
         k = len(problem.closing.rotations)
-        loops = problem.closing.solved(
-            problem.loops(states, times, angles if angles.shape[1] == k else None, n_segments=count)
-        )
-        if not problem.closed(loops).any():  # once more, held across the flow where they came, not at a far guess
-            loops = problem.closing.solved(loops)
-        is_orbit = problem.closed(loops)
-        best = int(np.argmin(np.where(is_orbit, -1.0, loops.residual)))
-        if loops.residual[best] <= CLOSES and not is_orbit[best]:
+        tried = problem.improved(states, times, angles if angles.shape[1] == k else None, n_segments=count)
+        loop, is_orbit = min(tried, key=lambda one: (not one[1], not one[1] and float(one[0].residual[0])))
+        if loop.residual[0] <= CLOSES and not is_orbit:
             raise OrbitError(
-                f"an orbit must move; from this guess Newton's method comes to {shown(loops.state[best, 0])} on "
+                f"an orbit must move; from this guess Newton's method comes to {shown(loop.state[0, 0])} on "
                 f"{problem.closing.level.text}, which is at rest{' or only turns' if k else ''}"
             )
-        if not is_orbit[best]:
+        if not is_orbit:
             where = ", of any energy" if holds_period else f" on {problem.closing.level.text}"
             raise OrbitError(
                 f"an orbit must close to {CLOSES:g}; from this guess Newton's method comes to "
-                f"{loops.residual[best]:.1e} at the period {loops.time[best]:.6g}{where}. "
+                f"{loop.residual[0]:.1e} at the period {loop.time[0]:.6g}{where}. "
                 "Give a nearer guess, or one of lp.orbits.symmetric_periodic_orbits"
             )
         run.tell(0.5)
-        return problem.described(shortest(problem, loops.of(np.array([best]))))
+        return problem.described(shortest(problem, loop))
 
 
 def _holds_period(hold: object, energy: object, period: object) -> bool:
@@ -176,10 +158,25 @@ def _guesses(system: System, guess: Any, period: object) -> tuple[Array, Array, 
         return states, times, np.zeros((len(times), 0))
     if period is None:
         raise ParameterError("period: wanted the time after which the orbit closes, about; got none; write period=6.3")
-    state = given_starts(system, cast("StartsLike", guess), "guess")
-    if state.ndim != 1 and len(state) != 1:
-        raise ParameterError(f"guess: wanted one state; got {len(state)}")
-    return state.reshape(1, -1), np.array([as_time(period, "period", example=6.3)]), np.zeros((1, 0))
+    given = given_starts(system, cast("StartsLike", guess), "guess")
+    states = as_states(given, len(system.component_names), "guess", names=system.component_names)
+    if len(states) != 1:
+        raise ParameterError(f"guess: wanted one state; got {len(states)}; many are taken by lp.orbits.periodic_orbits")
+    states = as_starts(system, states, len(system.component_names))  # where H is a real number
+    return states, np.array([as_time(period, "period", example=6.3)]), np.zeros((1, 0))
+
+
+def check_moves(guess: object, name: str) -> None:
+    """Refuse an equilibrium as a guess.
+
+    Raises:
+        ParameterError: it is one.
+    """
+    if isinstance(guess, Equilibrium):
+        raise ParameterError(
+            f"{name}: wanted a state on an orbit; got an equilibrium, whose small orbits are those of "
+            "lp.orbits.orbit_family(system, equilibrium)"
+        )
 
 
 def _returns(orbit: Orbit, period: float | None) -> tuple[Array, Array]:
@@ -254,191 +251,10 @@ def _most_parts(problem: Problem, loops: Loops) -> int:
     References: [fenchel1929].
     """
     system, m, T = problem.system, loops.state.shape[1], float(loops.time[0])
-    _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-_SIZES // m))
+    _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-SIZES // m))
     states = between[:, :-1].reshape(-1, between.shape[2])
     rates = system.vector_field(states)
     turning = linear.einsum("nij,nj->ni", system.functions.jacobian(states), rates)
     speed, turned = (linear.norm(each / problem.closing.level.units, axis=1) for each in (rates, turning))
     mean = float((turned / np.maximum(speed, np.finfo(float).tiny)).mean())
     return int(np.ceil(2 * T * mean / np.pi / (1 if len(problem.closing.rotations) else 2)))
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class PeriodicOrbits(SearchedOrbits[PeriodicOrbit]):
-    """Periodic orbits of a level, those with the largest growth rate first.
-
-    Example:
-        >>> system = lp.catalog.system("henon-heiles")
-        >>> found = lp.orbits.periodic_orbits(system, {}, energy="1/10", n_starts=30)
-        >>> [(round(orbit.period, 3), orbit.stability) for orbit in found[:1]]
-        [(6.794, 'hyperbolic')]
-
-    Attributes:
-        level: The level.
-        found: The orbits; of those with the same period and multipliers, as symmetries map to one another, one.
-        t_end: How long starts were followed.
-        n_starts: How many starts were taken.
-        n_families: How many orbits were left out since they belong to families on the level.
-        is_cut_short: Whether the time limit ended the search.
-    """
-
-    kind = "periodic orbits"
-    made_by = "lp.orbits.periodic_orbits"
-    titles = ("period", "rate", "stability", "multipliers", "residual", "pairs")
-
-    level: Level
-    found: tuple[PeriodicOrbit, ...]
-    t_end: float
-    n_starts: int
-    n_families: int
-    is_cut_short: bool = False
-
-    @property
-    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The system."""
-        return self.level.system
-
-    def columns(self) -> dict[str, NDArray[Any]]:
-        """The columns of the table: of each orbit its period, stability, start and multipliers."""
-        return orbit_columns(self.found, self.system)
-
-    def _head(self) -> str:
-        starts = f"the returns of {{}} orbits up to t = {self.t_end:g}"
-        where = f"of {self.system.name!r} on {self.level.text}"
-        return self._sentence("periodic orbit", where, starts, "that belong to families")
-
-    def _row(self, one: PeriodicOrbit, /) -> tuple[str, ...]:
-        return (
-            f"{one.period:.8f}",
-            f"{one.rate:.4f}",
-            one.stability,
-            one.multiplier_words,
-            f"{one.residual:.0e}",
-            f"{one.pair_defect:.0e}",
-        )
-
-
-@shows_progress
-def periodic_orbits(
-    system: System,
-    leaf: Leaf | Mapping[str, float | str],
-    energy: float | str,
-    *,
-    momenta: Momenta = (),
-    n_starts: int = 200,
-    t_end: float | None = None,
-    seed: int = 0,
-    threads: int | None = None,
-    time_limit: float = TIME_LIMIT,
-    progress: Callable[[float], Any] | None = None,
-) -> PeriodicOrbits:
-    r"""Periodic orbits of a level, symmetric or not: the nearest returns of random orbits, improved by Newton's method.
-
-    Example:
-        >>> top = lp.Top.twisted_kovalevskaya()
-        >>> found = lp.orbits.periodic_orbits(top, {"C1": 1, "C2": "1/2", "C3": 1}, energy="1/2", n_starts=30)
-        >>> len(found) > 3, bool(max(orbit.residual for orbit in found) <= 1e-12)
-        (True, True)
-
-    Args:
-        system: A system whose parameters are all numbers.
-        leaf: A regular leaf, or the values of the Casimirs by name.
-        energy: The value of the Hamiltonian; a text is exact.
-        momenta: Linear integrals that are held, with their values, `{"l3": 0.5}`.
-        n_starts: How many random states of the level are followed.
-        t_end: How long; by default 30 times $1/\rho(Df)$, with the median of the spectral radius along them.
-        seed: Draws the states.
-
-    Returns:
-        The orbits by decreasing growth rate; that there are no others is not proved.
-
-    Raises:
-        LeafError: the leaf is not regular, or no state of it has this energy.
-    """
-    run = RunOptions.read(None, threads, time_limit, progress, seed=seed)
-    n_starts = as_count(n_starts, "n_starts", least=1)
-    level = searched(level_of(as_system(system), leaf, energy), run.seed)
-    draw, n_done, meets = stream(run.seed, Purpose.PERIODIC_ORBITS), 0, False
-    found: list[PeriodicOrbit] = []
-    n_families = 0
-    with run.deadline.running():
-        unit = natural_time(level, run.seed)
-        longest = _UNITS * unit if t_end is None else as_time(t_end, "t_end", example=_UNITS * unit)
-        for n in blocks(n_starts):
-            guesses = draw.standard_normal((n, len(level.units))) * level.units
-            states, arrived = level.projected(guesses, np.eye(len(level.units)))
-            n_done, starts = n_done + n, states[arrived]
-            if not len(starts):
-                continue
-            problem = problem_at(
-                level.system, starts[0], leaf=leaf, energy=energy, momenta=momenta, threads=run.threads, along=starts
-            )
-            if problem.momenta and not isinstance(momenta, Mapping):
-                raise ParameterError(
-                    "momenta: wanted integrals with the values that the search holds; got none; write for example "
-                    f"momenta={{{next(iter(problem.momenta))!r}: 1.5}}"
-                )
-            meets = True
-            try:
-                for one in _orbits_from(problem, starts, (longest, unit), _GUESSES * n, found=found):
-                    if not one.is_isolated:
-                        n_families += 1
-                    elif not any(_is_same(one, other) for other in found):
-                        found.append(one)
-            except TimeLimitError:
-                break
-            run.tell(min(1.0, n_done / n_starts))
-        cut = has_passed()
-    if not (meets or cut):
-        raise LeafError(
-            f"an orbit must lie on its level; of {n_done} random states none could be moved to {level.text}. The "
-            f"energies of the leaf are {level.leaf.energy_range()}."
-        )
-    found.sort(key=lambda one: (-round(one.rate, 9), one.period))
-    return PeriodicOrbits(level, tuple(found), float(longest), n_done, n_families, cut)
-
-
-def _orbits_from(
-    problem: Problem,
-    starts: Array,
-    times: tuple[float, float],
-    n_wanted: int,
-    *,
-    found: Sequence[PeriodicOrbit],
-) -> Iterator[PeriodicOrbit]:
-    """The orbits that the nearest returns of starts lead to, without loops of one that was found.
-
-    Raises:
-        TimeLimitError: the deadline of the call has passed.
-    """
-    longest, unit = times
-    n_times = n_times_of(_TIMES_PER_UNIT * longest, unit)
-    flow = problem.closing.flow.searching(n_times)
-    problem = replace(problem, closing=replace(problem.closing, flow=flow))
-    grid, states = flow.survey(starts, longest, n_times)
-    checkpoint("following orbits")
-    gaps = problem.gaps(starts, states)
-    inner = (gaps[:, 1:-1] <= gaps[:, :-2]) & (gaps[:, 1:-1] < gaps[:, 2:])
-    rows, places = np.nonzero(inner)
-    best = np.argsort(gaps[rows, places + 1], kind="stable")[:n_wanted]
-    rows, periods = rows[best], grid[places[best] + 1]
-    for k in range(0, len(rows), _TOGETHER):
-        some = slice(k, k + _TOGETHER)
-        loops = problem.closing.solved(problem.loops(starts[rows[some]], periods[some]))
-        sums = problem.closing.sums(loops)
-        for j in np.nonzero(problem.closed(loops) & (loops.time <= 1.2 * longest))[0]:
-            if any(_repeats(float(loops.time[j]), float(sums[j]), other) for other in found):
-                continue
-            yield problem.described(problem.in_short_segments(shortest(problem, loops.of(np.array([j])))))
-
-
-def _is_same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
-    """Whether the periods and multipliers are the same."""
-    return _repeats(one.period, complex(np.sum(one.multipliers)), other, most=1)
-
-
-def _repeats(period: float, total: complex, other: PeriodicOrbit, most: int | None = None) -> bool:
-    """Whether a period and the sum of the multipliers are those of an orbit, run through once or more times."""
-    n = max(1, round(period / other.period))
-    near = (most is None or n <= most) and abs(period - n * other.period) <= SAME * period
-    return near and bool(abs(total - np.sum(other.multipliers**n)) <= 1e3 * SAME * (abs(total) + 1))

@@ -27,13 +27,14 @@ from liepoisson.io.display import Found
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.model.free_parameter import FreeParameter
-from liepoisson.numeric.curves import FIRST, LONGEST, TRIALS, Follower
+from liepoisson.numeric.curves import FIRST, LONGEST, TOO_SHORT, TRIALS, Follower
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.closed_orbits import CLOSES, ISOLATED, SAME, Momenta, PeriodicOrbit
-from liepoisson.orbits.family_loops import FamilyLoop, LoopCurve
+from liepoisson.orbits.family_loops import HOMOCLINIC, FamilyLoop, LoopCurve
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import SymmetricOrbit, orbit_columns
 from liepoisson.orbits.saved_orbits import SavedOrbits
+from liepoisson.orbits.slow_passages import slow_passages
 from liepoisson.portable import elementary, linear
 from liepoisson.structure.casimir_part import ORDINARY
 
@@ -90,7 +91,10 @@ class OrbitFamily(Found[PeriodicOrbit], SavedOrbits):
         along: What was set free: "energy", or the name of a Casimir or a parameter.
         found: The orbits.
         points: Folds, branches, double periods and collisions between them.
-        end: Why it ends.
+        end: Why it ends: "the wanted value", "an equilibrium" to which orbits shrink, "orbits homoclinic to the
+            equilibrium (0, 1, 0, 0)" or "orbits heteroclinic between 2 equilibria" where the last orbit passes these at
+            less than 0.003 of its size and the period grows, "the time limit", a number of orbits; or "the steps became
+            too short", which may be near such an equilibrium, too, where multipliers of 1e10 leave no digits.
     """
 
     kind = "orbit family"
@@ -225,6 +229,8 @@ def orbit_family(
         if not isinstance(start, FamilyPoint):
             follower.turn_towards(bound, increasing)
         found, zeros, end = follower.followed(bound, most, run, lambda loop: loop.orbit)
+        if end in (TOO_SHORT, HOMOCLINIC) and found[-1].period > found[max(0, len(found) - 2)].period:
+            end = slow_passages(follower.here[0]) or end
     points = (FamilyPoint(one.kind, one.point.orbit, one.after, one.is_located, one.tangent) for one in zeros)
     return OrbitFamily(along, found, tuple(points), end or f"{most} orbits")
 

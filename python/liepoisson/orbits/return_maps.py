@@ -26,10 +26,11 @@ from numpy.typing import NDArray
 from liepoisson.errors import OrbitError, ParameterError, TimeLimitError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
 from liepoisson.indicators.mean_error import mean_error
-from liepoisson.inputs.arrays import Array, ReadOnlyArrays
+from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import Deadline, checkpoint, has_passed
 from liepoisson.inputs.given import sequence
+from liepoisson.inputs.refusals import counted
 from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
@@ -39,7 +40,7 @@ from liepoisson.orbits.closed_orbits import CLOSES, PeriodicOrbit, problem_at
 from liepoisson.orbits.guesses import shortest
 from liepoisson.orbits.level import level_of
 from liepoisson.orbits.multipliers import loop_spectrum, orbit_columns
-from liepoisson.orbits.saved_orbits import SearchedOrbits
+from liepoisson.orbits.saved_orbits import SavedOrbits, SearchedOrbits
 from liepoisson.orbits.shooting import Flow
 from liepoisson.poincare.equal_steps import check_method, takes_equal_steps, tangents_in_equal_steps
 from liepoisson.poincare.first_return import FirstReturn, first_return
@@ -188,7 +189,8 @@ class ReturnMap:
             OrbitError: a state does not return so often.
             TimeLimitError: the time limit has passed.
         """
-        n, x = as_count(n_returns, "n_returns", least=1), np.atleast_2d(given_starts(self.system, states))
+        n, start = as_count(n_returns, "n_returns", least=1), np.atleast_2d(given_starts(self.system, states))
+        x = start
         frame = self._tangents(x, self._dimension)
         growth, time = np.empty((len(x), n, frame.shape[2])), np.zeros(len(x))
         with Deadline(as_time_limit(time_limit)).running():
@@ -201,7 +203,7 @@ class ReturnMap:
                 frame, triangle = linear.qr(linear.matmul(self._matrix(x, once), frame))
                 growth[:, j] = elementary.log(np.abs(np.diagonal(triangle, axis1=1, axis2=2)))
                 x, time = once.state, time + once.time
-        return MapExponents(growth.mean(axis=1), mean_error(growth), time / n)
+        return MapExponents(self, start, n, growth.mean(axis=1), mean_error(growth), time / n)
 
     def cycles(
         self,
@@ -406,8 +408,8 @@ def _share(points: Array, others: Array, units: Array) -> bool:
     return bool((np.abs((others - points[0]) / units).max(axis=1) < _SAME).any())
 
 
-@dataclass(frozen=True, eq=False)
-class MapExponents(ReadOnlyArrays):
+@dataclass(frozen=True, eq=False, repr=False)
+class MapExponents(SavedOrbits):
     """Lyapunov exponents of a map of first return.
 
     Example:
@@ -417,14 +419,52 @@ class MapExponents(ReadOnlyArrays):
         ((1, 2), True)
 
     Attributes:
+        back: The map.
+        start: Where the orbits began, shape (trajectory, component).
+        n_returns: How many returns of each were followed.
         exponent: The mean growth in one return, the largest first, shape (trajectory, k).
         error: Its standard error as an average along one orbit, shape (trajectory, k); NaN for less than 4 returns.
         time: The mean time of a return, shape (trajectory,): exponent / time is that of the flow.
     """
 
+    kind = "map exponents"
+    made_by = "lp.sections.return_map"
+    row = "trajectory"
+
+    back: ReturnMap
+    start: Array
+    n_returns: int
     exponent: Array
     error: Array
     time: Array
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The system."""
+        return self.back.system
+
+    @property
+    def method(self) -> Method:
+        """How the map follows orbits."""
+        return self.back.method
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the table: of each orbit its start, its exponents with their errors, and the mean time."""
+        return {
+            **vector_columns("start", self.start, self.system.component_names),
+            **vector_columns("exponent", self.exponent),
+            **vector_columns("error", self.error),
+            "time": self.time,
+        }
+
+    def __repr__(self) -> str:
+        largest = ", ".join(
+            f"{x:.5g} ± {dx:.1g}" for x, dx in zip(self.exponent[:3, 0], self.error[:3, 0], strict=True)
+        )
+        return (
+            f"<MapExponents of {self.system.name!r}: {counted(len(self.time), 'orbit')}, {self.n_returns} returns of "
+            f"{self.back.surface.expression} = 0; the largest {largest}{', ...' * (len(self.time) > 3)}>"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

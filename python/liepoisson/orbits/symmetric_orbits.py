@@ -224,7 +224,8 @@ def natural_time(level: Level, seed: int) -> float:
     for _ in range(_ROUNDS):
         if not np.isfinite(unit):
             return 1.0
-        _, path = Flow(system, 1).searching(_N_UNITS).survey(starts, _N_UNITS * unit, _N_UNITS)
+        flow = Flow(system, 1).searching(int(_TIMES_PER_UNIT) * _N_UNITS)
+        _, path = flow.survey(starts, _N_UNITS * unit, _N_UNITS)
         before, unit = unit, _median_time(system, path[are_finite(path)])
         if unit > before / 2:
             break

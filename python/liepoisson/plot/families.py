@@ -36,7 +36,9 @@ _MARKS = {"fold": "s", "branch": "o", "double period": "^", "collision": "D"}
 
 @explains_its_arguments
 def family(found: OrbitFamily, *, ax: Axes | None = None) -> Axes:
-    """The periods of a family against what varies along it; lines by stability, marks at bifurcations.
+    """The periods of a family against what varies along it: a dot for each orbit, marks at bifurcations.
+
+    Lines by stability join them; between the dots nothing was computed.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -67,7 +69,8 @@ def family(found: OrbitFamily, *, ax: Axes | None = None) -> Axes:
         name = named_once(ax)
         for kind, places in _stretches(found):
             style, colour = _LINES[kind]
-            ax.plot(*zip(*places, strict=True), style, color=colour, linewidth=1.4, label=name(kind))
+            line = {"color": colour, "linewidth": 1.4, "marker": ".", "markersize": 4}
+            ax.plot(*zip(*places, strict=True), linestyle=style, **line, label=name(kind))
         for point in found.points:
             ax.plot(
                 *_place(point.orbit, found.along),
