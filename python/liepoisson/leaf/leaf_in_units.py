@@ -303,9 +303,9 @@ class FunctionInUnits(PhaseFunction):
         """That of f itself."""
         return self._function.polynomial
 
-    def _as_polynomial(self) -> tuple[PhaseFunction | None, Array | None]:
+    def as_polynomial(self) -> tuple[PhaseFunction | None, Array | None]:
         """The function f and u, if f is a polynomial of states that have no other units."""
-        function, units = self._function._as_polynomial()
+        function, units = self._function.as_polynomial()
         return (function, self._units) if units is None else (None, None)
 
     def __call__(self, states: ArrayLike) -> Array:

@@ -142,7 +142,7 @@ class PhaseFunction:
     def gradient(self, states: ArrayLike) -> Array:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
         if self._polynomial is not None:
-            return values_of(self._slopes, self._states(states))
+            return values_of(self.slopes, self._states(states))
         if self._pair is not None:
             state = self._states(states)
             y, x = np.moveaxis(values_of(self._pair, state)[..., None], -2, 0)
@@ -183,18 +183,18 @@ class PhaseFunction:
 
         return TraceSum.of(self.expression, self.variables)
 
-    def _as_polynomial(self) -> tuple[PhaseFunction | None, Array | None]:
+    def as_polynomial(self) -> tuple[PhaseFunction | None, Array | None]:
         """The function whose polynomial it is, of states that are multiplied with units; None where it is none."""
         return (self if self._polynomial is not None else None), None
 
     @cached_property
-    def _slopes(self) -> tuple[RationalPolynomial, ...]:
+    def slopes(self) -> tuple[RationalPolynomial, ...]:
         assert self._polynomial is not None
         return tuple(self._polynomial.derivative(k) for k in range(self._n))
 
     @cached_property
     def _curvatures(self) -> tuple[RationalPolynomial, ...]:
-        return tuple(slope.derivative(k) for slope in self._slopes for k in range(self._n))
+        return tuple(slope.derivative(k) for slope in self.slopes for k in range(self._n))
 
     @cached_property
     def _values(self) -> tuple[Expr, ...]:
@@ -240,7 +240,7 @@ def gradients_of(functions: Sequence[PhaseFunction], x: Array) -> Array:
     """The gradients of several functions of one system, shape (..., function, N)."""
     if (read := _as_polynomials(functions, x)) is not None:
         polynomials, y, units = read
-        slopes = values_of([slope for f in polynomials for slope in f._slopes], y)
+        slopes = values_of([slope for f in polynomials for slope in f.slopes], y)
         slopes = slopes.reshape(*x.shape[:-1], len(functions), x.shape[-1])
         return slopes if units is None else slopes * units
     found = np.empty((*x.shape[:-1], len(functions), x.shape[-1]))
@@ -253,7 +253,7 @@ def _as_polynomials(
     functions: Sequence[PhaseFunction], x: Array
 ) -> tuple[list[PhaseFunction], Array, Array | None] | None:
     """Functions that are polynomials, their states and units; None if one is none, or has other units."""
-    read = [function._as_polynomial() for function in functions]
+    read = [function.as_polynomial() for function in functions]
     polynomials, units = [one for one, _ in read if one is not None], read[0][1] if read else None
     if len(polynomials) < len(read) or any(own is not units for _, own in read):
         return None

@@ -184,8 +184,9 @@ class Closing:
             checkpoint("Newton's method for closed orbits")
             found = self.linearised(*here)
             rows, values = self._equations(found, here, (here[0][:, 0], *here[1:]), None)
-            some = slice(_prefix(np.isfinite(rows).all(axis=(1, 2)) & np.isfinite(values).all(axis=1)))
-            x, T, angle = here = tuple(one[some] for one in here)
+            whole = np.concatenate([rows.reshape(len(rows), -1), values], axis=1)
+            some = slice(_prefix(np.isfinite(whole)))
+            x, T, angle = here = here[0][some], here[1][some], here[2][some]
             rows, values, found = rows[some], values[some], found.of(some)
             if not len(T):
                 break
@@ -220,7 +221,7 @@ class Closing:
             long = np.maximum(long, linear.norm(turned, axis=1))
             some = slice(_prefix(long < bound[: len(long)]))
             is_last, bound = bool((long[some] < _LAST_STEP).all()), np.maximum(long / 2, _LAST_STEP)
-            here = tuple(one[some] for one in (x + moves * units, T * (1.0 + delay), angle + turned))
+            here = (x + moves * units)[some], (T * (1.0 + delay))[some], (angle + turned)[some]
         return None
 
     def linearised(self, x: Array, T: Array, angle: Array) -> Linearised:
@@ -348,8 +349,8 @@ class Linearised:
 
 
 def _prefix(good: NDArray[np.bool_]) -> int:
-    """How many are good before the first one that is not."""
-    return int(np.cumprod(good).sum())
+    """How many rows are good before the first one that is not."""
+    return int(np.cumprod(good.reshape(len(good), -1).min(axis=1, initial=True)).sum())
 
 
 def _unit(vectors: Array) -> Array:

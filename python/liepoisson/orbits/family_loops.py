@@ -71,14 +71,22 @@ class FamilyLoop:
         """How well the loop closes."""
         return float(self.loops.residual[0])
 
-    @cached_property
+    @property
     def unknowns(self) -> Array:
         """All states, the time and the angles."""
-        return _flat(self.loops.state, self.loops.time, self.loops.angle)
+        return self._unknowns
 
     @cached_property
+    def _unknowns(self) -> Array:
+        return _flat(self.loops.state, self.loops.time, self.loops.angle)
+
+    @property
     def units(self) -> Array:
         """Those of the level for the first state, from which others follow, and the time, which counts relatively."""
+        return self._units
+
+    @cached_property
+    def _units(self) -> Array:
         units = np.full(self.loops.state[0].shape, np.inf)
         units[0] = self.curve.units
         return _flat(units, self.loops.time, np.ones_like(self.loops.angle))

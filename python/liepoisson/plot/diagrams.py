@@ -29,6 +29,7 @@ from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from liepoisson.leaf.leaf import Leaf
     from liepoisson.tori.diagrams import Diagram
@@ -123,10 +124,10 @@ def _number(found: Diagram, regions: Sequence[Region], ax: Axes) -> None:
     """Write the number of tori into each region, at the point that is farthest from what is drawn, where it fits."""
     from liepoisson.tori.diagrams import apart
 
-    counted = [region for region in regions if region.fibre is not None]
+    counted = [(region.values, region.fibre.n_tori) for region in regions if region.fibre is not None]
     if not counted:
         return
-    ax.get_figure(root=True).draw_without_rendering()  # the layout decides the size of axes
+    cast("Figure", ax.get_figure(root=True)).draw_without_rendering()  # the layout decides the size of axes
     box, to_pixels = ax.bbox, ax.transData
     parts = [to_pixels.transform(one.values[:, ::-1]) for one in found.families]
     points = [to_pixels.transform(found.rest_values[:, ::-1])]
@@ -141,10 +142,10 @@ def _number(found: Diagram, regions: Sequence[Region], ax: Axes) -> None:
         numbers = (linear.norm(places[:, None] - taken[:, :2], axis=2) - taken[:, 2]).min(axis=1, initial=np.inf)
         return np.minimum(np.minimum(edges, curves), numbers)
 
-    for region in counted:
-        text = ax.annotate(str(region.fibre.n_tori), (0, 0), ha="center", va="center", color=INK, zorder=3)
+    for values, n_tori in counted:
+        text = ax.annotate(str(n_tori), (0, 0), ha="center", va="center", color=INK, zorder=3)
         need = linear.norm(np.array(text.get_window_extent().size)) / 2
-        place, radius = _farthest(room, to_pixels.transform(region.values[:, ::-1]))
+        place, radius = _farthest(room, to_pixels.transform(values[:, ::-1]))
         if radius < need:
             text.remove()
             continue

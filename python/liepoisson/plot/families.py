@@ -69,8 +69,8 @@ def family(found: OrbitFamily, *, ax: Axes | None = None) -> Axes:
         name = named_once(ax)
         for kind, places in _stretches(found):
             style, colour = _LINES[kind]
-            line = {"color": colour, "linewidth": 1.4, "marker": ".", "markersize": 4}
-            ax.plot(*zip(*places, strict=True), linestyle=style, **line, label=name(kind))
+            (drawn,) = ax.plot(*zip(*places, strict=True), linestyle=style, color=colour, label=name(kind))
+            drawn.set(linewidth=1.4, marker=".", markersize=4)
         for point in found.points:
             ax.plot(
                 *_place(point.orbit, found.along),

@@ -112,7 +112,7 @@ def _upper_zeros(sextic: Array) -> Any:
     Eigenvalues have errors relative to the largest one; where these are not small Newton's method follows.
     """
     slope = np.polyder(sextic)
-    zeros = np.asarray(linear.roots(sextic), dtype=np.complex128)
+    zeros = linear.roots(sextic)
     upper = zeros[zeros.imag > 0]
     for _ in range(_POLISHED):
         value, rate = _at(sextic, upper), _at(slope, upper)
