@@ -189,6 +189,7 @@ class PhaseFunction:
 
     @cached_property
     def slopes(self) -> tuple[RationalPolynomial, ...]:
+        """The derivatives of a polynomial by the coordinates."""
         assert self._polynomial is not None
         return tuple(self._polynomial.derivative(k) for k in range(self._n))
 

@@ -222,7 +222,7 @@ def diagram(
             if len(several) > len(rest):
                 rest, families = several, search.families(several, *critical_starts)
         families = search.above(rest, families)
-        degenerate = search.on_none(families)
+        degenerate = search.on_none(families, search.values(rest))
     states = rest * critical.units
     return Diagram(
         momentum,
@@ -326,14 +326,14 @@ class _Families:
         self.degenerate = np.concatenate(dropped)
         return found
 
-    def on_none(self, found: list[CriticalFamily]) -> Array:
-        """Degenerate values that were met, but for those on curves, where types change."""
+    def on_none(self, found: list[CriticalFamily], rest: Array) -> Array:
+        """Degenerate values that were met, but for those on curves, where types change, and of states of lower rank."""
         values = self.degenerate
         size = np.ptp(np.concatenate([values, *(one.values for one in found)]), axis=0) if len(values) else np.ones(2)
         size = np.where(size > 0, size, 1.0)
         for family in found:
             values = values[~are_on(values / size, family.values / size)]
-        return values
+        return values[apart(values[:, None] / size, rest / size, rest / size).min(axis=1, initial=np.inf) > _DOUBLE]
 
     def above(self, rest: Array, found: list[CriticalFamily]) -> list[CriticalFamily]:
         """The families, those that came to the lowest energy cut as far below the others as the highest is above."""
