@@ -256,7 +256,7 @@ def test_no_starts():
 def test_an_orbit_that_does_not_fit_into_memory(monkeypatch):
     top, rest, middle = sleeping(*TOPS[0])
     limit = lp.phase_space.equilibrium(top, rest)
-    monkeypatch.setattr("os.sysconf", lambda name: {"SC_PAGE_SIZE": 4096}.get(name, 4))
+    monkeypatch.setattr("liepoisson.inputs.arrays._memory", lambda: 4 * 4096.0)
     with pytest.raises(lp.errors.MemoryLimitError, match="origin"):
         lp.orbits.melnikov(top, middle, "alpha1", origin=limit, integrals=["l3"])
 

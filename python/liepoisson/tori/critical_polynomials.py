@@ -49,7 +49,7 @@ _BY_TIME = Limits(work=sys.maxsize, degree=sys.maxsize)
 """The time limit of the call is the only one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CriticalEquations:
     """Polynomials of which each critical value is a zero.
 
