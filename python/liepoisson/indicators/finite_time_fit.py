@@ -361,10 +361,12 @@ def window_scan(
     """
     deadline, resampling = as_deadline(time_limit), Resampling(n_bootstrap, confidence, seed)
     time = as_array(time, "time")
-    wanted = window_grid(time) if windows is None else _checked_windows(windows, "windows")
-    if not wanted:
-        raise ParameterError("windows: wanted at least one (start, end); got none; leave it out to take window_grid")
     with deadline.running():
+        wanted = window_grid(time) if windows is None else _checked_windows(windows, "windows")
+        if not wanted:
+            raise ParameterError(
+                "windows: wanted at least one (start, end); got none; leave it out to take window_grid"
+            )
         reduction = EnsembleReduction(time, windows=wanted)
         reduction.add(exponent)
         return reduction.finite_time_fits(resampling)
@@ -558,6 +560,7 @@ def _checked_time(time: ArrayLike) -> FloatArray:
 
 
 def as_window(window: Sequence[float]) -> Window:
+    checkpoint("reading windows")
     edges = listed(window, "window") or []
     start, end = (as_number(edge, "window", "two numbers") for edge in edges) if len(edges) == 2 else (math.nan,) * 2
     if not (0 < start < end < math.inf):

@@ -18,11 +18,12 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count, as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.deadline import BLOCK, checkpoint
 from liepoisson.inputs.given import by_name, named
 from liepoisson.inputs.refusals import check_choice, check_kind
 from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf_in_units import unit_length
-from liepoisson.leaf.leaf_projection import CONVERGED, solve
+from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import check_energy_in_reach
 from liepoisson.leaf.starts import read_state
 from liepoisson.model.phase_functions import as_phase_points
@@ -127,6 +128,20 @@ def as_leaf(leaf: Any) -> Leaf:
     return check_kind(leaf, Leaf, "leaf", "a Leaf", "try Leaf.through(system, state)")
 
 
+def _solved(equations: Equations, guesses: Array) -> tuple[Array, Array]:
+    """What `solve` finds, a block after the other.
+
+    Raises:
+        TimeLimitError: the deadline of the call has passed.
+    """
+    found, residual = np.empty_like(guesses), np.empty(len(guesses))
+    for first in range(0, len(guesses), BLOCK):
+        checkpoint("looking for states on a section")
+        block = slice(first, first + BLOCK)
+        found[block], residual[block] = solve(equations, guesses[block])
+    return found, residual
+
+
 @explains_its_arguments
 def section_starts(
     leaf: Leaf,
@@ -195,7 +210,7 @@ def section_starts(
     draw, size = _guesses_for(leaf, view, energy), max(n_starts, _GUESSES)
     found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
     for attempt in range(_ROUNDS):
-        states, residual = solve(equations, draw(seeds(seed, Purpose.SECTION, attempt), size))
+        states, residual = _solved(equations, draw(seeds(seed, Purpose.SECTION, attempt), size))
         states = states[residual <= CONVERGED]
         states = states[are_on(leaf, states * view.units, energy)]
         converged, drawn = converged + len(states), drawn + size
