@@ -307,7 +307,7 @@ def test_frequencies_of_the_free_body_are_those_of_orbits(seed):
 
 
 @pytest.mark.parametrize(
-    ("c", "turns"), [(1.0, True), *(pytest.param(c, c < 2, marks=pytest.mark.slow) for c in (0.0, 1.9, 2.5))]
+    ("c", "turns"), [(1.0, True), *(pytest.param(c, c < 2, marks=pytest.mark.slow) for c in (0.0, 1.5, 2.5))]
 )
 def test_the_top_has_monodromy_while_it_sleeps_unstably(c, turns):
     """[[1, 1], [0, 1]] in some basis around a focus-focus value; none around nothing."""
