@@ -314,7 +314,7 @@ def test_the_top_has_monodromy_while_it_sleeps_unstably(c, turns):
     known = symmetric_top(LAGRANGE, c, 2.0, 6.0)
     center = np.array(known.rests[1][:2] if turns else (2 * c**2 / 2 + 4, c))
     angle = np.linspace(0, 2 * np.pi, 9)
-    loop = center + 0.05 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    loop = center + 0.01 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     assert "" not in known.region(loop)
     found = lp.tori.monodromy(known.momentum, states_of(known, 1)[0], loop)
     assert found.is_unipotent
