@@ -12,64 +12,51 @@ use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
 };
 
-const KERNELS: [&str; 18] = [
-    "taylor",
-    "taylor-state",
-    "taylor-mixed",
-    "taylor-tops",
-    "taylor-mixed-tops",
-    "taylor-grid",
-    "taylor-section",
-    "taylor-components",
-    "taylor-quadratic",
-    "taylor-tape",
-    "taylor-barriers",
-    "runge-kutta",
-    "runge-kutta-adaptive",
-    "splitting-4",
-    "splitting-4-single",
-    "splitting-6-general",
-    "gauss-4",
-    "lagrange-map",
-];
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [kernel, t_end] = arguments.as_slice() else {
-        println!("{}", KERNELS.join("\n"));
+    let kernels = kernels()?;
+    let [name, t_end] = arguments.as_slice() else {
+        println!("{}", kernels.map(|(name, _)| name).join("\n"));
         return Ok(());
     };
-    println!("{}", steps(kernel, t_end.parse()?)?);
+    let (_, steps) = kernels.into_iter().find(|(known, _)| known == name).ok_or(format!("no kernel {name}"))?;
+    println!("{}", steps(t_end.parse()?)?);
     Ok(())
 }
 
-fn steps(kernel: &str, t_end: f64) -> Result<u64, Box<dyn std::error::Error>> {
+/// The steps that all trajectories take up to a time.
+type Steps = Box<dyn Fn(f64) -> Result<u64, Error>>;
+
+fn kernels() -> Result<[(&'static str, Steps); 18], Box<dyn std::error::Error>> {
     let kovalevskaya = Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0)?;
     let general = Top::new([1.7, 1.1, 0.6], [0.4, -0.3, 0.9], [0.2, 0.5, -0.1], 1.0)?;
     let lagrange = Top::new([2.0, 2.0, 1.0], [0.0, 0.0, 1.0], [0.0; 3], 1.0)?;
     let (series, max) = (Taylor::new(1e-13, None, u64::MAX)?, u64::MAX);
     let tops = Tops::new((0..64).map(|_| kovalevskaya).collect())?;
-    Ok(match kernel {
-        "taylor" => run(&kovalevskaya, series, 1, 64, t_end)?,
-        "taylor-state" => run(&kovalevskaya, series, 0, 64, t_end)?,
-        "taylor-mixed" => run(&kovalevskaya, MixedTaylor(series), 1, 64, t_end)?,
-        "taylor-tops" => run(&tops, series, 1, 64, t_end)?,
-        "taylor-mixed-tops" => run(&tops, MixedTaylor(series), 1, 64, t_end)?,
-        "taylor-grid" => run_at(&kovalevskaya, series, 0, 64, &grid(t_end))?,
-        "taylor-section" => section(&kovalevskaya, series, 64, t_end)?,
-        "taylor-components" => run(&kovalevskaya, AcrossComponents(series), 0, 1, 16.0 * t_end)?,
-        "taylor-quadratic" => run(&kovalevskaya_as_quadratic()?, series, 1, 64, t_end)?,
-        "taylor-tape" => run(&pendulum()?, series, 1, 64, t_end)?,
-        "taylor-barriers" => run(&oscillator_at_a_steep_barrier()?, series, 1, 64, t_end)?,
-        "runge-kutta" => run(&kovalevskaya, RungeKutta::fixed(0.25, max)?, 1, 64, t_end)?,
-        "runge-kutta-adaptive" => run(&kovalevskaya, RungeKutta::new(1e-8, max)?, 1, 64, t_end)?,
-        "splitting-4" => run(&kovalevskaya, Splitting::new(4, 0.25, max)?, 1, 64, t_end)?,
-        "splitting-4-single" => run(&kovalevskaya, Single(Splitting::new(4, 0.25, max)?), 1, 64, t_end)?,
-        "splitting-6-general" => run(&general, Splitting::new(6, 0.25, max)?, 1, 64, t_end)?,
-        "gauss-4" => run(&kovalevskaya, Gauss::new(2, 0.125, max)?, 1, 64, t_end)?,
-        "lagrange-map" => run(&lagrange, LagrangeMap::new(0.25, max)?, 1, 64, t_end)?,
-        unknown => return Err(format!("no kernel {unknown}; there are {}", KERNELS.join(", ")).into()),
-    })
+    let same_tops = tops.clone();
+    Ok([
+        ("taylor", Box::new(move |t_end| run(&kovalevskaya, series, 1, 64, t_end))),
+        ("taylor-state", Box::new(move |t_end| run(&kovalevskaya, series, 0, 64, t_end))),
+        ("taylor-mixed", Box::new(move |t_end| run(&kovalevskaya, MixedTaylor(series), 1, 64, t_end))),
+        ("taylor-tops", Box::new(move |t_end| run(&tops, series, 1, 64, t_end))),
+        ("taylor-mixed-tops", Box::new(move |t_end| run(&same_tops, MixedTaylor(series), 1, 64, t_end))),
+        ("taylor-grid", Box::new(move |t_end| run_at(&kovalevskaya, series, 0, 64, &grid(t_end)))),
+        ("taylor-section", Box::new(move |t_end| section(&kovalevskaya, series, 64, t_end))),
+        ("taylor-components", Box::new(move |t_end| run(&kovalevskaya, AcrossComponents(series), 0, 1, 16.0 * t_end))),
+        ("taylor-quadratic", Box::new(move |t_end| run(&kovalevskaya_as_quadratic()?, series, 1, 64, t_end))),
+        ("taylor-tape", Box::new(move |t_end| run(&pendulum()?, series, 1, 64, t_end))),
+        ("taylor-barriers", Box::new(move |t_end| run(&oscillator_at_a_steep_barrier()?, series, 1, 64, t_end))),
+        ("runge-kutta", Box::new(move |t_end| run(&kovalevskaya, RungeKutta::fixed(0.25, max)?, 1, 64, t_end))),
+        ("runge-kutta-adaptive", Box::new(move |t_end| run(&kovalevskaya, RungeKutta::new(1e-8, max)?, 1, 64, t_end))),
+        ("splitting-4", Box::new(move |t_end| run(&kovalevskaya, Splitting::new(4, 0.25, max)?, 1, 64, t_end))),
+        (
+            "splitting-4-single",
+            Box::new(move |t_end| run(&kovalevskaya, Single(Splitting::new(4, 0.25, max)?), 1, 64, t_end)),
+        ),
+        ("splitting-6-general", Box::new(move |t_end| run(&general, Splitting::new(6, 0.25, max)?, 1, 64, t_end))),
+        ("gauss-4", Box::new(move |t_end| run(&kovalevskaya, Gauss::new(2, 0.125, max)?, 1, 64, t_end))),
+        ("lagrange-map", Box::new(move |t_end| run(&lagrange, LagrangeMap::new(0.25, max)?, 1, 64, t_end))),
+    ])
 }
 
 fn run<F: Space, M: Method<F>>(

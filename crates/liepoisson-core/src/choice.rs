@@ -19,34 +19,70 @@ pub enum AnyField {
     SplitTerms(SplitTerms),
 }
 
-/// A method of any kind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)] // each is what its type says
-pub enum AnyMethod {
-    Taylor(Taylor),
-    MixedTaylor(MixedTaylor),
-    AcrossComponents(AcrossComponents),
-    RungeKutta(RungeKutta),
-    SingleRungeKutta(Single<RungeKutta>),
-    Splitting(Splitting),
-    SingleSplitting(Single<Splitting>),
-    Gauss(Gauss),
-    LagrangeMap(LagrangeMap),
+/// The table of methods: for each its name, its type, its order, and the fields that it applies to: in every program, and in all but that
+/// for the browser.
+macro_rules! methods {
+    ($(
+        $name:ident($type:ty) of order |$method:pat_param| $order:expr;
+        for [$($field:ident)*] not in the browser [$($more:ident)*];
+    )+) => {
+        /// A method of any kind.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[allow(missing_docs)] // each is what its type says
+        pub enum AnyMethod {
+            $($name($type),)+
+        }
+
+        $(impl From<$type> for AnyMethod {
+            fn from(method: $type) -> AnyMethod {
+                AnyMethod::$name(method)
+            }
+        })+
+
+        impl AnyMethod {
+            /// Its order.
+            pub fn order(self) -> usize {
+                match self {
+                    $(AnyMethod::$name($method) => $order,)+
+                }
+            }
+        }
+
+        impl AnyField {
+            #[inline]
+            fn in_table(&self, method: AnyMethod) -> Result<Arc<dyn Integrator + '_>, Error> {
+                match (self, method) {
+                    $($((AnyField::$field(field), AnyMethod::$name(method)) => Ok(Arc::new(Integration { field, method })),)*)+
+                    $($(
+                        #[cfg(not(target_family = "wasm"))]
+                        (AnyField::$more(field), AnyMethod::$name(method)) => Ok(Arc::new(Integration { field, method })),
+                    )*)+
+                    _ => Err(Error::MethodForField),
+                }
+            }
+        }
+    };
 }
 
-impl AnyMethod {
-    /// Its order.
-    pub fn order(self) -> usize {
-        match self {
-            AnyMethod::Taylor(method)
-            | AnyMethod::MixedTaylor(MixedTaylor(method))
-            | AnyMethod::AcrossComponents(AcrossComponents(method)) => method.order(),
-            AnyMethod::RungeKutta(_) | AnyMethod::SingleRungeKutta(_) => 8,
-            AnyMethod::Splitting(method) | AnyMethod::SingleSplitting(Single(method)) => method.order(),
-            AnyMethod::Gauss(method) => method.order(),
-            AnyMethod::LagrangeMap(_) => 2,
-        }
-    }
+methods! {
+    Taylor(Taylor) of order |method| method.order();
+        for [Top Quadratic Tape] not in the browser [Tops Quadratics];
+    MixedTaylor(MixedTaylor) of order |method| method.0.order();
+        for [] not in the browser [Top Tops];
+    AcrossComponents(AcrossComponents) of order |method| method.0.order();
+        for [] not in the browser [Top];
+    RungeKutta(RungeKutta) of order |_| 8;
+        for [] not in the browser [Top Quadratic Tape];
+    SingleRungeKutta(Single<RungeKutta>) of order |_| 8;
+        for [] not in the browser [Top Quadratic];
+    Splitting(Splitting) of order |method| method.order();
+        for [Top SplitTerms] not in the browser [];
+    SingleSplitting(Single<Splitting>) of order |method| method.0.order();
+        for [] not in the browser [Top];
+    Gauss(Gauss) of order |method| method.order();
+        for [] not in the browser [Top Quadratic Tape];
+    LagrangeMap(LagrangeMap) of order |_| 2;
+        for [] not in the browser [Top];
 }
 
 impl AnyField {
@@ -71,35 +107,12 @@ impl AnyField {
     /// A method that does not apply to this field.
     #[inline]
     pub fn with(&self, method: AnyMethod) -> Result<Arc<dyn Integrator + '_>, Error> {
-        macro_rules! table {
-            ({ $($field:ident: $($method:ident)+;)+ } not in the browser { $($more:ident: $($other:ident)+;)+ }) => {
-                match (self, method) {
-                    $($((AnyField::$field(field), AnyMethod::$method(method)) => Ok(Arc::new(Integration { field, method })),)+)+
-                    $($(
-                        #[cfg(not(target_family = "wasm"))]
-                        (AnyField::$more(field), AnyMethod::$other(method)) => Ok(Arc::new(Integration { field, method })),
-                    )+)+
-                    _ => Err(Error::MethodForField),
-                }
-            };
-        }
         if let (AnyField::Top(top), AnyMethod::LagrangeMap(_)) = (self, method)
             && !LagrangeMap::applies_to(top)
         {
             return Err(Error::NotLagrange);
         }
-        table!({
-            Top: Taylor Splitting;
-            Quadratic: Taylor;
-            Tape: Taylor;
-            SplitTerms: Splitting;
-        } not in the browser {
-            Top: MixedTaylor AcrossComponents RungeKutta SingleRungeKutta SingleSplitting Gauss LagrangeMap;
-            Tops: Taylor MixedTaylor;
-            Quadratic: RungeKutta SingleRungeKutta Gauss;
-            Quadratics: Taylor;
-            Tape: RungeKutta Gauss;
-        })
+        self.in_table(method)
     }
 
     /// What a section is made of.

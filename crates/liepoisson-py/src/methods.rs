@@ -2,8 +2,13 @@
 
 use crate::errors::translate;
 use liepoisson_core::choice::AnyMethod;
+use liepoisson_core::error::Error;
 use liepoisson_core::method::{Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor};
 use pyo3::prelude::*;
+
+fn given(method: Result<impl Into<AnyMethod>, Error>) -> PyResult<Method> {
+    method.map(|method| Method(method.into())).map_err(translate)
+}
 
 /// A method of integration.
 #[pyclass(frozen, module = "liepoisson._core")]
@@ -15,7 +20,7 @@ impl Method {
     #[staticmethod]
     fn taylor(tol: f64, order: Option<usize>, mixed: bool, max_steps: u64) -> PyResult<Method> {
         let taylor = Taylor::new(tol, order, max_steps).map_err(translate)?;
-        Ok(Method(if mixed { AnyMethod::MixedTaylor(MixedTaylor(taylor)) } else { AnyMethod::Taylor(taylor) }))
+        Ok(Method(if mixed { MixedTaylor(taylor).into() } else { taylor.into() }))
     }
 
     /// The explicit method of order 8, by tolerance or with equal steps.
@@ -33,29 +38,27 @@ impl Method {
         };
         let method = method.map_err(translate)?;
         if single {
-            return Single::<RungeKutta>::new(method)
-                .map(|single| Method(AnyMethod::SingleRungeKutta(single)))
-                .map_err(translate);
+            return given(Single::<RungeKutta>::new(method));
         }
-        Ok(Method(AnyMethod::RungeKutta(if compensated { method.compensated() } else { method })))
+        given(Ok(if compensated { method.compensated() } else { method }))
     }
 
     /// Compositions of exact flows.
     #[staticmethod]
     fn splitting(order: usize, step: f64, single: bool, max_steps: u64) -> PyResult<Method> {
         let method = Splitting::new(order, step, max_steps).map_err(translate)?;
-        Ok(Method(if single { AnyMethod::SingleSplitting(Single(method)) } else { AnyMethod::Splitting(method) }))
+        Ok(Method(if single { Single(method).into() } else { method.into() }))
     }
 
     /// The Lagrange top in discrete time.
     #[staticmethod]
     fn lagrange_map(step: f64, max_steps: u64) -> PyResult<Method> {
-        LagrangeMap::new(step, max_steps).map(|map| Method(AnyMethod::LagrangeMap(map))).map_err(translate)
+        given(LagrangeMap::new(step, max_steps))
     }
 
     /// Gauss collocation.
     #[staticmethod]
     fn gauss(n_stages: usize, step: f64, max_steps: u64) -> PyResult<Method> {
-        Gauss::new(n_stages, step, max_steps).map(|gauss| Method(AnyMethod::Gauss(gauss))).map_err(translate)
+        given(Gauss::new(n_stages, step, max_steps))
     }
 }

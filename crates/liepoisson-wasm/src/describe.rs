@@ -60,11 +60,11 @@ pub(crate) fn read_method(text: &[u8]) -> Result<AnyMethod, Refusal> {
         "taylor" => {
             let order = record.optional("order").map(|order| order.whole()).transpose()?;
             let tol = record.optional("tol").map_or(Ok(1e-15), |tol| tol.number())?;
-            Ok(AnyMethod::Taylor(Taylor::new(tol, order, max_steps)?))
+            Ok(Taylor::new(tol, order, max_steps)?.into())
         }
         "splitting" => {
             let order = record.optional("order").map_or(Ok(4), |order| order.whole())?;
-            Ok(AnyMethod::Splitting(Splitting::new(order, record.get("step")?.number()?, max_steps)?))
+            Ok(Splitting::new(order, record.get("step")?.number()?, max_steps)?.into())
         }
         other => Err(record.unknown(other, "taylor or splitting")),
     }

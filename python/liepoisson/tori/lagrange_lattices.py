@@ -29,7 +29,8 @@ from liepoisson.tori.lagrange_diagrams import LagrangeDiagram, one_value_of
 
 _FEWEST, _MOST = 2**5, 2**16
 """Places on one line, doubled until the integrals stay the same to round-off."""
-_SAME = 1e-13
+_ROUND_OFF = 1e-13
+"""Of two quadratures with n and 2n places, relative to the largest period; of two steps of Newton's method likewise."""
 _POLISHED = 3
 """Steps of Newton's method for zeros of R, from eigenvalues that are right to a few digits at least."""
 
@@ -117,7 +118,7 @@ def _upper_zeros(sextic: Array) -> Any:
     for _ in range(_POLISHED):
         value, rate = _at(sextic, upper), _at(slope, upper)
         step = linear.times(value, rate.conj()) / (rate.real**2 + rate.imag**2)
-        upper = np.where(np.abs(step) > _SAME * np.abs(upper), upper - step, upper)
+        upper = np.where(np.abs(step) > _ROUND_OFF * np.abs(upper), upper - step, upper)
     if len(upper) != 3 or not (upper.imag > 0).all():
         return None
     return upper[np.argsort(upper.real, kind="stable")]
@@ -161,7 +162,7 @@ def _integrals(diagram: LagrangeDiagram, given: Array, integrand: Callable[[Any,
                     rest = linear.times(rest, _root(real, 2 * side * height))
             rows.append(integrand(x, rest, float(upper[j].imag)).mean(axis=0))
         found = np.array(rows)
-        if last is not None and np.abs(found - last).max() <= _SAME * np.abs(found).max():
+        if last is not None and np.abs(found - last).max() <= _ROUND_OFF * np.abs(found).max():
             return found
         last, n = found, 2 * n
     raise OrbitError(
