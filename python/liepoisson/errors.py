@@ -101,23 +101,26 @@ class BracketError(LiePoissonError, ValueError):
 
 
 class CocycleError(BracketError):
-    """A constant part of a bracket that is no 2-cocycle, so that the Jacobi identity fails.
+    """A constant part of a bracket that is no 2-cocycle, so that the Jacobi identity fails, or a cochain that is none.
 
     Attributes:
-        triple: Names of the three coordinates at which it fails.
-        residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+        triple: Names of the three coordinates at which it fails; for a cochain those of basis elements.
+        residual: The cyclic sum of {{x, y}, z} for them, or the differential of the cochain, as text; it should be 0.
+        cochain: What a cochain is called; empty for a constant part.
     """
 
-    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
-        self.triple = triple
-        self.residual = residual
-        super().__init__(
-            f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for "
-            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
+    def __init__(self, triple: tuple[str, ...], residual: str, cochain: str = "") -> None:
+        self.triple, self.residual, self.cochain = triple, residual, cochain
+        wanted = (
+            f"the {cochain} must be a cocycle, df = 0; at ({', '.join(triple)}) df is {residual}"
+            if cochain
+            else f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for "
+            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual}"
         )
+        super().__init__(f"{wanted} instead of 0. Correct its entries.")
 
-    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str]]:
-        return type(self), (self.triple, self.residual)
+    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str, str]]:
+        return type(self), (self.triple, self.residual, self.cochain)
 
 
 class UnsupportedFieldError(LiePoissonError):
