@@ -12,6 +12,7 @@ __all__ = [
     "BracketError",
     "CertificateError",
     "ChartError",
+    "CochainError",
     "CocycleError",
     "CoreError",
     "DamagedFileError",
@@ -101,30 +102,48 @@ class BracketError(LiePoissonError, ValueError):
 
 
 class CocycleError(BracketError):
-    """A constant part of a bracket that is no 2-cocycle, so that the Jacobi identity fails, or a cochain that is none.
+    """A constant part of a bracket that is no 2-cocycle, so that the Jacobi identity fails.
 
     Attributes:
-        triple: Names of the three coordinates at which it fails; for a cochain those of basis elements.
-        residual: The cyclic sum of {{x, y}, z} for them, or the differential of the cochain, as text; it should be 0.
-        cochain: What a cochain is called; empty for a constant part.
+        triple: Names of the three coordinates at which it fails.
+        residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
     """
 
-    def __init__(self, triple: tuple[str, ...], residual: str, cochain: str = "") -> None:
-        self.triple, self.residual, self.cochain = triple, residual, cochain
-        wanted = (
-            f"the {cochain} must be a cocycle, df = 0; at ({', '.join(triple)}) df is {residual}"
-            if cochain
-            else f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for "
-            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual}"
+    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
+        self.triple = triple
+        self.residual = residual
+        super().__init__(
+            f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for "
+            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
         )
-        super().__init__(f"{wanted} instead of 0. Correct its entries.")
 
-    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str, str]]:
-        return type(self), (self.triple, self.residual, self.cochain)
+    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str]]:
+        return type(self), (self.triple, self.residual)
 
 
 class UnsupportedFieldError(LiePoissonError):
     """The numeric core has no kernel for this vector field."""
+
+
+class CochainError(CocycleError):
+    """A cochain of a Lie algebra that is no cocycle, df is not 0.
+
+    Attributes:
+        triple: Names of the basis elements at which it fails.
+        residual: df at them, as text; it should be 0.
+        cochain: What it is, for example "2-cochain of so(3)".
+    """
+
+    def __init__(self, triple: tuple[str, ...], residual: str, cochain: str) -> None:
+        self.triple, self.residual, self.cochain = triple, residual, cochain
+        BracketError.__init__(
+            self,
+            f"the {cochain} must be a cocycle, df = 0; at ({', '.join(triple)}) df is {residual} instead of 0. "
+            "Correct its entries.",
+        )
+
+    def __reduce__(self) -> tuple[type[CochainError], tuple[tuple[str, ...], str, str]]:
+        return type(self), (self.triple, self.residual, self.cochain)
 
 
 class MemoryLimitError(LiePoissonError, MemoryError):

@@ -31,8 +31,7 @@ def differential(algebra, coefficients, k):
         """Add value * f(arguments)_a to the component b of the row."""
         if len(set(arguments)) < len(arguments):
             return
-        order = sorted(range(k), key=arguments.__getitem__)
-        sign = sp.combinatorics.Permutation(order).signature() if k > 1 else 1
+        sign = sp.LeviCivita(*(sorted(arguments).index(x) for x in arguments)) if k > 1 else 1
         matrix[row * m + b, place[tuple(sorted(arguments))] * m + a] += sign * value
 
     for row, xs in enumerate(larger):

@@ -212,8 +212,8 @@ def poincare(n: int, kappa: Parameter = 1) -> LieAlgebra:
     r"""The Poincaré algebra of n space dimensions: basis "J...", "K1", ..., "P1", ..., "H".
 
     Rotations J, boosts K, translations P of space and H of time: $[K_i, P_j] = \kappa\,\delta_{ij} H$,
-    $[K_i, H] = P_i$, $[K_i, K_j] = -\kappa\,\varepsilon_{ijk} J_k$ for n = 3, with $\kappa = 1/c^2$; the rotations act on
-    J, K and P as in `se`, whose basis and signs they have.  For $\kappa = 0$ this is `galilei(n)`, and for
+    $[K_i, H] = P_i$, $[K_i, K_j] = -\kappa\,\varepsilon_{ijk} J_k$ for n = 3, with $\kappa = 1/c^2$; the rotations act
+    on J, K and P as in `se`, whose basis and signs they have.  For $\kappa = 0$ this is `galilei(n)`, and for
     $\kappa < 0$ it is isomorphic to se(n + 1).
 
     Example:

@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.errors import CocycleError, ParameterError, ShapeError
+from liepoisson.errors import CochainError, ParameterError, ShapeError
 from liepoisson.structure.lie.cochains import check_closed
 
 lie = lp.algebras
@@ -56,7 +56,7 @@ def test_several_cocycles_extend_at_once():
 
 
 def test_no_cocycle_no_central_extension():
-    with pytest.raises(CocycleError, match=r"must be a cocycle, df = 0; at \(J1, K2, P3\) df is -?2") as error:
+    with pytest.raises(CochainError, match=r"must be a cocycle, df = 0; at \(J1, K2, P3\) df is -?2") as error:
         lie.central_extension(lie.galilei(3), {("K1", "P1"): 1, ("K2", "P2"): 1, ("K3", "P3"): -1})
     assert error.value.triple == ("J1", "K2", "P3")
     with pytest.raises(ShapeError, match="must be 1 names; got 2"):
@@ -166,7 +166,7 @@ def test_a_sign_decides_whether_a_deformation_closes():
 
 
 def test_refusals_of_deformations():
-    with pytest.raises(CocycleError, match="2-cochain of so"):
+    with pytest.raises(CochainError, match="2-cochain of so"):
         lie.deformation(lp.so(4), {("12", "34"): {"12": 1}})
     with pytest.raises(ParameterError, match="parameter: wanted a new name"):
         lie.deformation(lie.bianchi("VI", "a"), {("1", "2"): {"2": 1}}, parameter="a")

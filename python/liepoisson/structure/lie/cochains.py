@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, substituted, sum_of
 from liepoisson.algebra.number_fields import Element
-from liepoisson.errors import BracketError, CocycleError, ParameterError, ShapeError, did_you_mean
+from liepoisson.errors import BracketError, CochainError, ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import is_named
@@ -204,8 +204,10 @@ def read_cochain(algebra: LieAlgebra, module: LieModule, degree: int, given: obj
     if not is_named(given):
         raise not_a("a cochain, or a mapping from basis elements to values", given, name, _example(algebra, module))
     found: dict[Indices, dict[int, Exact]] = {}
+    own = algebra.basis_names
+    values = [own, module.names] if module.kind == "adjoint" else [module.names]
     for key, value in cast("Mapping[Any, Any]", given).items():
-        place = [_read_element(one, algebra.basis_names, name) for one in (key if isinstance(key, tuple) else (key,))]
+        place = [_read_element(one, [own, labels(own)], name) for one in (key if isinstance(key, tuple) else (key,))]
         if len(place) != degree:
             raise ShapeError(f"{name}: wanted {degree} basis elements; got {shown(key)}; {_example(algebra, module)}")
         ordered = tuple(sorted(place))
@@ -219,7 +221,7 @@ def read_cochain(algebra: LieAlgebra, module: LieModule, degree: int, given: obj
         if not is_named(row):
             raise not_a("a mapping from basis elements to numbers", row, f"{name}[{shown(key)}]", 'write {"e3": 1}')
         components = {
-            _read_element(b, module.names, name): read_parameter(v, f"{name}[{shown(key)}]") for b, v in row.items()
+            _read_element(b, values, name): read_parameter(v, f"{name}[{shown(key)}]") for b, v in row.items()
         }
         found[ordered] = {a: v if sign > 0 else -v for a, v in sorted(components.items()) if not is_zero(v)}
     return Cochain(algebra, module, degree, {place: row for place, row in sorted(found.items()) if row})
@@ -231,15 +233,15 @@ def _example(algebra: LieAlgebra, module: LieModule) -> str:
     return f'write for example {{("{first}", "{second}"): {value}}}'
 
 
-def _read_element(given: object, names: Sequence[str], what: str) -> int:
-    """A number counted from 0, or a name: that of the algebra, or the one in texts."""
-    if not isinstance(given, bool) and isinstance(given, Integral) and 0 <= int(given) < len(names):
+def _read_element(given: object, names: Sequence[tuple[str, ...]], what: str) -> int:
+    """A number counted from 0, or one of the names: those of the algebra, and those in texts."""
+    if not isinstance(given, bool) and isinstance(given, Integral) and 0 <= int(given) < len(names[0]):
         return int(given)
-    for known in (list(names), list(labels(names))):
-        if isinstance(given, str) and given in known:
-            return known.index(given)
-    hint = did_you_mean(given, names).strip() or "Count from 0."
-    raise BracketError(f"{what}: wanted basis elements {', '.join(names[:20])}; got {given!r:.60}. {hint}")
+    for known in names:
+        if str(given) in known:  # a text or a symbol
+            return known.index(str(given))
+    hint = did_you_mean(given, names[-1]).strip() or "Count from 0."
+    raise BracketError(f"{what}: wanted basis elements {', '.join(names[-1][:20])}; got {given!r:.60}. {hint}")
 
 
 def permutation_sign(order: Sequence[int]) -> int:
@@ -336,7 +338,7 @@ def check_closed(cochain: Cochain) -> None:
     """Refuse a cochain that is no cocycle.
 
     Raises:
-        CocycleError: it is none; the error names the basis elements.
+        CochainError: it is none; the error names the basis elements.
     """
     image, field = image_of(cochain)
     if not image:
@@ -345,7 +347,7 @@ def check_closed(cochain: Cochain) -> None:
     own = labels(cochain.algebra.basis_names)
     along = "" if cochain.module.kind == "trivial" else f" along {cochain.module.names[a]}"
     residual = f"{str(field.write(value, 2)).replace('**', '^')}{along}"
-    raise CocycleError(tuple(own[s] for s in place), residual, f"{cochain.degree}-cochain of {cochain.algebra.name}")
+    raise CochainError(tuple(own[s] for s in place), residual, f"{cochain.degree}-cochain of {cochain.algebra.name}")
 
 
 def integral(vector: Vector) -> Vector:

@@ -182,7 +182,7 @@ class LieCohomology:
             The $a_r$, and $\varphi$, a cochain of one degree less.
 
         Raises:
-            CocycleError: it is no cocycle; the error names the basis elements and the residual.
+            CochainError: it is no cocycle; the error names the basis elements and the residual.
             ParameterError: the degree is 0, or an entry is not exact.
             BracketError: an unknown basis element, or one set of them twice.
         """

@@ -14,7 +14,7 @@ Math. 79 (1964) 59.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -28,6 +28,7 @@ from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.formula.tensors import read_names
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
+from liepoisson.inputs.given import is_named, listed
 from liepoisson.inputs.names import check_name
 from liepoisson.structure.lie.cochains import (
     Cochain,
@@ -76,15 +77,16 @@ def central_extension(
         central_names: Names of the $c_r$; "c", or "c1", "c2", ... if left out.
 
     Raises:
-        CocycleError: one of them is no cocycle; the error names the triple and the residual.
+        CochainError: one of them is no cocycle; the error names the triple and the residual.
         BracketError: an unknown basis element, or one pair twice.
         ShapeError: not one name per cocycle, or a cochain of another algebra, degree or module.
         ParameterError: an entry is not exact.
     """
     algebra = read_algebra(given)
     n, module = algebra.dimension, read_module(algebra, "trivial")
-    many = isinstance(cocycles, Sequence) and not isinstance(cocycles, (str, Mapping))
-    forms = [read_cochain(algebra, module, 2, one, "cocycles") for one in (cocycles if many else [cocycles])]
+    one = isinstance(cocycles, Cochain) or is_named(cocycles)
+    items = [cocycles] if one else listed(cocycles, "cocycles")
+    forms = [read_cochain(algebra, module, 2, item, "cocycles") for item in ([cocycles] if items is None else items)]
     if not forms:
         raise ShapeError("cocycles: wanted at least one cocycle; got none. Give one, or several in a list.")
     default = ("c",) if len(forms) == 1 else tuple(f"c{r + 1}" for r in range(len(forms)))
@@ -256,7 +258,7 @@ def deformation(
         time_limit: Seconds after which the search is given up.
 
     Raises:
-        CocycleError: the cochain is no cocycle; the error names the triple and the residual.
+        CochainError: the cochain is no cocycle; the error names the triple and the residual.
         BracketError: an unknown basis element, one pair twice, or the bracket has a constant part.
         ParameterError: not an algebra, the parameter is a symbol of the algebra, or the search is too large.
         TimeLimitError: the time has passed.
