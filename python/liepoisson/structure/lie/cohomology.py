@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import comb
+from math import comb, lcm
 from typing import Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
@@ -308,6 +308,9 @@ def _known(values: Mapping[str, Exact], names: set[str]) -> dict[str, Exact]:
     return {name: value for name, value in values.items() if name in names}
 
 
+_Rows: TypeAlias = "tuple[list[dict[int, Any]], list[dict[int, Any]]]"
+
+
 @dataclass(frozen=True)
 class Part:
     """The cochains of one weight in three degrees.
@@ -339,13 +342,24 @@ class Complex:
         self.algebra, self.module = algebra, module
         self.field: Coefficients = field_of(algebra, module)
         self.pivots: list[Any] = []
-        self._exact = Differential(algebra, module, self.field.read)
         self._grading = Grading(algebra, module)
         self._acyclic = Acyclic(algebra, module, self.field)
 
     @cached_property
+    def _exact(self) -> Differential:
+        """The differential; over the rationals times the common denominator, in integers."""
+        if not self.field.is_rational:
+            return Differential(self.algebra, self.module, self.field.read)
+        of_module = (c for rho in self.module.action for row in rho for c in row.values())
+        constants = [c for row in self.algebra.brackets.values() for c in row.values()]
+        scale = lcm(*(self.field.read(c).denominator for c in (*constants, *of_module)))
+        return Differential(self.algebra, self.module, lambda c: int(self.field.read(c) * scale))
+
+    @cached_property
     def _modular(self) -> tuple[Differential, int] | None:
-        """The differential modulo a prime; None where constants have no images."""
+        """The differential modulo a prime, and that; None where constants have no images."""
+        if self.field.is_rational:
+            return self._exact, PRIME
         for attempt in range(_MOST_PRIMES):
             residues = self.field.residues(1 + attempt, attempt)
             if residues is None:
@@ -382,36 +396,33 @@ class Complex:
         size = len(part.cochains)
         if part.acyclic_rank is not None:
             return [], part.acyclic_rank, size - part.acyclic_rank
-        incoming, outgoing = self._modular_ranks(part)
+        incoming, outgoing, rows = self._modular_ranks(part)
         if incoming + outgoing == size and not self.field.parameters:
             return [], incoming, outgoing
-        number = {cochain: k for k, cochain in enumerate(part.cochains)}
-        out = transposed([self._column(self._exact, c) for c in part.cochains])
-        into = [{number[key]: v for key, v in self._column(self._exact, c).items()} for c in part.below]
-        found = nullspace([row for row in (*out, *into) if row], size, self.field)
+        if not self.field.is_rational:
+            rows = self._rows(self._exact, part)
+        found = nullspace([row for pair in rows for row in pair if row], size, self.field)
         self.pivots += found.pivots
         if incoming + outgoing + found.dimension != size:  # an unlucky prime, or none
-            incoming = rank(into, self.field)
+            incoming = rank(rows[0], self.field)
             outgoing = size - found.dimension - incoming
         return [{part.cochains[k]: v for k, v in vector.items()} for vector in found.vectors], incoming, outgoing
 
-    def _modular_ranks(self, part: Part) -> tuple[int, int]:
-        """Lower bounds of both ranks."""
+    def _modular_ranks(self, part: Part) -> tuple[int, int, _Rows]:
+        """Lower bounds of the ranks of both differentials, and their rows."""
         if self._modular is None:
-            return 0, 0
+            return 0, 0, ([], [])
         d, p = self._modular
-        found: list[int] = []
-        for cochains in (part.below, part.cochains):
-            columns = [self._column(d, c) for c in cochains]
-            number = {key: k for k, key in enumerate({key: None for column in columns for key in column})}
-            rows = [{number[key]: v for key, v in column.items()} for column in columns]
-            found.append(rank_mod(rows, len(number), p) if number else 0)
-        return found[0], found[1]
+        rows, size = self._rows(d, part), len(part.cochains)
+        return rank_mod(rows[0], size, p), rank_mod(rows[1], size, p), rows
 
-    def _column(self, d: Differential, cochain: tuple[Indices, int]) -> Vector:
-        """The image of a basis cochain; modulo the prime zeros may stay."""
+    def _rows(self, d: Differential, part: Part) -> _Rows:
+        """The images of the cochains below, and the rows of the differential on the part; columns are its cochains."""
+        number = {cochain: k for k, cochain in enumerate(part.cochains)}
         vanishes = self.field.vanishes if d is self._exact else (lambda value: not value)
-        return {key: value for key, value in d(*cochain).items() if not vanishes(value)}
+        below = [{number[key]: v for key, v in d(*c).items() if not vanishes(v)} for c in part.below]
+        here = [{key: v for key, v in d(*c).items() if not vanishes(v)} for c in part.cochains]
+        return below, transposed(here)
 
     def tidied(self, vector: Vector) -> Vector:
         """A multiple of a rational vector with coprime integers; others stay as they are."""
@@ -434,7 +445,7 @@ class Complex:
         r"""Numbers $a_r$ and a cochain with $\sum_r a_r f_r + d\varphi$ equal to a target; None if there are none."""
         values = [v for f in (target, *others) for row in f.values.values() for v in row.values()]
         field = field_of(self.algebra, self.module, values)
-        d = self._exact if field == self.field else Differential(self.algebra, self.module, field.read)
+        d = Differential(self.algebra, self.module, field.read)
 
         def vector(f: Cochain) -> Vector:
             return {(place, a): field.read(v) for place, row in f.values.items() for a, v in row.items()}
