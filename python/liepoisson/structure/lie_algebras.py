@@ -220,8 +220,8 @@ def poincare(n: int, kappa: Parameter = 1) -> LieAlgebra:
         >>> lorentz = lp.algebras.poincare(3)
         >>> lorentz.basis_names
         ('J1', 'J2', 'J3', 'K1', 'K2', 'K3', 'P1', 'P2', 'P3', 'H')
-        >>> [str(casimir) for casimir in (lorentz @ lp.trivial()).casimirs(2)]  # the square of the mass
-        ['lH**2 - lP1**2 - lP2**2 - lP3**2']
+        >>> [str(casimir) for casimir in (lorentz @ lp.trivial()).casimirs(2)]  # minus the square of the mass
+        ['-lH**2 + lP1**2 + lP2**2 + lP3**2']
 
     Args:
         n: Dimensions of space; there is one of time.

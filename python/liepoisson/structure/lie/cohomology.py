@@ -217,8 +217,8 @@ def cohomology(
         >>> galilei = lp.algebras.galilei(3)
         >>> print(lp.algebras.cohomology(galilei, 2))  # the mass
         H^2(galilei(3), trivial) has dimension 1: K1^P1 + K2^P2 + K3^P3
-        >>> lp.algebras.cohomology(lp.so(3) @ lp.leibniz(2), 2, "adjoint").dimension
-        2
+        >>> lp.algebras.cohomology(lp.so(3) @ lp.leibniz(4), 2, "adjoint").dimension  # those of R[z]/z^4
+        3
 
     Args:
         given: A Lie algebra, or a bracket without constant part: its algebra $g \otimes A$.  Symbols are generic.

@@ -65,7 +65,7 @@ def central_extension(
         >>> (mass,) = lp.algebras.cohomology(galilei, 2).representatives
         >>> bargmann = lp.algebras.central_extension(galilei, mass, "bargmann", ["M"])
         >>> [str(casimir) for casimir in (bargmann @ lp.trivial()).casimirs(2)]  # the mass, and the internal energy
-        ['lM', 'lH*lM - lP1**2/2 - lP2**2/2 - lP3**2/2']
+        ['lM', '-2*lH*lM + lP1**2 + lP2**2 + lP3**2']
         >>> plane = lp.algebras.central_extension(lp.algebras.abelian(2), {("e1", "e2"): 1})
         >>> plane.brackets == lp.algebras.heisenberg(1).brackets
         True
@@ -421,17 +421,15 @@ def _near_identity(potential: Cochain, parameter: str) -> Matrix:
     r"""The matrix $1 + \epsilon\varphi$, row by row the images of the basis."""
     from sympy import Symbol
 
-    epsilon, n = Symbol(parameter), potential.algebra.dimension
-    rows: list[tuple[Exact, ...]] = []
-    for i in range(n):
-        row = potential.values.get((i,), {})
-        rows.append(
-            tuple(
-                sum_of(_ONE if i == j else _ONE - _ONE, to_sympy(row[j]) * epsilon) if j in row else _ONE * (i == j)
-                for j in range(n)
-            )
-        )
-    return tuple(rows)
+    n, unit = potential.algebra.dimension, [_ONE, _ONE - _ONE]
+    if not potential:
+        return tuple(tuple(unit[i != j] for j in range(n)) for i in range(n))
+    epsilon = Symbol(parameter)
+    images = [potential.values.get((i,), {}) for i in range(n)]
+    return tuple(
+        tuple(to_sympy(unit[i != j]) + epsilon * to_sympy(row.get(j, unit[1])) for j in range(n))
+        for i, row in enumerate(images)
+    )
 
 
 def _in_basis(algebra: LieAlgebra, P: Matrix, parameter: str) -> LieAlgebra:
