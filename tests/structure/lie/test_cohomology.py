@@ -394,8 +394,8 @@ def test_texts():
 def test_deformations_of_currents_contain_those_of_the_commutative_algebra(n):
     """Har^2(A, A) goes into H^2(g (x) A, g (x) A) by f -> [x, y] (x) f(a, b), for simple g without a kernel.
 
-    For A = R[z]/z^n, Har^2 has the classes f_k(z^i, z^j) = z^(i + j - n + k) for i + j >= n, k = 0, ..., n - 2: the first
-    order of z^n = epsilon z^k.
+    For A = R[z]/z^n, Har^2 has the classes f_k(z^i, z^j) = z^(i + j - n + k) for i + j >= n, k = 0, ..., n - 2: the
+    first order of z^n = epsilon z^k.
     """
     bracket = lp.so(3) @ lp.leibniz(n)
     found = lie.cohomology(bracket, 2, "adjoint")
