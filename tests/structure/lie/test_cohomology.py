@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 import sympy as sp
-from chevalley_eilenberg import differential
+from chevalley_eilenberg import differential, of_commutative
 from chevalley_eilenberg import dimension as by_definition
 
 import liepoisson as lp
@@ -221,7 +221,7 @@ def test_the_differential_is_that_of_the_definition_and_its_square_vanishes(coef
     n, m = algebra.dimension, module.dimension
     for k in range(3):
         rows = {(s, a): r * m + a for r, s in enumerate(combinations(range(n), k + 1)) for a in range(m)}
-        matrix = differential(algebra, coefficients, k)
+        matrix = differential(algebra, coefficients, k).to_Matrix()
         for r, s in enumerate(combinations(range(n), k)):
             for a in range(m):
                 image = d(s, a)
@@ -286,6 +286,60 @@ def test_central_extensions_with_two_variables():
     bracket = lp.so(3) @ lp.semidirect(3)
     extended = bracket.with_constant(found.representatives[0].form)  # as a constant part it is none that moves away
     assert extended.coboundary() is None
+
+
+FORMS = [form for n in range(1, 5) for form in lp.extensions.normal_forms(n)]
+
+
+@pytest.mark.parametrize("form", FORMS, ids=str)
+def test_currents_of_so3_have_the_cohomology_of_the_commutative_algebra(form):
+    """H^1(g (x) A, g (x) A) = Der(A), H^2(g (x) A, g (x) A) = Har^2(A, A), H^2(g (x) A, R) = HC_1(A)* for g = so(3)."""
+    bracket = lp.so(3) @ form
+    derivations, harrison, forms = of_commutative(form)
+    assert lie.cohomology(bracket, 1, "adjoint").dimension == derivations
+    assert lie.cohomology(bracket, 2, "adjoint").dimension == harrison
+    assert lie.cohomology(bracket, 2).dimension == forms
+
+
+def test_currents_of_sl3_have_more_deformations_than_the_commutative_algebra():
+    """sl(3) has an invariant symmetric product of degree three, so(3) has none."""
+    form = lp.semidirect(3)
+    assert of_commutative(form)[1] == 4
+    assert lie.cohomology(lp.sl(3) @ form, 2, "adjoint").dimension == 6
+
+
+LARGER = {
+    "so(5)": lp.so(5),
+    "sl(3)": lp.sl(3),
+    "so(3) x leibniz(4)": lie.current_algebra(lp.so(3) @ lp.leibniz(4)),
+    "galilei(3)": lie.galilei(3),
+    "poincare(3)": lie.poincare(3),
+    "affine(2)": lie.affine(2),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", LARGER)
+def test_larger_ones_are_those_of_the_definition(name):
+    found = lie.cohomology(LARGER[name], 2, "adjoint")
+    dimensions = found.dimension, found.cocycle_dimension, found.coboundary_dimension
+    assert dimensions == by_definition(LARGER[name], 2, "adjoint")
+
+
+def test_modules_of_matrices_are_those_of_the_definition():
+    """Of algebras that are not semisimple: the rules for acyclic parts must read the matrices."""
+    plane = [[[0, -1, 0], [1, 0, 0], [0, 0, 0]], [[0, 0, 1], [0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 0, 1], [0, 0, 0]]]
+    line = [[[2, 0], [0, 1]], [[0, 1], [0, 0]]]
+    shifted = [[[-1]], [[0]]]  # e acts by -1, and H^1 does not vanish
+    vectors = [[[int((i, j) == (r, c)) for c in range(2)] for r in range(2)] for i in range(2) for j in range(2)]
+    for algebra, rho in (
+        (lie.se(2), plane), (lie.affine(1), line), (lie.affine(1), shifted), (lie.gl(2), vectors)
+    ):  # fmt: skip
+        for k in range(algebra.dimension + 1):
+            found = lie.cohomology(algebra, k, rho)
+            assert (found.dimension, found.cocycle_dimension, found.coboundary_dimension) == by_definition(
+                algebra, k, rho
+            )
 
 
 @pytest.mark.parametrize("n", [2, 3])
