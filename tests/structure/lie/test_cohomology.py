@@ -367,6 +367,36 @@ def test_symbols_are_generic_and_exceptional_values_are_found():
         assert there == FAMILY.get(f"a = {value}", 0)
 
 
+def test_exceptional_values_of_a_weight_are_found():
+    """e3 acts by 1 and k: the weights 1 + k of e1^e2 and k of e2^e3 vanish for k = -1 and k = 0."""
+    algebra = lp.LieAlgebra.from_brackets(3, {(0, 2): {0: 1}, (1, 2): {1: "k"}})
+    for degree in (1, 2):
+        found = lie.cohomology(algebra, degree)
+        special = {case.condition: case.cohomology.dimension for case in found.exceptional}
+        for value in (-2, -1, 0, 1, 2):
+            there = by_definition(algebra.substitute({"k": value}), degree)[0]
+            assert there == special.get(f"k = {value}", found.dimension)
+        assert special.keys() == ({"k = 0"} if degree == 1 else {"k = -1", "k = 0"})
+
+
+def test_rotations_of_different_speeds_are_not_taken_for_one():
+    """e1 turns two planes with speed 1 and one with speed 2: products of three vectors are invariant."""
+    planes = {(0, 1): {2: 1}, (0, 2): {1: -1}, (0, 3): {4: 1}, (0, 4): {3: -1}, (0, 5): {6: 2}, (0, 6): {5: -2}}
+    algebra = lp.LieAlgebra.from_brackets(7, planes)
+    found = lie.cohomology(algebra, 3)
+    assert found.dimension == by_definition(algebra, 3)[0]
+    assert (
+        found.dimension
+        > lie.cohomology(lp.LieAlgebra.from_brackets(7, {**planes, (0, 5): {6: 3}, (0, 6): {5: -3}}), 3).dimension
+    )
+
+
+@pytest.mark.parametrize("bracket", [lp.so(3) @ lp.leibniz(3, "epsilon"), lie.affine(1) @ lp.semidirect(3)], ids=str)
+def test_the_algebra_of_a_bracket_has_this_bracket(bracket):
+    again = lie.current_algebra(bracket) @ lp.trivial()
+    assert {(i, j, k): c for i, j, k, c in again.entries()} == {(i, j, k): c for i, j, k, c in bracket.entries()}
+
+
 def test_number_fields():
     root = sp.sqrt(2)
     algebra = lp.LieAlgebra.from_brackets(3, {(0, 1): {1: 1}, (0, 2): {2: root}})  # e1 acts by 1 and sqrt(2)

@@ -1,5 +1,6 @@
 from fractions import Fraction
 from itertools import combinations
+from random import Random
 
 import pytest
 import sympy as sp
@@ -172,3 +173,120 @@ def test_refusals_of_deformations():
         lie.deformation(lie.bianchi("VI", "a"), {("1", "2"): {"2": 1}}, parameter="a")
     with pytest.raises(ParameterError, match="order: wanted"):
         lie.deformation(lp.so(3), {("1", "2"): {"3": 1}}, order=0)
+
+
+def plain_jacobi(n, *terms):
+    """The coefficients of the powers of t in the Jacobi identity of a sum of t^k terms[k], by their definition."""
+
+    def bracket(k, u, v):
+        """The k-th term of two vectors."""
+        found = [sp.S.Zero] * n
+        for (i, j), row in terms[k].items():
+            weight = u[i] * v[j] - u[j] * v[i]
+            for m, c in row.items() if weight else ():
+                found[m] += weight * c
+        return found
+
+    unit = [[sp.S(int(i == j)) for j in range(n)] for i in range(n)]
+    for power in range(2 * len(terms) - 1):
+        pairs = [(a, power - a) for a in range(len(terms)) if 0 <= power - a < len(terms)]
+        for x, y, z in combinations(unit, 3):
+            cyclic = ((x, y, z), (y, z, x), (z, x, y))
+            parts = [bracket(a, bracket(b, u, v), w) for a, b in pairs for u, v, w in cyclic]
+            for k in range(n):
+                yield power, sp.expand(sum(part[k] for part in parts))
+
+
+def test_a_term_of_lower_order_is_mended_where_the_next_order_asks_for_it():
+    """With the first solution of order 2 there is none of order 3; with another one the deformation closes."""
+    algebra = lie.heisenberg(1) + lie.abelian(1)
+    first = {(0, 1): {1: 1}, (0, 2): {2: 1}, (1, 3): {3: 2}}
+    found = lie.deformation(algebra, first)
+    assert found.closes
+    assert found.order == 2
+    terms = [algebra.brackets, *(term.values for term in found.terms)]
+    assert not any(value for _, value in plain_jacobi(algebra.dimension, *terms))
+    assert found.algebra.jacobi_residuals() == {}
+
+
+OBSTRUCTED = {("q1", "q2"): {"p1": 1}, ("q1", "p2"): {"q1": 1, "p1": 1}, ("p1", "p2"): {"p1": -1}}
+
+
+def test_an_obstruction_of_order_three_holds_for_all_terms_of_order_two():
+    """The equations of orders 2 and 3 are linear in both terms together, and have no solution."""
+    algebra = lie.heisenberg(2)
+    found = lie.deformation(algebra, OBSTRUCTED)
+    assert (found.closes, found.order, found.decided) == (False, 2, True)
+    n, unknowns = algebra.dimension, []
+
+    def unknown(letter):
+        pairs = combinations(range(n), 2)
+        term = {pair: {k: sp.Symbol(f"{letter}{pair[0]}{pair[1]}{k}") for k in range(n)} for pair in pairs}
+        unknowns.extend(symbol for row in term.values() for symbol in row.values())
+        return term
+
+    terms = [algebra.brackets, found.cocycle.values, unknown("a"), unknown("b")]
+    linear = [value for power, value in plain_jacobi(n, *terms) if power in (2, 3) and value]
+    matrix, right = sp.linear_eq_to_matrix(linear, unknowns)
+    ranks = [sp.polys.matrices.DomainMatrix.from_Matrix(m).to_field().rank() for m in (matrix, matrix.row_join(right))]
+    assert ranks[0] < ranks[1]
+
+
+def test_an_obstruction_of_higher_order_is_not_called_decided():
+    filiform = lp.LieAlgebra.from_brackets(5, {(0, 1): {2: 1}, (0, 2): {3: 1}, (0, 3): {4: 1}})
+    first = {(0, 2): {1: 1}, (0, 3): {2: 1}, (0, 4): {3: 1}, (1, 2): {4: 1}}
+    found = lie.deformation(filiform, first)
+    assert found.obstruction is not None
+    assert found.order == 3
+    assert not found.decided
+    assert "for the lower orders that were chosen" in str(found)
+    short = lie.deformation(filiform, first, order=2)
+    assert (short.closes, short.obstruction, short.decided, short.order) == (False, None, False, 2)
+    assert str(short).endswith("whether it goes on is undecided")
+
+
+@pytest.mark.parametrize("algebra", [lp.sl(3), lie.se(3), lie.galilei(2), lie.affine(2)], ids=str)
+def test_the_abelian_algebra_deforms_to_every_algebra(algebra):
+    """A cochain on it closes if and only if it is a Lie bracket."""
+    plane = lie.abelian(algebra.dimension)
+    assert lie.deformation(plane, algebra.brackets).closes
+    (pair, row), *_ = algebra.brackets.items()
+    wrong = {**algebra.brackets, pair: {k: 2 * c for k, c in row.items()}}
+    brackets = lp.LieAlgebra.from_brackets(algebra.dimension, wrong, check=False)
+    assert brackets.jacobi_residuals()
+    assert not lie.deformation(plane, wrong).closes
+
+
+@pytest.mark.parametrize("algebra", [lie.se(2), lie.bianchi("IV"), lp.sl(2), lie.heisenberg(1)], ids=str)
+def test_a_random_coboundary_is_undone(algebra):
+    random, n = Random(2), algebra.dimension
+    phi = [[Fraction(random.randint(-2, 2)) for _ in range(n)] for _ in range(n)]  # phi(e_i), row by row
+    unit = [[int(i == j) for j in range(n)] for i in range(n)]
+    values = {}
+    for i, j in combinations(range(n), 2):
+        bracket = algebra.bracket(unit[i], unit[j])
+        of_bracket = [sum(bracket[k] * phi[k][m] for k in range(n)) for m in range(n)]
+        first, second = algebra.bracket(phi[i], unit[j]), algebra.bracket(unit[i], phi[j])
+        values[i, j] = {m: first[m] + second[m] - of_bracket[m] for m in range(n)}
+    found = lie.deformation(algebra, values)
+    assert found.is_trivial
+    assert found.representative is algebra
+    assert first_order(found.algebra) == {p: dict(row) for p, row in found.cocycle.values.items()}
+    rows = [[sp.sympify(v) for v in row] for row in found.change_of_basis]
+    for i, j in combinations(range(n), 2):
+        left = algebra.bracket(rows[i], rows[j])
+        row = found.algebra.brackets.get((i, j), {})
+        right = [sum(c * rows[k][m] for k, c in row.items()) for m in range(n)]
+        assert all(sp.simplify(a - b) == 0 for a, b in zip(left, right, strict=True))
+
+
+def test_number_fields_and_symbols_deform_too():
+    root = sp.sqrt(2)
+    algebra = lp.LieAlgebra.from_brackets(3, {(0, 1): {1: 1}, (0, 2): {2: root}})
+    found = lie.deformation(algebra, {(0, 2): {2: root}})
+    assert found.closes
+    assert found.algebra.brackets[0, 2][2] == root + root * EPSILON
+    family = lie.bianchi("VII", "a")
+    found = lie.deformation(family, {("e1", "e2"): {"e2": -1}, ("e1", "e3"): {"e3": -1}})
+    assert found.closes
+    assert not found.is_trivial

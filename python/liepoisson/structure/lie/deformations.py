@@ -186,12 +186,13 @@ class LieDeformation:
     Attributes:
         cocycle: The first order $\mu_1$ that was asked for.
         coordinates: Its class in the basis `representatives` of $H^2(g, g)$; all zero for a trivial deformation.
-        terms: $\mu_1, \mu_2, \dots$ along the harmonic representative of the class.
+        terms: $\mu_1, \mu_2, \dots$ of `representative`.
         closes: Whether the Jacobi identity holds to all orders.
         order: The order in the parameter up to which it holds; of an algebra that closes the degree in it.
-        representative: The algebra along the harmonic representative, if it closes.
+        representative: The deformation along the harmonic cocycle of the class, or along the given one if that is a
+            deformation as it is; None if it does not close.
         change_of_basis: P with $e'_i = \sum_j$ `P[i][j]` $e_j$, which takes `representative` to `algebra`:
-            $P = 1 + \epsilon\varphi$ with $\mu_1$ the representative plus $d\varphi$.
+            $P = 1 + \epsilon\varphi$, where the given cocycle is the first order of `representative` plus $d\varphi$.
         algebra: The deformation whose first order is the given cocycle, if it closes; where P is not the identity its
             constants are rational functions of the parameter.
         obstruction: The class in $H^3(g, g)$ that obstructs the next order, by its harmonic cocycle; None if none does.
@@ -241,9 +242,10 @@ def deformation(
 ) -> LieDeformation:
     r"""The deformation of a Lie algebra whose first order is a 2-cocycle with adjoint coefficients, order by order.
 
-    The class of the cocycle is deformed along its harmonic representative; where the equation of an order has no
-    solution, multiples of representatives are added to the order below.  A coboundary is undone by a change of basis,
-    which the answer carries.
+    A cocycle $\mu_1$ that is no coboundary and has $\mathrm{Jac}(\mu_1, \mu_1) = 0$ is a deformation as it is.  Otherwise
+    its class is deformed along the harmonic representative; where the equation of an order has no solution, multiples
+    of representatives are added to the order below.  A coboundary is undone by a change of basis, which the answer
+    carries.
 
     Example:
         >>> plane = lp.algebras.abelian(2)
@@ -275,7 +277,11 @@ def deformation(
         check_closed(first)
         space = cohomology(algebra, 2, "adjoint", time_limit=time_limit)
         coordinates, potential = space.split(first)
-        series = _Series(space, combination(list(zip(coordinates, space.representatives, strict=True)), first))
+        if not all(map(is_zero, coordinates)) and not _sum_of_squares([(first, first)], first):
+            along, potential = first, Cochain(algebra, first.module, 1, {})
+        else:
+            along = combination(list(zip(coordinates, space.representatives, strict=True)), first)
+        series = _Series(space, along)
         series.run(most)
         representative, made = None, None
         P = _near_identity(potential, parameter)
