@@ -242,10 +242,10 @@ def deformation(
 ) -> LieDeformation:
     r"""The deformation of a Lie algebra whose first order is a 2-cocycle with adjoint coefficients, order by order.
 
-    A cocycle $\mu_1$ that is no coboundary and has $\mathrm{Jac}(\mu_1, \mu_1) = 0$ is a deformation as it is.  Otherwise
-    its class is deformed along the harmonic representative; where the equation of an order has no solution, multiples
-    of representatives are added to the order below.  A coboundary is undone by a change of basis, which the answer
-    carries.
+    A cocycle $\mu_1$ that is no coboundary and has $\mathrm{Jac}(\mu_1, \mu_1) = 0$ is a deformation as it is.
+    Otherwise its class is deformed along the harmonic representative; where the equation of an order has no solution,
+    multiples of representatives are added to the order below.  A coboundary is undone by a change of basis, which the
+    answer carries.
 
     Example:
         >>> plane = lp.algebras.abelian(2)
