@@ -1,5 +1,5 @@
 from fractions import Fraction
-from itertools import combinations, permutations
+from itertools import combinations, permutations, product
 from math import comb
 from random import Random
 
@@ -377,6 +377,51 @@ def test_exceptional_values_of_a_weight_are_found():
             there = by_definition(algebra.substitute({"k": value}), degree)[0]
             assert there == special.get(f"k = {value}", found.dimension)
         assert special.keys() == ({"k = 0"} if degree == 1 else {"k = -1", "k = 0"})
+
+
+def dimension_at(found, values):
+    """What a cohomology with symbols says about values of these, by its exceptional cases in turn."""
+    dimensions = [found.dimension]
+    for case in found.exceptional:
+        name, _, value = case.condition.partition(" = ")
+        if sp.sympify(value).subs(values) == values[name]:
+            dimensions.append(dimension_at(case.cohomology, values))
+    return max(dimensions)
+
+
+@pytest.mark.parametrize("coefficients", ["trivial", "adjoint"])
+def test_two_symbols_have_all_their_exceptional_cases(coefficients):
+    """e1 acts by 1, p and q: lines of exceptional values, and points where these meet."""
+    algebra = lp.LieAlgebra.from_brackets(4, {(0, 1): {1: 1}, (0, 2): {2: "p"}, (0, 3): {3: "q"}})
+    found = lie.cohomology(algebra, 2, coefficients)
+    assert found.undecided == ()
+    seen = set()
+    for p, q in product((-1, 0, HALF, 1, 2, 3), repeat=2):
+        there = lie.cohomology(algebra.substitute({"p": p, "q": q}), 2, coefficients).dimension
+        assert dimension_at(found, {"p": p, "q": q}) == there, (p, q)
+        seen.add(there)
+    assert len(seen) > 2
+
+
+def test_the_discriminant_of_an_extension_is_exceptional():
+    """z^2 = p + q z is R x R or C, rigid, but for a double root."""
+    extension = lp.Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: "p", 1: "q"}})
+    found = lie.cohomology(lp.so(3) @ extension, 2, "adjoint")
+    assert (found.dimension, found.undecided) == (0, ())
+    assert [(case.condition, case.cohomology.dimension) for case in found.exceptional] == [("p = -q**2/4", 1)]
+
+
+def test_representatives_with_symbols_are_polynomials():
+    """The twisted top's bracket has two deformations; the charged top's, epsilon = 0, four."""
+    found = lie.cohomology(lp.so(3) @ lp.leibniz(3, "epsilon"), 2, "adjoint")
+    assert found.dimension == 2
+    assert [(case.condition, case.cohomology.dimension) for case in found.exceptional] == [("epsilon = 0", 4)]
+    epsilon = sp.Symbol("epsilon")
+    entries = [sp.sympify(v) for one in found.representatives for row in one.values.values() for v in row.values()]
+    assert all(v.is_polynomial(epsilon) for v in entries)
+    assert all(not v.subs(epsilon, 3).free_symbols for v in entries)
+    for one in found.representatives:
+        check_closed(one)
 
 
 def test_rotations_of_different_speeds_are_not_taken_for_one():

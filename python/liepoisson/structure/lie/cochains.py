@@ -18,6 +18,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from math import gcd, lcm
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
@@ -352,10 +353,27 @@ def check_closed(cochain: Cochain) -> None:
 
 def integral(vector: Vector) -> Vector:
     """The multiple of a rational vector with coprime integers, the first of them positive."""
-    values = [vector[key] for key in sorted(vector)]
-    scale = Fraction(lcm(*(v.denominator for v in values)), gcd(*(v.numerator for v in values)) or 1)
-    scale *= -1 if values and values[0] < 0 else 1
+    scale = _coprime([vector[key] for key in sorted(vector)])
     return {key: value * scale for key, value in vector.items()}
+
+
+def _coprime(values: Sequence[Any]) -> Fraction:
+    """What makes rational numbers coprime integers, the first of them positive."""
+    scale = Fraction(lcm(*(int(v.denominator) for v in values)), gcd(*(int(v.numerator) for v in values)) or 1)
+    return -scale if values and values[0] < 0 else scale
+
+
+def polynomial(vector: Vector) -> Vector:
+    """The multiple of a vector of rational functions with coprime polynomials, which has no poles."""
+    values = [vector[key] for key in sorted(vector)]
+    common = reduce(lambda a, b: a.lcm(b), (v.denom for v in values))
+    content = reduce(lambda a, b: a.gcd(b), (v.numer * common.exquo(v.denom) for v in values))
+    factor = values[0].field(common) / values[0].field(content)
+    scaled = [(v * factor).numer for v in values]
+    if common.ring.domain.is_QQ:
+        number = _coprime([c for numerator in scaled for c in numerator.coeffs()])
+        factor = factor * common.ring.domain(number.numerator, number.denominator)
+    return {key: value * factor for key, value in vector.items()}
 
 
 def cochain_of(algebra: LieAlgebra, module: LieModule, degree: int, vector: Vector, field: Coefficients) -> Cochain:

@@ -43,6 +43,7 @@ from liepoisson.structure.lie.cochains import (
     cochain_of,
     field_of,
     integral,
+    polynomial,
     read_cochain,
     read_module,
 )
@@ -191,9 +192,11 @@ class LieCohomology:
         return self.complex.split(read, self.representatives)
 
     def __str__(self) -> str:
-        text = f"H^{self.degree}({self.algebra.name}, {self.coefficients}) has dimension {self.dimension}"
-        if self.representatives:
-            text += ": " + (", " if self.coefficients == "trivial" else " | ").join(map(str, self.representatives))
+        text, shown = (
+            repr(self),
+            (", " if self.coefficients == "trivial" else " | ").join(map(str, self.representatives)),
+        )
+        text += f": {shown}" if shown else ""
         for case in self.exceptional:
             text += f"; {case.condition}: dimension {case.cohomology.dimension}"
         if self.undecided:
@@ -201,7 +204,7 @@ class LieCohomology:
         return text
 
     def __repr__(self) -> str:
-        return str(self)
+        return f"H^{self.degree}({self.algebra.name}, {self.coefficients}) has dimension {self.dimension}"
 
 
 @explains_its_arguments
@@ -402,7 +405,8 @@ class Complex:
         if not self.field.is_rational:
             rows = self._rows(self._exact, part)
         found = nullspace([row for pair in rows for row in pair if row], size, self.field)
-        self.pivots += found.pivots
+        if self.field.parameters:  # those of each differential are shorter than those of both together
+            self.pivots += [p for side in rows for p in nullspace(side, size, self.field).pivots]
         if incoming + outgoing + found.dimension != size:  # an unlucky prime, or none
             incoming = rank(rows[0], self.field)
             outgoing = size - found.dimension - incoming
@@ -425,8 +429,10 @@ class Complex:
         return below, transposed(here)
 
     def tidied(self, vector: Vector) -> Vector:
-        """A multiple of a rational vector with coprime integers; others stay as they are."""
-        return integral(vector) if self.field.is_rational else vector
+        """A multiple with coprime integers or coprime polynomials; algebraic numbers stay as they are."""
+        if self.field.is_rational:
+            return integral(vector)
+        return polynomial(vector) if self.field.parameters else vector
 
     def split(self, cocycle: Cochain, representatives: Sequence[Cochain]) -> tuple[tuple[Exact, ...], Cochain]:
         """See `LieCohomology.split`."""
