@@ -270,7 +270,7 @@ def _kinematical(n: int, kappa: Exact, name: str) -> LieAlgebra:
     rotations, planes, names = _rotations(n, "J")
     boosts = rotations.dimension
     shifts, time = boosts + n, boosts + 2 * n
-    brackets: dict[tuple[int, int], dict[int, Parameter]] = {pair: {**row} for pair, row in rotations.brackets.items()}
+    brackets: dict[tuple[int, int], Mapping[int, Parameter]] = {**rotations.brackets}
     for start in (boosts, shifts):
         brackets |= _rotated(planes, start)
     for i in range(n):

@@ -97,6 +97,12 @@ def test_derivations(algebra, inner, outer):
         assert found.algebra().dimension == found.dimension
 
 
+def test_derivations_with_symbols_are_expressions_throughout():
+    (outer,) = lie.derivations_of(lie.bianchi("VI", "a")).outer
+    assert {isinstance(value, sp.Expr) for row in outer for value in row} == {True}
+    assert outer == ((0, 0, 0), (0, 1, -sp.Symbol("a")), (0, -sp.Symbol("a"), 1))
+
+
 def test_motions_of_the_plane_deform_to_rotations():
     """The other way round than a contraction: [t1, t2] = epsilon r gives so(3) and so(2, 1)."""
     found = lie.deformation(lie.se(2), {("t1", "t2"): {"r": 1}})
@@ -212,6 +218,7 @@ def test_a_term_of_lower_order_is_mended_where_the_next_order_asks_for_it():
 OBSTRUCTED = {("q1", "q2"): {"p1": 1}, ("q1", "p2"): {"q1": 1, "p1": 1}, ("p1", "p2"): {"p1": -1}}
 
 
+@pytest.mark.thorough
 def test_an_obstruction_of_order_three_holds_for_all_terms_of_order_two():
     """The equations of orders 2 and 3 are linear in both terms together, and have no solution."""
     algebra = lie.heisenberg(2)
@@ -257,6 +264,7 @@ def test_the_abelian_algebra_deforms_to_every_algebra(algebra):
     assert not lie.deformation(plane, wrong).closes
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("algebra", [lie.se(2), lie.bianchi("IV"), lp.sl(2), lie.heisenberg(1)], ids=str)
 def test_a_random_coboundary_is_undone(algebra):
     random, n = Random(2), algebra.dimension

@@ -150,7 +150,8 @@ class Cochain:
         """
         if self.degree != 1:
             raise ParameterError(f"matrix: wanted a cochain of degree 1; got one of degree {self.degree}; take .values")
-        zero = Fraction(0)
+        one = next((v for row in self.values.values() for v in row.values()), Fraction(0))
+        zero = one - one  # of the same kind: Fractions and expressions do not mix
         rows = range(self.module.dimension)
         return tuple(tuple(self.values.get((i,), {}).get(a, zero) for i in range(self.algebra.dimension)) for a in rows)
 

@@ -50,8 +50,12 @@ from liepoisson.structure.lie.cochains import (
 from liepoisson.structure.lie.gradings import Acyclic, Grading
 from liepoisson.structure.lie_algebra import LieAlgebra
 
-MOST_COCHAINS = 500_000
-"""Basis cochains of the largest complex that is begun, up to the degree above the one that is asked for."""
+MOST_COCHAINS = 2_000_000
+"""Basis cochains of the largest complex that is begun, up to the degree that is asked for: they are listed by weight.
+
+A million take 20 s and 0.6 GB for H^10 of heisenberg(10), with 58,786 classes; 0.6 million take 1.3 s for H^3 of so(10)
+with adjoint coefficients.
+"""
 
 _MOST_PRIMES = 20
 """Primes that are tried until constants have images: all but those that divide a denominator will do."""
@@ -249,14 +253,14 @@ def _check_size(algebra: LieAlgebra, module: LieModule, degree: int) -> None:
     n, m = algebra.dimension, module.dimension
 
     def size(k: int) -> int:
-        return m * sum(comb(n, j) for j in range(min(k + 1, n) + 1))
+        return m * sum(comb(n, j) for j in range(min(k, n) + 1))
 
     if size(degree) > MOST_COCHAINS:
         fits = next((k for k in range(degree - 1, -1, -1) if size(k) <= MOST_COCHAINS), None)
         instead = f"Degree {fits} would fit, with {size(fits):,}" if fits is not None else "Take a smaller algebra"
         raise ParameterError(
-            f"degree: wanted a complex with at most {MOST_COCHAINS:,} basis cochains up to the degree above; got "
-            f"degree {degree} of {algebra.name}, with {size(degree):,}. {instead}."
+            f"degree: wanted a complex with at most {MOST_COCHAINS:,} basis cochains up to this degree; got degree "
+            f"{degree} of {algebra.name}, with {size(degree):,}. {instead}."
         )
 
 
