@@ -5,6 +5,10 @@ proof, without the imports, the least of five.  Beside it a plain script with Sy
 Eilenberg's complex from their definition, as sparse ones over the rationals (`DomainMatrix`), cocycles, coboundaries,
 and a basis of the ones modulo the others; once.  Seconds are those of the process.  With --quick only small cases are
 run by SymPy.
+
+On two cores of a busy machine: 1 to 30 ms for so(4), sl(3), so(5), so(6) and so(7), 7 to 50 times less than SymPy; 10,
+33 and 92 ms for so(3) with leibniz(4), (6) and (8), 10 to 25 times less.  SymPy's sparse elimination with FLINT's
+numbers gains from the same zeros.  Most of the rest of the time here goes into lists and weights in Python.
 """
 
 from __future__ import annotations

@@ -484,6 +484,8 @@ REFUSED = [
      r"fails for \(i, j\) = \(0, 1\): the difference has the entry -1 at \(0, 0\)"),
     (lambda: lie.cohomology(lp.so(12), 6), ParameterError, r"at most 2,000,000 basis cochains.*Degree 4 would fit"),
     (lambda: lie.cohomology(lp.canonical(1), 1), BracketError, "central_extension"),
+    (lambda: lie.cohomology(lp.LieAlgebra.from_brackets(3, {(0, 1): {2: 1}, (0, 2): {0: 1}}, check=False), 2),
+     BracketError, r"in g the Jacobi identity fails for \(e1, e2, e3\)"),
     (lambda: lie.cohomology(lp.so(3), 2).split({("1",): 1}), ShapeError, "wanted 2 basis elements"),
     (lambda: lie.cohomology(lp.so(3), 2).split({("1", "1"): 1}), BracketError, "different basis elements"),
     (lambda: lie.cohomology(lp.so(3), 2).split({("1", "2"): 1, ("2", "1"): 1}), BracketError, "once"),

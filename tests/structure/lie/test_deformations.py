@@ -7,7 +7,7 @@ import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import CochainError, ParameterError, ShapeError
-from liepoisson.structure.lie.cochains import check_closed
+from liepoisson.structure.lie.cochains import check_closed, combination
 
 lie = lp.algebras
 EPSILON = sp.Symbol("epsilon")
@@ -298,3 +298,28 @@ def test_number_fields_and_symbols_deform_too():
     found = lie.deformation(family, {("e1", "e2"): {"e2": -1}, ("e1", "e3"): {"e3": -1}})
     assert found.closes
     assert not found.is_trivial
+
+
+def test_the_twisted_top_is_a_deformation_of_the_charged_heavy_top():
+    charged, twisted = lp.so(3) @ lp.semidirect(3), lp.so(3) @ lp.leibniz(3, "epsilon")
+    twist = {(f"alpha{i}", f"alpha{j}"): {f"beta{k}": 1} for i, j, k in ((1, 2, 3), (2, 3, 1), (3, 1, 2))}
+    found = lie.deformation(charged, twist)
+    assert found.closes
+    assert not found.is_trivial
+    assert found.algebra.brackets == lie.current_algebra(twisted).brackets
+
+
+def test_no_twist_of_the_charged_heavy_top_is_obstructed():
+    """H^2 is the space of binary cubics, and the products of every one of them close at the second order."""
+    charged, orders = lp.so(3) @ lp.semidirect(3), set()
+    representatives = lie.cohomology(charged, 2, "adjoint").representatives
+    assert len(representatives) == 4
+    for weights in ((1, 0, 0, 0), (0, 1, 0, 0), (1, 2, 0, 0), (1, -1, 2, 3)):
+        cubic = combination(
+            [(Fraction(w), one) for w, one in zip(weights, representatives, strict=True)], representatives[0]
+        )
+        found = lie.deformation(charged, cubic)
+        assert found.closes
+        assert found.algebra.jacobi_residuals() == {}
+        orders.add(found.order)
+    assert max(orders) == 2

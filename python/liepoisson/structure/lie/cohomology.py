@@ -43,6 +43,7 @@ from liepoisson.structure.lie.cochains import (
     cochain_of,
     field_of,
     integral,
+    labels,
     polynomial,
     read_cochain,
     read_module,
@@ -106,13 +107,18 @@ def read_algebra(given: object) -> LieAlgebra:
 
     Raises:
         ParameterError: neither.
-        BracketError: a bracket with a constant part.
+        BracketError: a bracket with a constant part, or the Jacobi identity fails.
     """
-    if isinstance(given, Bracket):
-        return current_algebra(given)
-    if not isinstance(given, LieAlgebra):
+    algebra = current_algebra(given) if isinstance(given, Bracket) else given
+    if not isinstance(algebra, LieAlgebra):
         raise not_a("a LieAlgebra or a Bracket", given, "given", "write for example so(3), or so(3) @ leibniz(3)")
-    return given
+    for triple in algebra.jacobi_residuals():  # of one made with check=False
+        names = ", ".join(labels(algebra.basis_names)[k] for k in triple)
+        raise BracketError(
+            f"given: wanted a Lie algebra; in {algebra.name} the Jacobi identity fails for ({names}). Correct its "
+            "brackets: without it the square of the differential is not zero."
+        )
+    return algebra
 
 
 @explains_its_methods
@@ -235,8 +241,8 @@ def cohomology(
 
     Raises:
         ParameterError: not an algebra, no such module, or the complex is too large; the message says what would fit.
-        BracketError: the matrices are no representation (the message names a pair and the residual), or the bracket
-            has a constant part.
+        BracketError: the matrices are no representation (the message names a pair and the residual), the bracket has
+            a constant part, or the Jacobi identity fails.
         ShapeError: not one square matrix per basis element.
         TimeLimitError: the time has passed.
 
@@ -427,10 +433,14 @@ class Complex:
     def _rows(self, d: Differential, part: Part) -> _Rows:
         """The images of the cochains below, and the rows of the differential on the part; columns are its cochains."""
         number = {cochain: k for k, cochain in enumerate(part.cochains)}
-        vanishes = self.field.vanishes if d is self._exact else (lambda value: not value)
-        below = [{number[key]: v for key, v in d(*c).items() if not vanishes(v)} for c in part.below]
-        here = [{key: v for key, v in d(*c).items() if not vanishes(v)} for c in part.cochains]
-        return below, transposed(here)
+        below, here = ([d(*c) for c in cochains] for cochains in (part.below, part.cochains))
+        if d is self._exact and not self.field.decides:
+            below, here = ([self._simplified(image) for image in images] for images in (below, here))
+        numbered = [{number[key]: v for key, v in image.items() if v} for image in below]
+        return numbered, transposed([{key: v for key, v in image.items() if v} for image in here])
+
+    def _simplified(self, image: Vector) -> Vector:
+        return {key: v for key, v in image.items() if not self.field.vanishes(v)}
 
     def tidied(self, vector: Vector) -> Vector:
         """A multiple with coprime integers or coprime polynomials; algebraic numbers stay as they are."""
