@@ -512,6 +512,15 @@ def test_the_time_limit_is_kept():
         lie.cohomology(lp.so(8), 2, "adjoint", time_limit=1e-3)
 
 
+def test_a_class_may_have_symbols():
+    (form,) = lie.cohomology(lie.se(2), 2).representatives
+    found = lie.cohomology(lie.se(2), 2)
+    classes, potential = found.split({("t1", "t2"): "s", ("r", "t1"): "k"})
+    assert form.form == {(1, 2): 1}
+    assert classes == (sp.Symbol("s"),)
+    assert str(potential) == "-k*t2"
+
+
 def test_texts():
     found = lie.cohomology(lie.se(2), 2, "adjoint")
     assert repr(found).startswith("H^2(se(2), adjoint) has dimension")

@@ -112,8 +112,8 @@ def read_algebra(given: object) -> LieAlgebra:
     algebra = current_algebra(given) if isinstance(given, Bracket) else given
     if not isinstance(algebra, LieAlgebra):
         raise not_a("a LieAlgebra or a Bracket", given, "given", "write for example so(3), or so(3) @ leibniz(3)")
-    for triple in algebra.jacobi_residuals():  # of one made with check=False
-        names = ", ".join(labels(algebra.basis_names)[k] for k in triple)
+    if residuals := algebra.jacobi_residuals():  # of one made with check=False
+        names = ", ".join(labels(algebra.basis_names)[k] for k in next(iter(residuals)))
         raise BracketError(
             f"given: wanted a Lie algebra; in {algebra.name} the Jacobi identity fails for ({names}). Correct its "
             "brackets: without it the square of the differential is not zero."
@@ -252,7 +252,7 @@ def cohomology(
         algebra, k = read_algebra(given), as_count(degree, "degree")
         module = read_module(algebra, coefficients)
         _check_size(algebra, module, k)
-        return _cohomology(Complex(algebra, module), k, coefficients)
+        return _cohomology(Complex(algebra, module), k)
 
 
 def _check_size(algebra: LieAlgebra, module: LieModule, degree: int) -> None:
@@ -270,7 +270,7 @@ def _check_size(algebra: LieAlgebra, module: LieModule, degree: int) -> None:
         )
 
 
-def _cohomology(of: Complex, degree: int, coefficients: Coefficient) -> LieCohomology:
+def _cohomology(of: Complex, degree: int) -> LieCohomology:
     parts = of.parts(degree)
     vectors: list[Vector] = []
     cocycles = coboundaries = 0
@@ -280,7 +280,7 @@ def _cohomology(of: Complex, degree: int, coefficients: Coefficient) -> LieCohom
         vectors += found
         cocycles += len(part.cochains) - outgoing
         coboundaries += incoming
-    exceptional, examined, undecided = _exceptional(of, degree, coefficients, cocycles - coboundaries)
+    exceptional, examined, undecided = _exceptional(of, degree, cocycles - coboundaries)
     return LieCohomology(
         algebra=of.algebra,
         coefficients=of.module.kind,
@@ -298,7 +298,7 @@ def _cohomology(of: Complex, degree: int, coefficients: Coefficient) -> LieCohom
 
 
 def _exceptional(
-    of: Complex, degree: int, coefficients: Coefficient, dimension: int
+    of: Complex, degree: int, dimension: int
 ) -> tuple[tuple[ExceptionalCohomology, ...], tuple[str, ...], tuple[str, ...]]:
     """The values of symbols at which the dimension is another one."""
     if not of.field.parameters:
@@ -311,7 +311,7 @@ def _exceptional(
             module = of.module.substitute(substitution)
         except ParameterError:  # the constants have a pole
             continue
-        found = _cohomology(Complex(algebra, module), degree, coefficients)
+        found = _cohomology(Complex(algebra, module), degree)
         if found.dimension != dimension:
             cases.append(ExceptionalCohomology(condition, found))
     return tuple(cases), tuple(condition for condition, _ in values), undecided
@@ -450,16 +450,11 @@ class Complex:
 
     def split(self, cocycle: Cochain, representatives: Sequence[Cochain]) -> tuple[tuple[Exact, ...], Cochain]:
         """See `LieCohomology.split`."""
-        if not self.solves(cocycle.degree):
+        if cocycle.degree < 1:
             raise ParameterError("split: wanted a degree of at least 1; a 0-cochain has no potential")
         found = self.solved(cocycle, representatives)
         assert found is not None, "every cocycle is a sum of harmonic ones and a coboundary"
         return found
-
-    @staticmethod
-    def solves(degree: int) -> bool:
-        """Whether there are cochains of the degree below."""
-        return degree >= 1
 
     def solved(self, target: Cochain, others: Sequence[Cochain] = ()) -> tuple[tuple[Exact, ...], Cochain] | None:
         r"""Numbers $a_r$ and a cochain with $\sum_r a_r f_r + d\varphi$ equal to a target; None if there are none."""
