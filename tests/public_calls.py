@@ -34,6 +34,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
 NOT_READ = {
+    "algebras.Cochain", "algebras.Derivations", "algebras.LieCohomology", "algebras.LieDeformation",
     "brackets.CasimirReport", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus", "brackets.Stratum",
     "charts.LeafConstants.of", "citations.Citation", "extensions.Classification", "extensions.LocalFactor",
     "fields.PiecesField", "fields.QuadraticField", "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry",
@@ -188,6 +189,12 @@ def _of_algebras(add):
         "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
         representation=turn, module_names=["x", "y"],
     )  # fmt: skip
+    add(
+        "algebras.central_extension", "cocycles:v central_names:o", given=lp.algebras.abelian(2),
+        cocycles={("1", "2"): 1}, central_names=["c"],
+    )  # fmt: skip
+    add("algebras.cohomology", "coefficients:o", given=lp.algebras.abelian(1), degree=1, coefficients=turn)
+    add("algebras.deformation", "cocycle:v", given=lp.algebras.abelian(2), cocycle={("1", "2"): {"1": 1}})
     add("brackets.Automorphism", "matrix:o", matrix=[[1, 2], [0, 1]])
     add(
         "brackets.Bracket", "field_names:o constant:v", algebra=so3, extension=lp.trivial(), field_names=["m"],

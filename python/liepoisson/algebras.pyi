@@ -1,9 +1,21 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.structure.lie.cochains import Cochain as Cochain
+from liepoisson.structure.lie.cohomology import LieCohomology as LieCohomology
+from liepoisson.structure.lie.cohomology import cohomology as cohomology
+from liepoisson.structure.lie.cohomology import current_algebra as current_algebra
+from liepoisson.structure.lie.deformations import Derivations as Derivations
+from liepoisson.structure.lie.deformations import LieDeformation as LieDeformation
+from liepoisson.structure.lie.deformations import central_extension as central_extension
+from liepoisson.structure.lie.deformations import deformation as deformation
+from liepoisson.structure.lie.deformations import derivations_of as derivations_of
 from liepoisson.structure.lie_algebra import LieAlgebra as LieAlgebra
 from liepoisson.structure.lie_algebras import abelian as abelian
 from liepoisson.structure.lie_algebras import affine as affine
+from liepoisson.structure.lie_algebras import bianchi as bianchi
+from liepoisson.structure.lie_algebras import galilei as galilei
 from liepoisson.structure.lie_algebras import gl as gl
 from liepoisson.structure.lie_algebras import heisenberg as heisenberg
+from liepoisson.structure.lie_algebras import poincare as poincare
 from liepoisson.structure.lie_algebras import se as se
 from liepoisson.structure.lie_algebras import semidirect_sum as semidirect_sum
 from liepoisson.structure.lie_algebras import sine as sine

@@ -12,6 +12,7 @@ __all__ = [
     "BracketError",
     "CertificateError",
     "ChartError",
+    "CochainError",
     "CocycleError",
     "CoreError",
     "DamagedFileError",
@@ -122,6 +123,27 @@ class CocycleError(BracketError):
 
 class UnsupportedFieldError(LiePoissonError):
     """The numeric core has no kernel for this vector field."""
+
+
+class CochainError(CocycleError):
+    """A cochain of a Lie algebra that is no cocycle, df is not 0.
+
+    Attributes:
+        triple: Names of the basis elements at which it fails.
+        residual: df at them, as text; it should be 0.
+        cochain: What it is, for example "2-cochain of so(3)".
+    """
+
+    def __init__(self, triple: tuple[str, ...], residual: str, cochain: str) -> None:
+        self.triple, self.residual, self.cochain = triple, residual, cochain
+        BracketError.__init__(
+            self,
+            f"the {cochain} must be a cocycle, df = 0; at ({', '.join(triple)}) df is {residual} instead of 0. "
+            "Correct its entries.",
+        )
+
+    def __reduce__(self) -> tuple[type[CochainError], tuple[tuple[str, ...], str, str]]:
+        return type(self), (self.triple, self.residual, self.cochain)
 
 
 class MemoryLimitError(LiePoissonError, MemoryError):

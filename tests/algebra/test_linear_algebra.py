@@ -1,6 +1,8 @@
+import time
 from fractions import Fraction
 from itertools import islice
 from math import lcm
+from random import Random
 
 import pytest
 import sympy as sp
@@ -14,6 +16,8 @@ from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank, rank_mod
 from liepoisson.algebra.number_fields import PrimeField
 from liepoisson.algebra.residues import PRIME, Lift, primes
+from liepoisson.errors import TimeLimitError
+from liepoisson.inputs.deadline import Deadline
 
 exactly = settings(deadline=None, max_examples=40, derandomize=True)
 RATIONALS = Coefficients()
@@ -49,6 +53,17 @@ def test_an_unlucky_prime_is_found_out():
     rows = [{0: Fraction(PRIME), 1: Fraction(1)}, {0: Fraction(PRIME)}]
     assert len(nullspace_mod([{0: PRIME, 1: 1}, {0: PRIME}], 2, PRIME)) == 1
     assert nullspace(rows, 2, RATIONALS).dimension == 0
+
+
+@pytest.mark.thorough
+def test_the_compiled_elimination_keeps_the_time_limit():
+    """Without a limit this one takes seconds; a rank that is cut short is never returned."""
+    random, n = Random(1), 2000
+    rows = [{random.randrange(n): random.randrange(1, 9) for _ in range(6)} for _ in range(n)]
+    began = time.process_time()
+    with Deadline(0.1).running(), pytest.raises(TimeLimitError, match="an elimination was under way"):
+        rank_mod(rows, n)
+    assert time.process_time() - began < 1
 
 
 def test_pivots_name_what_was_divided_by():

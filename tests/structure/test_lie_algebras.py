@@ -12,8 +12,10 @@ from liepoisson.structure.lie_algebras import (
     ALGEBRAS,
     abelian,
     affine,
+    galilei,
     gl,
     heisenberg,
+    poincare,
     se,
     semidirect_sum,
     sine,
@@ -24,6 +26,8 @@ from liepoisson.structure.lie_algebras import (
 
 SMALL = [
     *(so(n) for n in (2, 3, 4, 5, 6)),
+    *(f(n) for f in (galilei, poincare) for n in (2, 3, 4)),
+    *(poincare(n, kappa) for n in (2, 3, 4) for kappa in (-1, Fraction(2, 3))),
     *(so(p, q) for p, q in ((2, 1), (1, 2), (0, 3), (1, 1), (3, 1), (2, 2), (1, 3), (4, 1))),
     *(f(n) for f in (su, sl, gl, se, affine) for n in (2, 3, 4)),
     *(f(1) for f in (gl, heisenberg, affine, abelian)),
@@ -95,6 +99,7 @@ def test_basis_names_are_readable():
 
 def test_names_print_as_they_are_written():
     made = [so(4), so(2, 1), su(3), sl(2), gl(2), se(3), heisenberg(2), affine(1), abelian(2), sine(3)]
+    made += [galilei(2), poincare(3)]
     for algebra in made:
         name, _, sizes = repr(algebra).rstrip(")").partition("(")
         again = ALGEBRAS[name](*(int(size) for size in sizes.split(",")))

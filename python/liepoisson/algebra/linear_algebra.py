@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.echelon import Echelon, Row, Vector, null_vectors, transposed
 from liepoisson.algebra.residues import PRIME, Lift, primes
-from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.deadline import checkpoint, passed, seconds_left
 
 if TYPE_CHECKING:
     from liepoisson.algebra.coefficients import Coefficients
@@ -111,7 +111,10 @@ def _eliminated_by_core(rows: list[Row], n_columns: int, p: int) -> Any:
     starts = np.cumsum([0, *map(len, rows)]).astype(np.uint64)
     columns = np.array([c for row in rows for c in row], dtype=np.uint32)
     residues = np.array([v for row in rows for v in row.values()], dtype=np.uint64)
-    return _core.modular_null_space(starts, columns, residues, n_columns, p, None, inf, None)
+    found = _core.modular_null_space(starts, columns, residues, n_columns, p, None, seconds_left(inf), None)
+    if not found["complete"]:
+        raise passed("an elimination")
+    return found
 
 
 def _nullspace(rows: Sequence[Row], n_columns: int, field: Coefficients) -> NullSpace:

@@ -89,4 +89,9 @@ def checkpoint(step: str) -> None:
         TimeLimitError: it has.
     """
     if has_passed():
-        raise TimeLimitError(f"the time limit has passed: {step} was under way. Give a larger time_limit")
+        raise passed(step)
+
+
+def passed(step: str) -> TimeLimitError:
+    """The error of a part that gives up; `step` says what was under way."""
+    return TimeLimitError(f"the time limit has passed: {step} was under way. Give a larger time_limit")

@@ -1,4 +1,4 @@
-r"""The Lie algebras with a name: rotations, unitary, linear and Euclidean groups, Heisenberg, Zeitlin's sine algebra.
+r"""The Lie algebras with a name: rotations, linear groups, motions of space and time, Bianchi's, Heisenberg, sine.
 
 All but the sine algebra have integer structure constants.  They are commutators of matrices (or act on vectors by
 matrices), so that the Jacobi identity holds by construction; the tests verify it all the same.
@@ -16,8 +16,10 @@ from typing import TypeAlias
 
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.tensors import read_names
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.structure.lie.matrix_family import MatrixFamily
 from liepoisson.structure.lie_algebra import MAX_DIMENSION, LieAlgebra, joined_names
 
@@ -25,8 +27,11 @@ __all__ = [
     "ALGEBRAS",
     "abelian",
     "affine",
+    "bianchi",
+    "galilei",
     "gl",
     "heisenberg",
+    "poincare",
     "se",
     "sine",
     "sl",
@@ -182,17 +187,146 @@ def se(n: int) -> LieAlgebra:
     """
     (n,) = read_sizes("se", (n,), at_least=2)
     _check_size("se", n * (n + 1) // 2)
-    rotations = so(n)
+    rotations, planes, names = _rotations(n, "r")
+    brackets = {**rotations.brackets, **_rotated(planes, rotations.dimension)}
+    names += tuple(f"t{k + 1}" for k in range(n))
+    return LieAlgebra.from_brackets(rotations.dimension + n, brackets, f"se({n})", names, check=False)
+
+
+def _rotations(n: int, prefix: str) -> tuple[LieAlgebra, list[tuple[int, int]], tuple[str, ...]]:
+    """so(n), the planes of its basis, and names: the rotation of the plane (i, j) maps e_j to e_i and e_i to -e_j."""
+    algebra = so(n)
     planes = {2: [(1, 0)], 3: [(2, 1), (0, 2), (1, 0)]}.get(n) or list(combinations(range(n), 2))
-    names = ("r",) if n == 2 else tuple(f"r{name}" for name in rotations.basis_names)
-    start = rotations.dimension
-    # The rotation of the plane (i, j) maps e_j to e_i and e_i to -e_j.
-    action = {
+    return algebra, planes, (prefix,) if n == 2 else tuple(f"{prefix}{name}" for name in algebra.basis_names)
+
+
+def _rotated(planes: list[tuple[int, int]], start: int) -> dict[tuple[int, int], dict[int, int]]:
+    """The brackets of rotations with the components of a vector, which begin at a place of the basis."""
+    return {
         (k, start + b): {start + a: sign} for k, (i, j) in enumerate(planes) for a, b, sign in ((i, j, 1), (j, i, -1))
     }
-    brackets = {**rotations.brackets, **action}
-    names += tuple(f"t{k + 1}" for k in range(n))
-    return LieAlgebra.from_brackets(start + n, brackets, f"se({n})", names, check=False)
+
+
+@explains_its_arguments
+def poincare(n: int, kappa: Parameter = 1) -> LieAlgebra:
+    r"""The Poincaré algebra of n space dimensions: basis "J...", "K1", ..., "P1", ..., "H".
+
+    Rotations J, boosts K, translations P of space and H of time: $[K_i, P_j] = \kappa\,\delta_{ij} H$,
+    $[K_i, H] = P_i$, $[K_i, K_j] = -\kappa\,\varepsilon_{ijk} J_k$ for n = 3, with $\kappa = 1/c^2$; the rotations act
+    on J, K and P as in `se`, whose basis and signs they have.  For $\kappa = 0$ this is `galilei(n)`, and for
+    $\kappa < 0$ it is isomorphic to se(n + 1).
+
+    Example:
+        >>> lorentz = lp.algebras.poincare(3)
+        >>> lorentz.basis_names
+        ('J1', 'J2', 'J3', 'K1', 'K2', 'K3', 'P1', 'P2', 'P3', 'H')
+        >>> [str(casimir) for casimir in (lorentz @ lp.trivial()).casimirs(2)]  # minus the square of the mass
+        ['-lH**2 + lP1**2 + lP2**2 + lP3**2']
+
+    Args:
+        n: Dimensions of space; there is one of time.
+        kappa: $1/c^2$, exact.
+
+    Raises:
+        ParameterError: n is not an integer from 2 to 42, or kappa is not exact.
+
+    References: Bacry and Lévy-Leblond, J. Math. Phys. 9 (1968) 1605.
+    """
+    (n,) = read_sizes("poincare", (n,), at_least=2)
+    _check_size("poincare", (n + 1) * (n + 2) // 2)
+    value = read_parameter(kappa, "kappa")
+    return _kinematical(n, value, f"poincare({n})" if value == 1 else f"poincare({n}, {value})")
+
+
+@explains_its_arguments
+def galilei(n: int) -> LieAlgebra:
+    r"""The Galilei algebra of n space dimensions: rotations "J...", boosts "K1", ..., translations "P1", ..., and "H".
+
+    $[K_i, H] = P_i$, $[K_i, P_j] = [K_i, K_j] = 0$; the rotations act on K and P as in `se`.  Its central extension
+    $[K_i, P_j] = \delta_{ij} M$ by the mass is Bargmann's algebra: see `central_extension`.
+
+    Example:
+        >>> (lp.algebras.galilei(3) @ lp.trivial()).corank()
+        2
+
+    Args:
+        n: Dimensions of space; there is one of time.
+
+    Raises:
+        ParameterError: n is not an integer from 2 to 42.
+
+    References: Bargmann, Annals of Math. 59 (1954) 1; Lévy-Leblond (1963).
+    """
+    (n,) = read_sizes("galilei", (n,), at_least=2)
+    _check_size("galilei", (n + 1) * (n + 2) // 2)
+    return _kinematical(n, Fraction(0), f"galilei({n})")
+
+
+def _kinematical(n: int, kappa: Exact, name: str) -> LieAlgebra:
+    r"""Rotations, boosts and translations of space and time, as matrices: $K_i = e_i e_t^T + \kappa\,e_t e_i^T$.
+
+    Then $[K_i, K_j] = \kappa\,(e_i e_j^T - e_j e_i^T)$, a rotation of the plane (i, j).
+    """
+    rotations, planes, names = _rotations(n, "J")
+    boosts = rotations.dimension
+    shifts, time = boosts + n, boosts + 2 * n
+    brackets: dict[tuple[int, int], Mapping[int, Parameter]] = {**rotations.brackets}
+    for start in (boosts, shifts):
+        brackets |= _rotated(planes, start)
+    for i in range(n):
+        brackets[boosts + i, time] = {shifts + i: 1}
+        brackets[boosts + i, shifts + i] = {time: kappa}
+    for k, (i, j) in enumerate(planes):
+        brackets[boosts + i, boosts + j] = {k: kappa}
+    names += (*(f"K{k + 1}" for k in range(n)), *(f"P{k + 1}" for k in range(n)), "H")
+    return LieAlgebra.from_brackets(time + 1, brackets, name, names, check=False)
+
+
+_BIANCHI = {
+    "I": (0, 0, 0, 0), "II": (1, 0, 0, 0), "III": (0, 1, -1, 1), "IV": (0, 0, 1, 1), "V": (0, 0, 0, 1),
+    "VI": (0, 1, -1, None), "VII": (0, 1, 1, None), "VIII": (1, 1, -1, 0), "IX": (1, 1, 1, 0),
+}  # fmt: skip
+"""The numbers n_1, n_2, n_3 and a of each type; None where a is free."""
+
+
+@explains_its_arguments
+def bianchi(kind: str, a: Parameter | None = None) -> LieAlgebra:
+    r"""The three-dimensional real Lie algebras, Bianchi's types I to IX.
+
+    $[e_1, e_2] = -a\,e_2 + n_3 e_3$, $[e_2, e_3] = n_1 e_1$, $[e_3, e_1] = n_2 e_2 + a\,e_3$ with
+
+    | type | I | II | III | IV | V | VI | VII | VIII | IX |
+    |---|---|---|---|---|---|---|---|---|---|
+    | $n_1, n_2, n_3$ | 0 0 0 | 1 0 0 | 0 1 -1 | 0 0 1 | 0 0 0 | 0 1 -1 | 0 1 1 | 1 1 -1 | 1 1 1 |
+    | a | 0 | 0 | 1 | 1 | 1 | any | any | 0 | 0 |
+
+    So II is Heisenberg's algebra, VI with a = 0 that of motions of a plane with one space and one time, VII with a = 0
+    se(2), VIII sl(2) and IX so(3).  The parameter h of $\mathrm{VI}_h$ is $-a^2$, that of $\mathrm{VII}_h$ is $a^2$;
+    III is $\mathrm{VI}_{-1}$.
+
+    Example:
+        >>> print(lp.algebras.cohomology(lp.algebras.bianchi("VI", "a"), 2))
+        H^2(bianchi(VI, a), trivial) has dimension 0; a = -1: dimension 1; a = 0: dimension 1; a = 1: dimension 1
+
+    Args:
+        kind: "I", ..., "IX".
+        a: The parameter of VI and VII, exact; 0 if left out.
+
+    Raises:
+        ParameterError: no such type, one without parameter is given one, or a is not exact.
+
+    References: Bianchi (1898); Ellis and MacCallum, Commun. Math. Phys. 12 (1969) 108.
+    """
+    check_choice(kind, "kind", _BIANCHI)
+    n1, n2, n3, fixed = _BIANCHI[kind]
+    if fixed is not None and a is not None:
+        raise ParameterError(f'a: wanted none for type {kind}; got {shown(a)}; only "VI" and "VII" have a parameter')
+    value = Fraction(fixed) if fixed is not None else read_parameter(0 if a is None else a, "a")
+    brackets: dict[tuple[int, int], dict[int, Parameter]] = {
+        (0, 1): {1: -value, 2: n3}, (1, 2): {0: n1}, (0, 2): {1: -n2, 2: -value},
+    }  # fmt: skip
+    name = f"bianchi({kind})" if fixed is not None or value == 0 else f"bianchi({kind}, {value})"
+    return LieAlgebra.from_brackets(3, brackets, name, check=False)
 
 
 @explains_its_arguments
@@ -294,15 +428,17 @@ def sine(N: int) -> LieAlgebra:
 ALGEBRAS: dict[str, Callable[..., LieAlgebra]] = {
     "abelian": abelian,
     "affine": affine,
+    "galilei": galilei,
     "gl": gl,
     "heisenberg": heisenberg,
+    "poincare": poincare,
     "se": se,
     "sine": sine,
     "sl": sl,
     "so": so,
     "su": su,
 }
-"""The constructors by the name that system files use; each takes one integer, `so` one or two."""
+"""The constructors by the name that system files use; each takes one integer, `so` and `poincare` may take two."""
 
 
 def read_sizes(name: str, sizes: tuple[object, ...], at_least: int) -> tuple[int, ...]:
@@ -442,9 +578,12 @@ def read_representation(algebra: LieAlgebra, matrices: Sequence[object]) -> list
         left = commutator(basis[i], basis[j], field)
         for k, c in algebra.brackets.get((i, j), {}).items():
             add_multiple(left, basis[k], -field.read(c))
-        if any(not field.vanishes(value) for row in left.values() for value in row.values()):
-            raise BracketError(
-                f"representation must obey [rho_i, rho_j] = c_ij^k rho_k; it fails for (i, j) = ({i}, {j}). "
-                "Check these two matrices and those of their bracket."
-            )
+        for r, row in sorted(left.items()):
+            for c, value in sorted(row.items()):
+                if not field.vanishes(value):
+                    raise BracketError(
+                        f"representation must obey [rho_i, rho_j] = c_ij^k rho_k; it fails for (i, j) = ({i}, {j}): "
+                        f"the difference has the entry {field.write(value, 2)} at ({r}, {c}) instead of 0. "
+                        "Check these two matrices and those of their bracket."
+                    )
     return [[{k: row[j] for k, row in matrix.items() if j in row} for j in range(size)] for matrix in read]
