@@ -125,7 +125,7 @@ class UnsupportedFieldError(LiePoissonError):
     """The numeric core has no kernel for this vector field."""
 
 
-class CochainError(CocycleError):
+class CochainError(BracketError):
     """A cochain of a Lie algebra that is no cocycle, df is not 0.
 
     Attributes:
@@ -136,8 +136,7 @@ class CochainError(CocycleError):
 
     def __init__(self, triple: tuple[str, ...], residual: str, cochain: str) -> None:
         self.triple, self.residual, self.cochain = triple, residual, cochain
-        BracketError.__init__(
-            self,
+        super().__init__(
             f"the {cochain} must be a cocycle, df = 0; at ({', '.join(triple)}) df is {residual} instead of 0. "
             "Correct its entries.",
         )

@@ -208,7 +208,7 @@ def read_cochain(algebra: LieAlgebra, module: LieModule, degree: int, given: obj
     found: dict[Indices, dict[int, Exact]] = {}
     own = algebra.basis_names
     values = [own, module.names] if module.kind == "adjoint" else [module.names]
-    for key, value in cast("Mapping[Any, Any]", given).items():
+    for key, value in given.items():
         place = [_read_element(one, [own, labels(own)], name) for one in (key if isinstance(key, tuple) else (key,))]
         if len(place) != degree:
             raise ShapeError(f"{name}: wanted {degree} basis elements; got {shown(key)}; {_example(algebra, module)}")

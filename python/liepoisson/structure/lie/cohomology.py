@@ -87,7 +87,7 @@ def current_algebra(bracket: Bracket) -> LieAlgebra:
         ParameterError: not a bracket, or there are more than 1000 coordinates.
         BracketError: the bracket has a constant part: its algebra is a central extension.
     """
-    if not isinstance(bracket, Bracket):
+    if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a Bracket", bracket, "bracket", "write for example so(3) @ leibniz(3)")
     if bracket.constant:
         raise BracketError(

@@ -65,12 +65,10 @@ class Grading:
         for k, place in enumerate(combinations(range(self._n), degree)):
             if not k % _FEW:
                 checkpoint("the list of cochains")
-            weight = self.zero
-            for end in range(degree, 0, -1):
-                if place[: end - 1] in sums:
-                    break
-            for at in range(end - 1 if degree else 0, degree):
-                weight = self._sum(sums[place[:at]], self._minus[place[at]])
+            known = next((end for end in range(degree - 1, 0, -1) if place[:end] in sums), 0)
+            weight = sums[place[:known]]
+            for at in range(known, degree):
+                weight = self._sum(weight, self._minus[place[at]])
                 if at + 1 < degree:
                     sums[place[: at + 1]] = weight
             for a, of_module in enumerate(self._of_module):
