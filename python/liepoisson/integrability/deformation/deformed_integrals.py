@@ -243,9 +243,8 @@ def deformations(
         family = family_of(system, parameter, integrals, by_degree=asked.weight is None)
         family.check_weights()
         found = _Found(family, highest)
-        for starts in family.starts(asked.value):
-            if starts.others:
-                found.look_at(starts)
+        while starts := found.next_block(asked.value):
+            found.look_at(starts)
     return found.result(asked)
 
 
@@ -253,16 +252,32 @@ class _Found:
     """What was found so far."""
 
     def __init__(self, family: Family, highest: int) -> None:
-        self.family, self.highest = family, highest
+        self.given, self.family, self.highest = family, family, highest
+        self.seen: set[tuple[int, ...]] = set()
         self.integrals: list[DeformedIntegral] = []
         self.obstructions: list[Obstruction] = []
         self.cases: list[DeformationCase] = []
         self.conditions: list[tuple[Expr, ...]] = []
         self.left: list[str] = []
         self.n_starts = 0
+        self._blocks: list[Starts] | None = None
+
+    def next_block(self, most: int) -> Starts | None:
+        """The lightest block that was not looked at; of what survives in others, polynomials are trivial."""
+        blocks = [b for b in self._starts(most) if b.others and b.label not in self.seen]
+        return min(blocks, key=lambda b: (min(s.weight for s in b.others), b.label), default=None)
+
+    def _starts(self, most: int) -> list[Starts]:
+        if self._blocks is None:
+            self._blocks = self.family.starts(most)
+        return self._blocks
+
+    def _survives(self, polynomial: Any) -> None:
+        self.family, self._blocks = self.family.with_trivial(polynomial), None
 
     def look_at(self, starts: Starts) -> None:
         """One block of products of known integrals."""
+        self.seen.add(starts.label)
         try:
             if len(self.family.parameters) == 1:
                 self._one_parameter(starts)
@@ -295,6 +310,7 @@ class _Found:
         closed = {max(vector) for vector, _ in exact.solutions}
         for vector, function in exact.solutions:
             self.integrals.append(self._deformed(starts, vector, function, None))
+            self._survives(self.family.of_order(function, 0))
         for vector, function in solved.solutions:
             if max(vector) not in closed and max(vector) not in stopped:
                 self.integrals.append(self._deformed(starts, vector, function, highest))
@@ -349,6 +365,8 @@ class _Found:
             self.conditions.append(tuple(whole_expression(p.terms(), symbols) for p in part))
         for component, function in equations.cases(conditions):
             is_exact = conditions.ends and equations.holds(function, component)
+            if is_exact and not component.equations and not equations.further:
+                self._survives(starts.others[0].polynomial)
             vector = {k: s.name for k, s in enumerate(starts.others)}
             coefficients = [Symbol(name) for name in equations.coefficients] or [1]
             self.cases.append(
@@ -367,7 +385,7 @@ class _Found:
 
     def result(self, asked: SizeAsked) -> Deformations:
         """The answer."""
-        family, derivation = self.family, self.family.derivation
+        family, derivation = self.given, self.given.derivation
         terms = family.hamiltonian_terms
         variables = derivation.variables
         weights = dict(zip(map(str, variables), family.positive.weights, strict=True)) if family.positive else {}

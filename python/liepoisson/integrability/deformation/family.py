@@ -21,7 +21,7 @@ for all polynomials $H_1$; if there are none, for all $H_1$ by a search without 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -51,7 +51,7 @@ from liepoisson.integrability.derivation import (
     undecided,
     up_to_degree,
 )
-from liepoisson.integrability.search import Label, products
+from liepoisson.integrability.search import Label, next_name, products
 from liepoisson.integrability.search_problem import at_values, casimirs_of, functions_by_name
 from liepoisson.model.system import System
 
@@ -220,6 +220,13 @@ class Family:
             found.append(Starts(label, tuple(both[0]), tuple(both[1])))
         return found
 
+    def with_trivial(self, polynomial: Polynomial) -> Family:
+        """The family with an integral at 0 that survives always: polynomials in it do so, too."""
+        name = next((name for name, f in self.known.items() if _are_proportional(f, polynomial)), None)
+        rest = {other: f for other, f in self.known.items() if other != name}
+        name = name or next_name(self.trivial, self.known, {*map(str, self.derivation.variables)})
+        return replace(self, known=rest, trivial={**self.trivial, name: polynomial})
+
     @cached_property
     def hamiltonian_terms(self) -> tuple[tuple[Exponents, ...], tuple[int, ...]] | None:
         r"""The monomials of $H_1$ that decide for all polynomials $H_1$, and the weights of the proof; None without."""
@@ -306,9 +313,12 @@ def family_of(
         raise ParameterError(undecided(derivation.field))
     known = dict(zip(given, read_functions, strict=False))
     trivial = {"H": known.pop("H")} | dict(zip(limits, read_functions[len(given) :], strict=True))
-    # a Casimir at 0 that is the limit of one has its name; others are told apart by a prime
-    known = {_other(name, f, trivial): f for name, f in known.items() if f not in trivial.values() and any(map(any, f))}
     trivial = {name: f for name, f in trivial.items() if any(map(any, f))}
+    known = {
+        f"{name}_0" if name in trivial else name: f
+        for name, f in known.items()
+        if any(map(any, f)) and not any(_are_proportional(f, g) for g in trivial.values())
+    }
     family = Family(system, start, symbols, derivation, known, trivial, by_degree)
     for name, f in known.items():
         if rate := family.of_order(derivation(f), 0):
@@ -319,8 +329,10 @@ def family_of(
     return family
 
 
-def _other(name: str, polynomial: Polynomial, trivial: Mapping[str, Polynomial]) -> str:
-    return f"{name}_0" if name in trivial and trivial[name] != polynomial else name
+def _are_proportional(first: Polynomial, second: Polynomial) -> bool:
+    """Whether two polynomials that are not 0 are multiples of each other."""
+    lead = next(iter(first))
+    return first.keys() == second.keys() and all(c * second[lead] == second[m] * first[lead] for m, c in first.items())
 
 
 def parameters_of(system: System, parameter: str | Sequence[str]) -> tuple[Symbol, ...]:
