@@ -19,7 +19,6 @@ from liepoisson.inputs.refusals import counted
 from liepoisson.integrability.deformation.conditions import Parametric, ParametricEquations
 from liepoisson.integrability.deformation.family import Family, Start, Starts, family_of
 from liepoisson.integrability.deformation.orders import Functional, OrderEquations, Solved
-from liepoisson.integrability.search import tidied
 from liepoisson.integrability.search_problem import SizeAsked, where
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
@@ -219,7 +218,7 @@ def deformations(
         >>> top = lp.System(lp.so(3) @ lp.leibniz(3, "epsilon"), "dot(l, inv(I)*l)/2 - alpha1", {"I": [2, 2, 1]})
         >>> found = lp.deformations(top, parameter="epsilon", weight=4)
         >>> found.integrals, [str(o.start) for o in found.obstructions]
-        ((), ['l_alpha', 'K'])
+        ((), ['l.alpha', 'K'])
 
     Args:
         system: A system whose equations are polynomials in the coordinates and the parameters.  Other symbols count as
@@ -241,7 +240,7 @@ def deformations(
     highest = as_count(order, "order", least=1, most=50)
     with as_deadline(time_limit).running():
         family = family_of(system, parameter, integrals, by_degree=asked.weight is None)
-        family.check_weights()
+        family.check(asked.value, highest)
         found = _Found(family, highest)
         while starts := found.next_block(asked.value):
             found.look_at(starts)
@@ -321,18 +320,14 @@ class _Found:
         derivation = self.family.derivation
         if order is None:
             assert not derivation(function), "an exact solution"
-        # the factor that makes the coefficients whole numbers is that of the start as well
-        clean = tidied(function)
-        lead = max(clean)
-        factor = derivation.field.to_sympy(clean[lead] / function[lead])
         return DeformedIntegral(
-            self._named(starts, vector, factor), cast("Any", derivation.expression(clean)).expand(), order
+            self._named(starts, vector), cast("Any", derivation.expression(function)).expand(), order
         )
 
-    def _named(self, starts: Starts, vector: Mapping[int, Any], factor: Any = 1) -> Expr:
+    def _named(self, starts: Starts, vector: Mapping[int, Any]) -> Expr:
         given: list[Start] = [*starts.others, *starts.trivial]
         to_sympy = self.family.derivation.field.to_sympy
-        return Add(*(Mul(factor, to_sympy(c), given[k].name) for k, c in vector.items()))
+        return Add(*(Mul(to_sympy(c), given[k].name) for k, c in vector.items()))
 
     def _obstruct(self, starts: Starts, solved: Solved, order: int, stopped: set[int]) -> None:
         derivation = self.family.derivation

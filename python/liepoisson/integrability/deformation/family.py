@@ -57,6 +57,7 @@ from liepoisson.model.system import System
 
 MOST_MONOMIALS = 20_000
 """Monomials of the corrections of one block; 10 000 of a top without gradings take a minute."""
+_LARGEST_WEIGHT = 10_000
 
 
 @dataclass(frozen=True)
@@ -141,17 +142,40 @@ class Family:
         """A grading with positive weights of the coordinates; None if there is none, or sizes are degrees."""
         return None if self.by_degree else positive_grading(self.gradings, self.n)
 
-    def check_weights(self) -> None:
-        """Refuse a weight where there are none.
+    def check(self, most: int, order: int) -> None:
+        """Refuse a weight where there are none, and a search that is too large, before anything is written out.
+
+        Args:
+            most: The largest weight, or degree, of the starts.
+            order: The highest order of corrections.
 
         Raises:
-            ParameterError: there are no positive weights.
+            ParameterError: there are no positive weights, or too many monomials.
         """
         if self.positive is None and not self.by_degree:
             raise ParameterError(
                 "weight: wanted equations that are homogeneous for positive weights of the coordinates, with known "
                 "integrals that are; these are not; give a degree instead"
             )
+        if (size := self._size(most, order)) > MOST_MONOMIALS:
+            what, fits = ("degree" if self.positive is None else "weight"), most
+            while fits > 1 and self._size(fits, order) > MOST_MONOMIALS:
+                fits -= 1
+            raise ParameterError(
+                f"{what}: wanted corrections of at most {MOST_MONOMIALS:,} monomials; got {most}, with {size:,} up to "
+                f"order {order}. Take {what}={fits}, or a lower order"
+            )
+
+    def _size(self, most: int, order: int) -> int:
+        """How many monomials the corrections up to an order have, before they are told apart by other weights."""
+        orders = range(1, order + 1)
+        if self.positive is None:
+            return n_monomials(self.n, most) * order
+        lefts = [most - k * self.weight_of_parameter for k in orders]
+        if max(lefts) > _LARGEST_WEIGHT:
+            return MOST_MONOMIALS + max(lefts)
+        counts = n_of_weights(self.positive.weights[: self.n], max(*lefts, 0))
+        return sum(counts[left] for left in lefts if left > 0)
 
     @cached_property
     def _bounding(self) -> Grading | None:
@@ -182,13 +206,6 @@ class Family:
     def of_order(self, polynomial: Polynomial, order: int) -> Polynomial:
         """The part of one order in the parameters."""
         return {m: c for m, c in polynomial.items() if sum(m[self.n :]) == order}
-
-    def n_corrections(self, weight: int, order: int) -> int:
-        """How many monomials a correction of one order may have, before they are told apart by other weights."""
-        if self.positive is None:
-            return n_monomials(self.n, weight)
-        left = weight - order * self.weight_of_parameter
-        return n_of_weights(self.positive.weights[: self.n], left)[left] if left > 0 else 0
 
     def corrections(self, label: Label, weight: int, order: int) -> Iterator[Exponents]:
         """The monomials in x, none of them 1, whose products with order parameters have the weights of a label."""
@@ -319,6 +336,12 @@ def family_of(
         for name, f in known.items()
         if any(map(any, f)) and not any(_are_proportional(f, g) for g in trivial.values())
     }
+    if not known:
+        raise ParameterError(
+            f"integrals: wanted integrals of {system.name} at {', '.join(map(str, symbols))} = 0 besides "
+            f"{', '.join(trivial)}, which always survive; none is known. Give some by name, such as those that "
+            'first_integrals finds there: integrals={"K": "..."}'
+        )
     family = Family(system, start, symbols, derivation, known, trivial, by_degree)
     for name, f in known.items():
         if rate := family.of_order(derivation(f), 0):

@@ -18,9 +18,8 @@ from liepoisson.algebra.echelon import transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, solve
 from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple
-from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.deformation.family import MOST_MONOMIALS, Family, Starts
+from liepoisson.integrability.deformation.family import Family, Starts
 from liepoisson.integrability.derivation import Exponents
 from liepoisson.integrability.search import residues_of
 
@@ -58,14 +57,6 @@ class OrderEquations:
         self.images: list[Polynomial] = []
         one, weight = family.derivation.field.one, max(s.weight for s in (*starts.others, *starts.trivial))
         self.ends = [0]  # where the corrections of each order end
-        if (size := sum(family.n_corrections(weight, k) for k in range(1, highest + 1))) > MOST_MONOMIALS:
-            what, fits = ("degree" if family.positive is None else "weight"), weight
-            while fits > 1 and sum(family.n_corrections(fits, k) for k in range(1, highest + 1)) > MOST_MONOMIALS:
-                fits -= 1
-            raise ParameterError(
-                f"{what}: wanted corrections of at most {MOST_MONOMIALS:,} monomials; got {weight}, with {size:,} up "
-                f"to order {highest}. Take {what}={fits}, or a lower order"
-            )
         for order in range(1, highest + 1):
             for m in family.corrections(starts.label, weight, order):
                 self._add({(*m, order): one})
