@@ -32,10 +32,11 @@ from liepoisson.algebra.sparse_polynomials import (
     multiply,
 )
 from liepoisson.errors import CompatibilityError, ParameterError
-from liepoisson.formula.parameters import Parameter
+from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
+from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.integrability.derivation import derivation_of_rates
@@ -221,10 +222,12 @@ def argument_shift(bracket: Bracket, point: Sequence[Parameter], *, time_limit: 
     """
     check_kind(bracket, Bracket, "bracket", "a Bracket", "so(4) @ trivial()")
     linear = Bracket(bracket.algebra, bracket.extension, bracket.field_names)
-    frozen = linear.frozen(point)
+    items = listed(point, "point", bracket.coordinate_names_in_order)  # read once: it may be a generator
+    frozen = linear.frozen(point if items is None else items)
+    components = [read_parameter(item, "point") for item in items or ()]
     with as_deadline(time_limit).running():
         t = Symbol(next(name for name in ("t", "t_", "t__") if name not in bracket.symbols | bracket.coordinate_names))
-        shift = dict(zip(bracket.variables, linear._read_components(point), strict=True))
+        shift = dict(zip(bracket.variables, components, strict=True))
         moved: Any = {x: x + t * to_sympy(a) for x, a in shift.items()}
         casimirs = [cast("Any", c).expand(trace=True).subs(moved, simultaneous=True) for c in bracket.casimirs()]
         return _involution(bracket, frozen, casimirs, t)
