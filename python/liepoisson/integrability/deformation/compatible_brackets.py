@@ -238,7 +238,8 @@ def _involution(first: Bracket, second: Bracket, casimirs: Sequence[Any], t: Sym
     for casimir in casimirs:
         checkpoint("the chains of a pencil")
         top = casimir.expand(trace=True).together().as_numer_denom()[0].expand()
-        chains.append(tuple(reversed(cast("Any", Poly(top, t)).all_coeffs())))
+        reduced = cast("Any", Poly(top, *first.variables)).primitive()[1].as_expr()  # no factor that depends on t alone
+        chains.append(tuple(reversed(cast("Any", Poly(reduced, t)).all_coeffs())))
     if not chains:
         raise ParameterError(f"bracket: wanted one with Casimirs; got {first!r}, of which none is known")
     variables = first.variables
