@@ -5,7 +5,7 @@ import sympy
 from sympy import Symbol, expand, symbols
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, TimeLimitError
 
 HEAVY = lp.so(3) @ lp.semidirect(2)
 TWISTED = lp.so(3) @ lp.leibniz(3, "epsilon")
@@ -307,3 +307,37 @@ def test_what_cannot_be_asked_is_refused(name):
     call, words = REFUSED[name]
     with pytest.raises(ParameterError, match=words):
         call()
+
+
+def henon_heiles(s):
+    return lp.System(lp.canonical(2), f"(dot(p, p) + dot(q, q))/2 + e*(q1^2*q2 + ({s})*q2^3)", symbols=["e"])
+
+
+OSCILLATOR = {"A": "p1*p2 + q1*q2", "L": "q1*p2 - q2*p1", "B": "p1^2 + q1^2"}
+
+
+@pytest.mark.parametrize(("s", "kept"), [("1/3", "A"), ("2", "B"), ("-1/3", None), ("1", None)])
+def test_the_integrable_henon_heiles_systems_keep_an_integral(s, kept):
+    """The parameter has the weight -1, so that orders do not end by themselves; obstructions come from order 2 on."""
+    system = henon_heiles(s)
+    found = lp.deformations(system, parameter="e", weight=2, integrals=OSCILLATOR)
+    assert found.weights["e"] == -1
+    assert [str(f.start) for f in found.exact] == ([kept] if kept else [])
+    assert all(is_integral(system, f.function) for f in found.exact)
+    assert {str(o.start) for o in found.obstructions} == OSCILLATOR.keys() - {kept}
+    assert all(o.order >= 2 for o in found.obstructions)
+
+
+def test_a_constant_part_of_the_bracket_is_a_rotor():
+    """{l1, l2} = -l3 + k is Yehia's gyrostat in other coordinates."""
+    top = kovalevskaya(HEAVY.with_constant({("l1", "l2"): "k"}))
+    (quartic,) = lp.deformations(top, parameter="k", weight=4, integrals=QUARTIC).integrals
+    assert quartic.is_exact
+    assert is_integral(top, quartic.function)
+
+
+def test_the_limit_of_time_leaves_what_was_not_decided():
+    found = None
+    with pytest.raises(TimeLimitError, match="time limit"):
+        found = lp.deformations(kovalevskaya(TWISTED), weight=12, order=2, time_limit=1e-6)
+    assert found is None
