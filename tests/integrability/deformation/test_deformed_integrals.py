@@ -341,3 +341,10 @@ def test_the_limit_of_time_leaves_what_was_not_decided():
     with pytest.raises(TimeLimitError, match="time limit"):
         found = lp.deformations(kovalevskaya(TWISTED), weight=12, order=2, time_limit=1e-6)
     assert found is None
+
+
+def test_integrals_that_a_system_has_are_known():
+    """Where the functions that it is given are constant at 0; K is not when the parameter is not."""
+    top = lp.System(HEAVY, f"{KINETIC} - alpha1 + k*l3", KOVALEVSKAYA, symbols=["k"], integrals=QUARTIC)
+    found = lp.deformations(top, parameter="k", weight=4)
+    assert [str(f.start) for f in found.exact] == ["K"]

@@ -28,6 +28,12 @@ from liepoisson.report.printing import Formula
 class DeformedIntegral:
     r"""An integral at 0 with its corrections, $F = F_0 + \epsilon F_1 + \dots$.
 
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3 + k*alpha1", symbols=["k"])
+        >>> (axis,) = lp.deformations(top, parameter="k", integrals={"l3": "l3"}, weight=1).integrals
+        >>> str(axis.function), axis.is_exact
+        ('k*l1 + l3', True)
+
     Attributes:
         start: $F_0$, in the names of known integrals at 0.
         function: F, in the coordinates and the parameters.
@@ -51,6 +57,13 @@ class DeformedIntegral:
 @dataclass(frozen=True, eq=False, repr=False)
 class Obstruction:
     r"""A proof that an integral at 0 has no correction of an order, whatever polynomials $F_1, F_2, \dots$ are.
+
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3 + k*alpha1", {"I": [2, 2, 1]},
+        ...                 symbols=["k"])
+        >>> (axis,) = lp.deformations(top, parameter="k", integrals={"l3": "l3"}, weight=1).obstructions
+        >>> axis.order, axis.functional
+        (1, {alpha2*k: 1})
 
     Attributes:
         start: $F_0$, in the names of known integrals at 0.
@@ -79,6 +92,12 @@ class Obstruction:
 @dataclass(frozen=True, eq=False, repr=False)
 class DeformationCase:
     """Values of several parameters for which an integral survives.
+
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3 + k1*l1 + k3*l3", {"I": [2, 2, 1]},
+        ...                 symbols=["k1", "k3"])
+        >>> lp.deformations(top, parameter=["k1", "k3"], integrals={"l3": "l3"}, weight=1).cases
+        (<DeformationCase of l3: k1 = 0>,)
 
     Attributes:
         start: $F_0$, in the names of known integrals at 0.

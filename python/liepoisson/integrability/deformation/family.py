@@ -315,11 +315,13 @@ def family_of(
     symbols = parameters_of(system, parameter)
     start = at_values(system, dict.fromkeys(symbols, Fraction(0)))
     given: dict[str, Expr] = {"H": start.hamiltonian, **casimirs_of(start)}
+    zero = dict.fromkeys(symbols, 0)
     if integrals is None:
-        given |= {name: f for name, f in start.invariants.items() if name not in given}
+        own = {name: cast("Any", f).xreplace(zero) for name, f in system.integrals.items()}
+        constant = {name: f for name, f in own.items() if start.is_constant(f)}
+        given |= {name: f for name, f in {**start.invariants, **constant}.items() if name not in given}
     else:
         read = functions_by_name(integrals, "integrals").items()
-        zero = dict.fromkeys(symbols, 0)
         given |= {name: cast("Any", system.expression(f)).xreplace(zero) for name, f in read}
     limits = {f"C{k}": limit for k, c in enumerate(system.bracket.casimirs(), start=1) if (limit := _limit(c, symbols))}
     everything = (*given.values(), *limits.values())
