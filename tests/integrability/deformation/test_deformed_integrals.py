@@ -322,6 +322,7 @@ def test_the_integrable_henon_heiles_systems_keep_an_integral(s, kept):
     system = henon_heiles(s)
     found = lp.deformations(system, parameter="e", weight=2, integrals=OSCILLATOR)
     assert found.weights["e"] == -1
+    assert found.hamiltonian_terms is None  # H1 would be of weight 3, and lighter terms may count
     assert [str(f.start) for f in found.exact] == ([kept] if kept else [])
     assert all(is_integral(system, f.function) for f in found.exact)
     assert {str(o.start) for o in found.obstructions} == OSCILLATOR.keys() - {kept}

@@ -63,7 +63,7 @@ class Obstruction:
         ...                 symbols=["k"])
         >>> (axis,) = lp.deformations(top, parameter="k", integrals={"l3": "l3"}, weight=1).obstructions
         >>> axis.order, axis.functional
-        (1, {alpha2*k: 1})
+        (1, {alpha2*k: -1, k*l2*l3: 2})
 
     Attributes:
         start: $F_0$, in the names of known integrals at 0.
@@ -94,7 +94,7 @@ class DeformationCase:
     """Values of several parameters for which an integral survives.
 
     Example:
-        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3 + k1*l1 + k3*l3", {"I": [2, 2, 1]},
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2)/4 + l3^2/2 + alpha3 + k1*l1 + k3*l3",
         ...                 symbols=["k1", "k3"])
         >>> lp.deformations(top, parameter=["k1", "k3"], integrals={"l3": "l3"}, weight=1).cases
         (<DeformationCase of l3: k1 = 0>,)
