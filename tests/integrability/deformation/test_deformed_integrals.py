@@ -349,3 +349,14 @@ def test_integrals_that_a_system_has_are_known():
     top = lp.System(HEAVY, f"{KINETIC} - alpha1 + k*l3", KOVALEVSKAYA, symbols=["k"], integrals=QUARTIC)
     found = lp.deformations(top, parameter="k", weight=4)
     assert [str(f.start) for f in found.exact] == ["K"]
+
+
+def test_integrals_at_0_may_be_needed_in_corrections():
+    """l.alpha, a Casimir of l and alpha alone, becomes l.alpha - b |l|^2/2 for e1 e1 = b e1: the part l3^2 is one."""
+    b, k1 = symbols("b k1")
+    top = kovalevskaya(lp.so(3) @ cubic(0, b, 0, 0), f"{KINETIC} + alpha3 + k1*l1", symbols=["k1"])
+    found = lp.deformations(top, parameter=["b", "k1"], weight=3, integrals={"l3": "l3", "P": "dot(l, alpha)"})
+    (case,) = (c for c in found.cases if c.is_exact and all(k1 not in p.free_symbols for p in c.conditions))
+    assert case.dimension == 2
+    (further,) = case.function.free_symbols - {*top.variables, b, k1}
+    assert is_integral(top, case.function.subs(further, b))
