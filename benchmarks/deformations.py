@@ -5,6 +5,8 @@ H and Casimirs up to a weight, 8 by default, with every correction of first orde
 functional as the proof for each product that has no correction.  SymPy: for each weight the derivative of every
 monomial and of every product as a polynomial, and the rank of the sparse matrix over the rationals with and without the
 products; no gradings but the weight, no proof.  Process times, the least of three and of one.
+
+On a busy machine: weight 8 in 0.08 s and 4.8 s, 60 times; weight 6 in 0.03 s and 0.3 s, where most is not linear algebra.
 """
 
 from __future__ import annotations

@@ -125,6 +125,8 @@ def test_rotors_that_keep_the_quartic_are_found_among_all():
     assert {str(c) for c in case.conditions} == {"k1", "k2"}
     assert case.is_exact
     assert case.dimension == 1
+    cut = lp.deformations(gyrostat, parameter=["k1", "k2", "k3"], weight=4, integrals=QUARTIC, order=1)
+    assert not cut.cases[0].is_exact
     at = gyrostat.hamiltonian.subs({"k1": 0, "k2": 0})
     assert expand(gyrostat.bracket(case.function, at)) == 0
 
