@@ -261,6 +261,7 @@ def test_every_twist_keeps_the_lagrange_top():
     known = {"l3": "l3", "P": "dot(l, alpha + 2*beta)"}
     found = lp.deformations(top, parameter=[*CUBIC, "k3"], weight=3, integrals=known)
     assert [str(case.start) for case in found.cases] == ["l3", "P"]
+    assert str(found).splitlines()[-2:] == ["l3 survives for all values", "P survives for all values"]
     assert all(case.is_exact and case.conditions == () for case in found.cases)
     assert is_integral(top, found.cases[1].function)
 

@@ -193,7 +193,8 @@ class Deformations:
             lines.append(f"{Formula(o.start).plain}: no correction of order {o.order}: proved")
         for case in self.cases:
             state = "" if case.is_exact else " (not to all orders)"
-            lines.append(f"{Formula(case.start).plain} survives if {where(case.conditions) or 'ever'}{state}")
+            values = f"if {where(case.conditions)}" if case.conditions else "for all values"
+            lines.append(f"{Formula(case.start).plain} survives {values}{state}")
         if len(self.parameters) > 1 and not self.cases:
             lines.append("nothing survives" if not self.left else "nothing that was decided survives")
         if not self.integrals and self.obstructions:
