@@ -5,6 +5,7 @@ import sympy
 from sympy import Symbol, expand, symbols
 
 import liepoisson as lp
+from liepoisson.algebra.linear_algebra import rank_mod
 from liepoisson.errors import ParameterError, TimeLimitError
 
 HEAVY = lp.so(3) @ lp.semidirect(2)
@@ -363,3 +364,49 @@ def test_integrals_at_0_may_be_needed_in_corrections():
     assert case.dimension == 2
     (further,) = case.function.free_symbols - {*top.variables, b, k1}
     assert is_integral(top, case.function.subs(further, b))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("start", ["K + 3*P", "P - 2*H*P + H^2*C2", "K + P*C2 - H^3"])
+def test_no_change_of_the_hamiltonian_helps_by_brute_force(start):
+    """Mixed F0, every F1 of weight at most 9 and every H1 of weight at most 4, without a grading; one more rank is no."""
+    untwisted = kovalevskaya(lp.so(3) @ lp.semidirect(3))
+    twisted = kovalevskaya(lp.so(3) @ lp.leibniz(3))
+    x = untwisted.variables
+    names = {"K": QUARTIC["K"], "P": "dot(l, alpha)", "C2": "dot(alpha, beta)"}
+    functions = {Symbol(name): untwisted.expression(f) for name, f in names.items()}
+    f0 = sympy.sympify(start.replace("^", "**")).xreplace(functions | {Symbol("H"): untwisted.hamiltonian})
+    p = 2**61 - 1
+
+    def polynomial(function):
+        terms = sympy.Poly(function, *x).terms() if function != 0 else []
+        return {m: int(c.p) * pow(int(c.q), -1, p) % p for m, c in terms}
+
+    def along(field, monomial):
+        image = {}
+        for k, power in enumerate(monomial):
+            for m, c in field[k].items() if power else ():
+                key = tuple(a + b - (i == k) for i, (a, b) in enumerate(zip(monomial, m, strict=True)))
+                image[key] = (image.get(key, 0) + power * c) % p
+        return image
+
+    def of_weight_up_to(most):
+        weights, found = (1, 1, 1, 2, 2, 2, 3, 3, 3), [()]
+        for w in weights:
+            found = [(*m, k) for m in found for k in range(most // w + 1)]
+            found = [m for m in found if sum(k * v for k, v in zip(m, weights, strict=False)) <= most]
+        return found
+
+    flow = [polynomial(rate) for rate in untwisted.equations.values()]
+    of_f0 = [polynomial(-rate) for rate in untwisted.bracket.vector_field(expand(f0))]
+    columns = [along(flow, m) for m in of_weight_up_to(9)] + [along(of_f0, m) for m in of_weight_up_to(4)]
+    square = untwisted.expression("dot(alpha, alpha)")  # the limit of a Casimir has a correction, and so has H times it
+    targets = [f0, expand(square * untwisted.hamiltonian)]
+    images = [polynomial(expand(twisted.bracket(expand(f), twisted.hamiltonian))) for f in targets]
+    assert all(images)
+    numbers = {}
+    rows = [{numbers.setdefault(m, len(numbers)): c for m, c in column.items()} for column in [*columns, *images]]
+    without, *ranks = (
+        rank_mod([*rows[: len(columns)], *more], len(numbers), p) for more in ([], rows[-2:-1], rows[-1:])
+    )
+    assert ranks == [without + 1, without]
