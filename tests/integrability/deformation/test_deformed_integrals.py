@@ -369,7 +369,7 @@ def test_integrals_at_0_may_be_needed_in_corrections():
 @pytest.mark.thorough
 @pytest.mark.parametrize("start", ["K + 3*P", "P - 2*H*P + H^2*C2", "K + P*C2 - H^3"])
 def test_no_change_of_the_hamiltonian_helps_by_brute_force(start):
-    """Mixed F0, every F1 of weight at most 9 and every H1 of weight at most 4, without a grading; one more rank is no."""
+    """Mixed F0, every F1 of weight at most 9 and every H1 of weight at most 4, no grading; one more rank is no."""
     untwisted = kovalevskaya(lp.so(3) @ lp.semidirect(3))
     twisted = kovalevskaya(lp.so(3) @ lp.leibniz(3))
     x = untwisted.variables
