@@ -404,6 +404,11 @@ def _of_integrals(add):
     commuting = {"H": axial.hamiltonian, "l3": "l3"}
     add("integrability.certificate", "commuting:v", system=axial, commuting=commuting)
     add("integrability.darboux_polynomials", "on:e known:v", **search, field="real")
+    rotor = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2)/4 + l3^2/2 + alpha3 + k*l3", symbols=["k"])
+    deformed = {"system": rotor, "parameter": ["k"], "degree": 1, "integrals": {"l3": "l3"}}
+    add("integrability.deformations", "parameter:t integrals:v", **deformed)
+    names = E3.coordinate_names_in_order
+    add("integrability.argument_shift", "point:N", None, names, bracket=E3, point=[1, 2, 3, 0, 1, 1])
     add("integrability.first_integrals", "on:e known:v", **search)
     symmetries = [{"l1": "-l1"}, "l3"]
     general = {"bracket": lp.so(3) @ lp.trivial(), "degree": (1, 2), "symmetries": symmetries}

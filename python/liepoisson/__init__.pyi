@@ -27,6 +27,7 @@ from liepoisson.indicators.finite_time_exponents import finite_time_exponents as
 from liepoisson.indicators.lyapunov_exponent import lyapunov_exponent as lyapunov_exponent
 from liepoisson.indicators.spectrum import lyapunov_spectrum as lyapunov_spectrum
 from liepoisson.indicators.verdict import decide as decide
+from liepoisson.integrability.deformation.deformed_integrals import deformations as deformations
 from liepoisson.laboratory.views import view as view
 from liepoisson.leaf.leaf import Leaf as Leaf
 from liepoisson.model.system import System as System

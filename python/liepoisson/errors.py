@@ -14,6 +14,7 @@ __all__ = [
     "ChartError",
     "CochainError",
     "CocycleError",
+    "CompatibilityError",
     "CoreError",
     "DamagedFileError",
     "EnclosureError",
@@ -118,6 +119,27 @@ class CocycleError(BracketError):
         )
 
     def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str]]:
+        return type(self), (self.triple, self.residual)
+
+
+class CompatibilityError(BracketError):
+    """Two Poisson brackets of which no pencil can be made, since their sum is none.
+
+    Attributes:
+        triple: Names of the three coordinates at which the Jacobi identity fails for the sum.
+        residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+    """
+
+    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
+        self.triple = triple
+        self.residual = residual
+        super().__init__(
+            "wanted two compatible brackets, of which every linear combination obeys the Jacobi identity; for "
+            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Take a bracket and "
+            "the same frozen at a point, bracket.frozen(point), which are compatible."
+        )
+
+    def __reduce__(self) -> tuple[type[CompatibilityError], tuple[tuple[str, ...], str]]:
         return type(self), (self.triple, self.residual)
 
 

@@ -9,6 +9,7 @@ from liepoisson.cli.main import COMMANDS, application, main
 LINES = {
     "reproduce": ("twisted-top",),
     "families": ("kovalevskaya", "--free", "a"),
+    "deformations": ("twisted-kovalevskaya", "--parameter", "epsilon"),
     "prove": ("twisted-kovalevskaya", "--search"),
     "periodic": ("lagrange", "--period", "6"),
     "continue": ("lagrange", "--period", "6"),

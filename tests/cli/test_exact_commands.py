@@ -64,6 +64,15 @@ PRINTED = {
     ),
     "painleve lagrange": (lambda: OF.painleve_test(SYSTEM("lagrange")), "exponents -1, 0, 1, 2, 3, 4"),
     "families top.toml --degree 1 --positive J1,J2 --positive J3": (top_families, "  if a2 = 0, a3 = 0, J2 - J3 = 0\n"),
+    "deformations twisted-kovalevskaya --parameter epsilon --weight 6 --order 1": (
+        lambda: lp.deformations(
+            lp.System(
+                lp.so(3) @ lp.leibniz(3, "epsilon"), SYSTEM("twisted-kovalevskaya").hamiltonian,
+                name="twisted-kovalevskaya",
+            ), weight=6, order=1,
+        ),
+        "nothing survives, whatever polynomial is added to the Hamiltonian in first order",
+    ),
     "integrable henon-heiles --degree 3 --save henon.json": (
         lambda: OF.load_report("henon.json", prove_again=True), "not integrable",
     ),

@@ -30,6 +30,16 @@ CALLS = {
     "galois": lambda **limit: OF.galois_obstruction(lp.catalog.system("leibniz-top-4"), **limit),
     "painleve": lambda **limit: OF.painleve_test(lp.catalog.system("leibniz-lagrange-5"), **limit),
     "darboux": lambda **limit: OF.darboux_polynomials(lp.catalog.system("manakov-so4"), degree=3, **limit),
+    "deformations": lambda **limit: OF.deformations(
+        lp.System(lp.so(3) @ lp.leibniz(3, "epsilon"), "dot(l, inv(I)*l)/2 - alpha1", {"I": [2, 2, 1]}),
+        weight=14,
+        order=2,
+        **limit,
+    ),
+    "shifts": lambda **limit: OF.argument_shift(lp.so(6) @ lp.trivial(), list(range(1, 16)), **limit),
+    "chains": lambda **limit: OF.lenard_chains(
+        lp.so(5) @ lp.trivial(), (lp.so(5) @ lp.trivial()).frozen(list(range(1, 11))), **limit
+    ),
     "families": lambda **limit: OF.integrable_families(TOP, degree=5, **limit),
     "lax": lambda **limit: OF.search_lax_pairs(lp.catalog.system("leibniz-lagrange-4"), degree=8, **limit),
     "lax families": lambda **limit: OF.lax_families(

@@ -1,4 +1,4 @@
-"""The commands `inspect`, `integrals`, `darboux` and `families`: what exact algebra proves and finds of a system."""
+"""The commands `inspect`, `integrals`, `darboux`, `families`, `deformations`: what exact algebra proves of a system."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from liepoisson.formula.styles import Style
     from liepoisson.integrability.darboux import DarbouxPolynomials
+    from liepoisson.integrability.deformation.deformed_integrals import Deformations
     from liepoisson.integrability.families import IntegrableFamilies, ParameterCase
     from liepoisson.integrability.polynomial_integrals import FirstIntegrals
 
@@ -37,6 +38,8 @@ REFUTED = INCOMPLETE = 1
 
 INTEGRAL_WEIGHT_HELP = "Weight of the polynomials instead, where the equations are homogeneous for positive weights."
 DARBOUX_WEIGHT_HELP = "Largest weight instead, where the equations are homogeneous for positive weights."
+PARAMETER_HELP = "The parameters of the deformation, which lose their values: --parameter epsilon."
+DEFORMED_WEIGHT_HELP = "Largest weight instead, where the equations are homogeneous for positive weights.  [default: 4]"
 POSITIVE_HELP = "Parameters that are positive: --positive J1,J2,J3.  [default: all may be any real numbers]"
 NONZERO_HELP = "Parameters that are not zero: --nonzero a3."
 LIMIT_HELP = "Seconds after which the cases that are left are named."
@@ -239,6 +242,64 @@ def families(
     show(found, format_, families_record, families_in_latex)
     if not found.complete:
         raise typer.Exit(INCOMPLETE)
+
+
+def deformations(
+    system: SystemArgument,
+    *,
+    parameter: Annotated[list[str], typer.Option(metavar="NAMES", help=PARAMETER_HELP)],
+    degree: Annotated[int | None, typer.Option(help="Largest total degree of the integrals at 0.")] = None,
+    weight: Annotated[int | None, typer.Option(help=DEFORMED_WEIGHT_HELP)] = None,
+    order: Annotated[int, typer.Option(help="Highest order of the corrections.")] = 4,
+    time_limit: Annotated[float, typer.Option(help=LIMIT_HELP)] = SEARCH_LIMIT,
+    format_: ReportFormatOption = ReportFormat.TEXT,
+    common: Common,
+) -> None:
+    """Find which integrals at the value 0 of a parameter survive when it is not 0.
+
+    What does not survive has a proof.  Several parameters: the values for which an integral survives.
+    """
+    from liepoisson.cli.runs import check_limits
+    from liepoisson.integrability.deformation.deformed_integrals import deformations as search
+
+    check_limits(time_limit=time_limit)
+    file = read_file(system)
+    names = _names(parameter)
+    chosen = with_symbols(file, common.values, [name for name in names if name in file.parameters]).system()
+    found = search(chosen, parameter=names, degree=degree, weight=weight, order=order, time_limit=time_limit)
+    show(found, format_, deformations_record, deformations_in_latex)
+
+
+def deformations_in_latex(found: Deformations) -> list[str]:
+    """One displayed equation for each integral that survives, and what is proved, as a comment."""
+    shown: list[tuple[Expr, Expr]] = [(f.start, f.function) for f in (*found.integrals, *found.cases)]
+    equations = [rf"\[ {_latex(start)} + \dots = {_latex(function)} \]" for start, function in shown]
+    return [*(f"% {line}" for line in str(found).splitlines()), *equations]
+
+
+def deformations_record(found: Deformations) -> dict[str, Any]:
+    """What survives and what does not as data that JSON can write, expressions in the grammar of system files."""
+    size = {"degree": found.degree} if found.weight is None else {"weight": found.weight, "weights": found.weights}
+    return {
+        "system": found.system.name,
+        "parameters": list(found.parameters),
+        **size,
+        "order": found.order,
+        "known": [{"name": name, "expression": _plain(f)} for name, f in (found.trivial | found.known).items()],
+        "not_counted": list(found.trivial),
+        "integrals": [_fields(f, start="start", function="function", order="order") for f in found.integrals],
+        "obstructions": [
+            {
+                **_fields(o, start="start", order="order", monomials="n_corrections"),
+                "functional": {_plain(m): _plain(c) for m, c in o.functional.items()},
+            }
+            for o in found.obstructions
+        ],
+        "cases": [
+            _fields(c, start="start", zero="conditions", function="function", exact="is_exact") for c in found.cases
+        ],
+        **_fields(found, hamiltonian_terms="hamiltonian_terms", left="left"),
+    }
 
 
 def _names(given: list[str] | None) -> list[str]:

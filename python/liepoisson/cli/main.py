@@ -51,6 +51,7 @@ COMMANDS = {
     "integrals": "exact",
     "integrable": "proofs",
     "families": "exact",
+    "deformations": "exact",
     "darboux": "exact",
     "painleve": "proofs",
     "prove": "proofs",

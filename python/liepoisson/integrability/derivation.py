@@ -190,8 +190,14 @@ def gradings(derivation: Derivation) -> tuple[Grading, ...]:
     return tuple(g for g in found if any(g.weights))
 
 
-def positive_grading(found: Iterable[Grading]) -> Grading | None:
-    """A grading with positive integer weights, small ones preferred; None if there is none of small factors."""
+def positive_grading(found: Iterable[Grading], n_positive: int | None = None) -> Grading | None:
+    """A grading with positive integer weights, small ones preferred; None if there is none of small factors.
+
+    Args:
+        found: A basis of the gradings.
+        n_positive: How many of the first weights have to be positive; by default all.  Those after them are 0 if that
+            is possible.
+    """
     integer = [g for g in found if not g.modulus]
     positive: list[Grading] = []
     n = len(integer)
@@ -199,12 +205,13 @@ def positive_grading(found: Iterable[Grading]) -> Grading | None:
     for factors in product(range(-bound, bound + 1), repeat=n) if n <= 5 else ():
         scaled = [[f * w for w in g.weights] for f, g in zip(factors, integer, strict=True)]
         weights = list(map(sum, zip(*scaled, strict=True)))
-        if not weights or min(weights) <= 0:
+        if not weights or min(weights[:n_positive]) <= 0:
             continue
         shift = sum(f * g.shift for f, g in zip(factors, integer, strict=True))
         common = gcd(*weights, shift)
         positive.append(Grading(tuple(w // common for w in weights), shift // common))
-    return min(positive, key=lambda g: (abs(g.shift - 1), sum(g.weights)), default=None)
+    behind = len(positive[0].weights) if positive and n_positive is None else n_positive
+    return min(positive, key=lambda g: (abs(g.shift - 1), *map(abs, g.weights[behind:]), sum(g.weights)), default=None)
 
 
 def homogeneous_parts(polynomial: Polynomial, found: Sequence[Grading]) -> dict[tuple[int, ...], Polynomial]:

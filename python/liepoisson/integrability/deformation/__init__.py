@@ -1,0 +1,1 @@
+"""Deformations of integrable systems: which integrals survive, order by order, and what stops the others."""
