@@ -45,6 +45,7 @@ from liepoisson.saved.rerun import load as load
 from liepoisson.saved.rerun import rerun as rerun
 from liepoisson.structure.bracket import Bracket as Bracket
 from liepoisson.structure.canonical_bracket import canonical as canonical
+from liepoisson.structure.cohomology.twists import cocycles as cocycles
 from liepoisson.structure.extension import Extension as Extension
 from liepoisson.structure.extensions import leibniz as leibniz
 from liepoisson.structure.extensions import semidirect as semidirect

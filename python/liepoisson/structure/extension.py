@@ -101,7 +101,7 @@ class Extension:
         """
         extension = cls.__new__(cls)
         n = read_field_count(n)
-        extension._set(n, _read_products(n, products), name, field_names, check=check)
+        extension._set(n, read_products(n, products), name, field_names, check=check)
         return extension
 
     @classmethod
@@ -340,7 +340,14 @@ def read_field_count(n: object) -> int:
     return int(n)
 
 
-def _read_products(n: int, products: object) -> Products:
+def read_products(n: int, products: object) -> Products:
+    """Read products that a caller gives, `products[mu, nu][lam]`; zeros are dropped.
+
+    Raises:
+        ShapeError: not a mapping from pairs to mappings, or an index is not in 0..n-1.
+        BracketError: a pair and its reverse have different products.
+        ParameterError: an entry is not exact.
+    """
     if not is_named(products):
         raise ShapeError(
             f"products must be a mapping; got {type(products).__name__}. Write for example {{(0, 0): {{0: 1}}}}."
