@@ -30,6 +30,7 @@ from liepoisson.structure.derivations import arrows
 from liepoisson.structure.extension import Extension, Products
 
 if TYPE_CHECKING:
+    from liepoisson.structure.cohomology.twist_orbits import TwistForm
     from liepoisson.structure.cohomology.twists import Cocycles
 
 Matrix = tuple[tuple[Exact, ...], ...]
@@ -337,6 +338,16 @@ class Cocycle:
         That of the tangent space: the classes of $D f(a, b) - f(D a, b) - f(a, D b)$ for all derivations D.
         """
         return self.twists.orbit_dimension(self)
+
+    def normal_form(self) -> TwistForm:
+        """The orbit of its class under the automorphisms of the algebra, and the way to the representative of this.
+
+        Raises:
+            ParameterError: the orbits are not known for this algebra, or there are symbols.
+        """
+        from liepoisson.structure.cohomology.twist_orbits import normal_form
+
+        return normal_form(self)
 
     def __str__(self) -> str:
         return in_words(self.products)

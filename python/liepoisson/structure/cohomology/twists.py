@@ -35,6 +35,8 @@ from liepoisson.structure.extension import Extension, Products, read_products
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.structure.cohomology.twist_orbits import TwistOrbits
+
 
 class ExceptionalTwists(NamedTuple):
     """Values of parameters of the algebra at which its cohomology is another.
@@ -227,6 +229,19 @@ class Cocycles:
         complex_, cochain = f.representative.in_cochains
         classes = [complex_.coordinates(complex_.moved(D, cochain))[0] for D in complex_.derivations]
         return rank([{k: v for k, v in enumerate(row) if v} for row in classes], complex_.field)
+
+    def orbits(self) -> TwistOrbits:
+        """The orbits of the classes under the automorphisms of A, with representatives.
+
+        Known for R[x,y]/(x,y)^2, whose classes are the binary cubics, for R[x]/(x^n), and where there is no class; for
+        other algebras the answer says that it is not decided.
+
+        Raises:
+            ParameterError: the symbols in W leave open what A is.
+        """
+        from liepoisson.structure.cohomology.twist_orbits import orbits
+
+        return orbits(self)
 
     @cached_property
     def _complex(self) -> CommutativeComplex:
