@@ -13,6 +13,7 @@ __all__ = [
     "CertificateError",
     "ChartError",
     "CocycleError",
+    "ContractionError",
     "CoreError",
     "DamagedFileError",
     "EnclosureError",
@@ -149,6 +150,25 @@ class ObstructionError(BracketError):
 
     def __reduce__(self) -> tuple[type[ObstructionError], tuple[int, tuple[str, ...], str], dict[str, object]]:
         return type(self), (self.order, self.triple, self.residual), {"is_proved": self.is_proved}
+
+
+class ContractionError(BracketError):
+    """A family of brackets that has no limit.
+
+    Attributes:
+        term: The product that grows without bound, in words.
+        power: The power of the parameter with which it does, negative.
+    """
+
+    def __init__(self, term: str, power: int) -> None:
+        self.term, self.power = term, power
+        super().__init__(
+            f"a contraction needs products that stay finite as the parameter goes to 0; got {term}. Change the weights: "
+            "e_i e_j along e_k has the power w_i + w_j - w_k."
+        )
+
+    def __reduce__(self) -> tuple[type[ContractionError], tuple[str, int]]:
+        return type(self), (self.term, self.power)
 
 
 class UnsupportedFieldError(LiePoissonError):
