@@ -152,9 +152,7 @@ def contraction(
 def _read_name(bracket: Bracket, parameter: str) -> str:
     name = read_symbol(parameter, "parameter")
     if name is None or name in bracket.symbols | bracket.coordinate_names | {*bracket.field_names}:
-        raise ParameterError(
-            f"parameter: wanted a name that nothing has yet; got {parameter!r:.60}. Take another one."
-        )
+        raise ParameterError(f"parameter: wanted a name that nothing has yet; got {parameter!r:.60}. Take another one.")
     return name
 
 
@@ -164,17 +162,23 @@ def _read_weights(weights: Weights | None, names: Sequence[str], what: str) -> l
     if is_named(weights):
         given = named(weights, what) or {}
         if wrong := [name for name in given if name not in names]:
-            raise ParameterError(f"{what}: wanted the names {', '.join(names)}; got {wrong[0]!r:.60}. Correct the name.")
+            raise ParameterError(
+                f"{what}: wanted the names {', '.join(names)}; got {wrong[0]!r:.60}. Correct the name."
+            )
         items: list[Any] = [given.get(name, 0) for name in names]
     else:
         found = listed(weights, what, list(names))
         if found is None or len(found) != len(names):
             got = repr(weights) if found is None else f"{len(found)}"
-            raise ShapeError(f"{what} must be {len(names)} integers; got {got:.60}. Give one for each of {', '.join(names)}.")
+            raise ShapeError(
+                f"{what} must be {len(names)} integers; got {got:.60}. Give one for each of {', '.join(names)}."
+            )
         items = found
     for value in items:
         if isinstance(value, bool) or not isinstance(value, Integral):
-            raise ParameterError(f"{what}: wanted integers, the powers of t; got {value!r:.60}. Multiply all by one number.")
+            raise ParameterError(
+                f"{what}: wanted integers, the powers of t; got {value!r:.60}. Multiply all by one number."
+            )
     return [int(value) for value in items]
 
 
@@ -274,7 +278,9 @@ class _Group:
         if any(self.powers) or not brackets:
             name = f"{old.name}{suffix}"
             algebra = LieAlgebra.from_brackets(old.dimension, brackets, name, old.basis_names, check=False)
-        A = Extension.from_products(extension.dimension, products, f"{extension.name}{suffix}", extension.field_names, check=False)
+        A = Extension.from_products(
+            extension.dimension, products, f"{extension.name}{suffix}", extension.field_names, check=False
+        )
         return Bracket(algebra, A, self.bracket.field_names, constant=constant, check=False)
 
     def limit(self) -> Bracket:

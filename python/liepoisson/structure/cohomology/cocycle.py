@@ -25,7 +25,7 @@ from liepoisson.structure.cohomology.deformation import (
     symbols_in,
     taken_names,
 )
-from liepoisson.structure.cohomology.mending import mended_along
+from liepoisson.structure.cohomology.mending import Mended, mended_along
 from liepoisson.structure.derivations import arrows
 from liepoisson.structure.extension import Extension, Products
 
@@ -43,7 +43,7 @@ class Obstruction:
 
     Example:
         >>> lp.cocycles(lp.Extension.from_products(2, {})).cocycle({(0, 0): {1: 1}, (0, 1): {0: 1}}).obstruction().text
-        'order 2: the residual for (e_0, e_0, e_1) is -e0'
+        'order 2: the residual for (e_0, e_0, e_1) is -e1'
 
     Attributes:
         order: The power of the parameter at which associativity fails.
@@ -137,9 +137,7 @@ class Cocycle:
         n = self.twists.extension.dimension
         zero: Exact = Fraction(0)
         return tuple(
-            tuple(
-                tuple(self.products.get((min(m, v), max(m, v)), {}).get(k, zero) for v in range(n)) for m in range(n)
-            )
+            tuple(tuple(self.products.get((min(m, v), max(m, v)), {}).get(k, zero) for v in range(n)) for m in range(n))
             for k in range(n)
         )
 
@@ -240,14 +238,23 @@ class Cocycle:
         """The first obstruction to a deformation that begins with it, or None if there is none.
 
         Args:
-            order: The largest power of the parameter that is looked at; twice the dimension if left out.
+            order: The largest power of the parameter that is looked at where the series does not end before; twice the
+                dimension if left out.
         """
-        complex_, f = self.in_cochains
-        found = mended_along(complex_, f, self.twists.most(order))
+        found = self._mended(self.twists.most(order))
         for (k,), residual in found.residuals.items():
-            triple, element = first_residual(complex_, residual)
+            triple, element = first_residual(self.in_cochains[0], residual)
             return Obstruction(k, triple, element, not found.is_free)
         return None
+
+    def _mended(self, most: int) -> Mended:
+        if most not in self._orders:
+            self._orders[most] = mended_along(*self.in_cochains, most)
+        return self._orders[most]
+
+    @cached_property
+    def _orders(self) -> dict[int, Mended]:
+        return {}
 
     def deformation(self, parameter: str | None = None, *, order: int | None = None) -> Deformation:
         r"""The products $W + t f + t^2 f_2 + \dots$ that are associative at every order.
@@ -263,11 +270,11 @@ class Cocycle:
         """
         if (obstruction := self.obstruction(order)) is not None:
             raise obstruction.error()
-        complex_, f = self.in_cochains
-        found = mended_along(complex_, f, self.twists.most(order))
+        found, complex_ = self._mended(self.twists.most(order)), self.in_cochains[0]
         terms = {monomial: self.twists.written(complex_, term) for monomial, term in found.terms.items()}
         name = self._parameter(parameter)
-        return Deformation(self.twists.given, (name,), terms, (), found.order, found.ends)
+        closed = None if found.ends else self.twists.closed_form([self], [name])
+        return Deformation(self.twists.given, (name,), terms, (), found.order, found.ends, closed)
 
     def _parameter(self, parameter: str | None) -> str:
         taken = taken_names(self.twists.given) | symbols_in(self.products)
@@ -316,10 +323,9 @@ class Cocycle:
                 f"a change of variables undoes coboundaries; got a cocycle whose class has the coordinates "
                 f"({', '.join(map(str, self.coordinates))}). Subtract its representative."
             )
-        deformed = None if self.obstruction() is not None else self.deformation()
-        complex_, f = self.in_cochains
-        found = mended_along(complex_, f, self.twists.most(None))
-        maps, is_exact = _undoing(complex_, {k: term for (k,), term in found.terms.items()}, self.twists.most(None))
+        most = self.twists.most(None)
+        found = self._mended(most)
+        maps, is_exact = _undoing(self.in_cochains[0], {k: term for (k,), term in found.terms.items()}, most)
         if not maps:
             maps = [{key: -value for key, value in self._class[1].items()}]
         name = self._parameter(None)
@@ -328,8 +334,9 @@ class Cocycle:
             [int(i == j) + to_sympy(read_parameter(name, name)) * to_sympy(value) for j, value in enumerate(row)]
             for i, row in enumerate(matrices[0])
         ]
-        exact = is_exact and deformed is not None and deformed.ends
-        return ChangeOfVariables(matrices, exact, name, arrows(self.twists.extension.field_names, first))
+        return ChangeOfVariables(
+            matrices, is_exact and found.ends, name, arrows(self.twists.extension.field_names, first)
+        )
 
     @property
     def orbit_dimension(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, substituted, sum_of, symbols_of, to_sympy
 from liepoisson.algebra.sparse_polynomials import Monomial
@@ -14,6 +14,7 @@ from liepoisson.formula.parameters import Parameter, read_parameter
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import is_named, listed, named
 from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.cohomology.change_of_basis import Rows, identity, in_basis, inverse, multiplied
 from liepoisson.structure.extension import Extension, Products
 
 if TYPE_CHECKING:
@@ -21,6 +22,34 @@ if TYPE_CHECKING:
 
 Values: TypeAlias = "Parameter | Sequence[Parameter] | Mapping[str, Parameter]"
 """Values of the parameters of a deformation: one, all in order, or some by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    r"""A deformation by rational functions, whose series does not end: one that ends, in other variables.
+
+    Attributes:
+        inner: A deformation of the algebra in another basis, whose series ends.
+        values: The values of its parameters, linear in those of the deformation.
+        basis: That basis, by rows.
+        maps: The maps $g_i$: the products are pulled back by $1 + \sum_i s_i g_i$.
+    """
+
+    inner: Deformation
+    values: tuple[Exact, ...]
+    basis: Rows
+    maps: tuple[Rows, ...]
+
+    def products(self, values: Mapping[str, Exact]) -> Products:
+        """The products at values of the parameters, in their order."""
+        found = self.inner.extension([cast("Any", substituted(value, values)) for value in self.values]).products
+        rows = identity(len(self.basis))
+        for value, g in zip(values.values(), self.maps, strict=True):
+            rows = [
+                [sum_of(old, product_of(value, new)) for old, new in zip(row, more, strict=True)]
+                for row, more in zip(rows, g, strict=True)
+            ]
+        return in_basis(found, multiplied(inverse(self.basis), rows))
 
 
 @explains_its_methods
@@ -41,7 +70,9 @@ class Deformation:
         conditions: Polynomials in the parameters: where they vanish, and only there, the products are associative.
             Empty if that is so everywhere.
         order: The highest degree in the parameters.
-        ends: Whether there are no terms beyond it; only then is this an algebra.
+        ends: Whether there are no terms beyond it.
+        closed_form: Where the series does not end, the rational functions whose series it is, if they were found; it
+            agrees with the terms to first order.
     """
 
     given: Bracket | Extension
@@ -50,6 +81,7 @@ class Deformation:
     conditions: tuple[Expr, ...]
     order: int
     ends: bool
+    closed_form: ClosedForm | None = None
 
     def extension(self, values: Values | None = None) -> Extension:
         """The deformed algebra.
@@ -59,17 +91,21 @@ class Deformation:
 
         Raises:
             BracketError: there are conditions, and the values do not fulfil them.
-            ParameterError: the series does not end, or a value is not exact or belongs to no parameter.
+            ParameterError: the series was not found to end, or a value is not exact or belongs to no parameter.
             ShapeError: not as many values as parameters.
         """
-        if not self.ends:
+        if not self.ends and self.closed_form is None:
             raise ParameterError(
                 f"a deformed algebra needs a series in {', '.join(self.parameters)} that ends; got one that does not "
-                f"within order {self.order}. Take the representative of the class, or a larger order."
+                f"within order {self.order}. Take another cocycle of the class, or a larger order."
             )
         read = self._read(values)
         self._check(read)
         algebra = _extension_of(self.given)
+        name = f"{algebra.name} deformed"
+        if not self.ends and self.closed_form is not None:
+            closed = self.closed_form.products(read)
+            return Extension.from_products(algebra.dimension, closed, name, algebra.field_names, check=False)
         rows = {pair: dict(row) for pair, row in algebra.products.items()}
         for monomial, term in self.terms.items():
             factor: Exact = Fraction(1)
@@ -80,7 +116,6 @@ class Deformation:
                 here = rows.setdefault(pair, {})
                 for k, value in row.items():
                     here[k] = sum_of(here.get(k, Fraction(0)), product_of(factor, value))
-        name = f"{algebra.name} deformed"
         return Extension.from_products(algebra.dimension, rows, name, algebra.field_names, check=False)
 
     def bracket(self, values: Values | None = None) -> Bracket:
@@ -129,7 +164,7 @@ class Deformation:
 
     def __str__(self) -> str:
         names = ", ".join(self.parameters)
-        end = "ends" if self.ends else "was computed to"
+        end = "ends" if self.ends else "is told up to" if self.closed_form else "was computed to"
         where = f", associative where {', '.join(map(str, self.conditions))} = 0" if self.conditions else ""
         return f"deformation of {self.given!r} in {names}, which {end} at order {self.order}{where}"
 

@@ -14,27 +14,26 @@ Others are not decided here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import Exact, symbols_of, to_sympy
-from liepoisson.algebra.matrices import solved
 from liepoisson.algebra.real_fields import real_field
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.automorphisms import Automorphism
 from liepoisson.structure.cohomology.binary_cubics import KINDS, Cubic, cubic_form, discriminant, kind_of
+from liepoisson.structure.cohomology.change_of_basis import Rows, from_basis, in_basis, multiplied
 from liepoisson.structure.classification import Classification, classify
+from liepoisson.structure.derivations import arrows
 from liepoisson.structure.extension import Products
 from liepoisson.structure.normal_forms import null_square, truncated_polynomials
 
 if TYPE_CHECKING:
     from liepoisson.structure.cohomology.cocycle import Cocycle
     from liepoisson.structure.cohomology.twists import Cocycles
-
-Rows = Sequence[Sequence[Exact]]
 
 
 @explains_its_methods
@@ -149,70 +148,59 @@ def orbits(twists: Cocycles) -> TwistOrbits:
 
 def normal_form(f: Cocycle) -> TwistForm:
     """The orbit of a cocycle, and the way to its representative; see `Cocycle.normal_form`."""
-    twists = f.twists
+    twists, known = f.twists, orbits(f.twists)
     values = [value for row in f.products.values() for value in row.values()]
-    if any(symbols_of(value) for value in values) or twists.extension.symbols:
+    if twists.extension.symbols or any(symbols_of(value) for value in values):
         raise ParameterError(
             f"the orbit of a twist depends on the values of symbols; got {f} of {twists.extension.name}. Insert numbers."
         )
-    known = orbits(twists)
-    kind, found = ("", None) if twists.is_rigid else _kind(twists)
-    if twists.is_rigid or f.is_coboundary and known.is_decided:
-        identity = [[Fraction(int(i == j)) for j in range(twists.extension.dimension)] for i in range(twists.extension.dimension)]
-        rows = identity if found is None else _own_basis(found)
-        return _form(f, known[0], rows, "Q")
-    if not known.is_decided or found is None:
-        raise ParameterError(f"the orbit of a twist of {twists.extension.name} is {known.reason}. Classify the algebra.")
-    own = _own_basis(found)
+    if not known.is_decided:
+        raise ParameterError(
+            f"the orbit of a twist of {twists.extension.name} is {known.reason}. Classify the algebra."
+        )
+    kind, found = _kind(twists)
+    own = found.change_of_basis
+    if f.is_coboundary:
+        return _form(f, known[0], own, found.field_extension)
+    assert own is not None
     there = in_basis(f.representative.products, own)
     return _of_cubic(f, known, own, there) if kind == "null square" else _of_power(f, known, there)
 
 
-def _of_cubic(f: Cocycle, known: TwistOrbits, own: Rows, there: dict[tuple[int, int, int], Any]) -> TwistForm:
-    zero: Any = Fraction(0)
-    get = lambda i, j, k: there.get((i, j, k), zero)  # noqa: E731
-    two: Any = Fraction(2)
-    cubic = (get(1, 1, 2), two * get(1, 2, 2) - get(1, 1, 1), get(2, 2, 2) - two * get(1, 2, 1), -get(2, 2, 1))
+def _of_cubic(f: Cocycle, known: TwistOrbits, own: Rows, there: Products) -> TwistForm:
+    p, q, r = (there.get(pair, {}) for pair in ((1, 1), (1, 2), (2, 2)))
+    field = real_field(value for row in (p, q, r) for value in row.values())
+
+    def entry(row: Mapping[int, Exact], k: int) -> Any:
+        return field.read(row[k]) if k in row else field.zero
+
+    two = field.number(2)
+    cubic = (entry(p, 2), two * entry(q, 2) - entry(p, 1), entry(r, 2) - two * entry(q, 1), -entry(r, 1))
     if not all(isinstance(value, Fraction) for value in cubic):
-        field = real_field(cubic)
-        read = [field.read(value) for value in cubic]
-        disc = discriminant(read)
-        kind = kind_of(read, field.sign(disc) if disc else 0)
-        return TwistForm(_named(known, kind), None, field.name, "not written out")
+        disc = discriminant(cubic)
+        kind = kind_of(cubic, field.sign(disc) if disc else 0)
+        return _form(f, _named(known, kind), None, field.name)
     found = cubic_form(cast("Cubic", cubic))
-    (p, q), (r, s) = found.rows
-    inner = [[1, 0, 0], [0, p, q], [0, r, s]]
-    if all(isinstance(value, Fraction) for row in own for value in row) and found.field_extension == "Q":
-        rows: Any = [[sum((Fraction(x) * own[k][j] for k, x in enumerate(row)), Fraction(0)) for j in range(3)] for row in inner]  # pyright: ignore
-    else:
-        from sympy import Add
-
-        rows = [
-            [Add(*(to_sympy(Fraction(x) if isinstance(x, int) else x) * to_sympy(own[k][j]) for k, x in enumerate(row))) for j in range(3)]
-            for row in inner
-        ]
-    return _form(f, _named(known, found.kind), rows, found.field_extension)
+    one, zero = Fraction(1), Fraction(0)
+    inner = [[one, zero, zero], *([zero, *row] for row in found.rows)]
+    return _form(f, _named(known, found.kind), multiplied(inner, own), found.field_extension)
 
 
-def _of_power(f: Cocycle, known: TwistOrbits, there: dict[tuple[int, int, int], Any]) -> TwistForm:
+def _of_power(f: Cocycle, known: TwistOrbits, there: Products) -> TwistForm:
     """The orbit of p = x^i v(x), from the class in the basis of powers."""
     from liepoisson.structure.cohomology.twists import cocycles
 
     n = f.twists.extension.dimension
-    standard = cocycles(truncated_polynomials(n))
-    products: Products = {}
-    for (i, j, k), value in there.items():
-        products.setdefault((i, j), {})[k] = value
-    coordinates = standard.cocycle(products).coordinates
+    coordinates = cocycles(truncated_polynomials(n)).cocycle(cast("Any", there)).coordinates
     i, value = next((i, c) for i, c in enumerate(coordinates) if c != 0)
     field = real_field([value])
     sign = field.sign(field.read(value)) if (n - i) % 2 == 0 else 1
-    return TwistForm(_named(known, _condition(n, i, sign)), None, "Q", "not written out")
+    return _form(f, _named(known, _condition(n, i, sign)), None, field.name)
 
 
-def _form(f: Cocycle, orbit: TwistOrbit, rows: Rows, field: str) -> TwistForm:
-    from liepoisson.structure.derivations import arrows
-
+def _form(f: Cocycle, orbit: TwistOrbit, rows: Rows | None, field: str) -> TwistForm:
+    if rows is None:
+        return TwistForm(orbit, None, field, "not written out")
     shown: list[list[Any]] = [[to_sympy(value) for value in row] for row in rows]
     return TwistForm(orbit, Automorphism(cast("Any", rows)), field, arrows(f.twists.extension.field_names, shown))
 
@@ -257,57 +245,8 @@ def _products_of_power(n: int, i: int, sign: int) -> Products:
 def _orbit(twists: Cocycles, condition: str, products: Products, rows: Rows | None = None) -> TwistOrbit:
     """The orbit of a cocycle that is given in the basis of the rows."""
     if rows is not None:
-        products = _products(from_basis(products, rows))
+        products = from_basis(products, rows)
     f = twists.cocycle(cast("Any", products))
     found = classify(f.extension(1))
     dimension = f.orbit_dimension
-    return TwistOrbit(
-        condition, f, dimension, twists.dimension - dimension, found.name, found.complex_name
-    )
-
-
-def _products(entries: dict[tuple[int, int, int], Any]) -> Products:
-    found: Products = {}
-    for (i, j, k), value in entries.items():
-        found.setdefault((i, j), {})[k] = value
-    return found
-
-
-def in_basis(products: Products, rows: Rows) -> dict[tuple[int, int, int], Any]:
-    """A cochain in another basis, $e'_i = \\sum_j P_{ij} e_j$: f(e'_i, e'_j) by its coordinates in e'."""
-    return _in_basis(products, rows, _inverse(rows))
-
-
-def from_basis(products: Products, rows: Rows) -> dict[tuple[int, int, int], Any]:
-    """The cochain that is given in the basis of the rows."""
-    return _in_basis(products, _inverse(rows), rows)
-
-
-def _in_basis(products: Products, rows: Rows, back: Rows) -> dict[tuple[int, int, int], Any]:
-    field = real_field([v for row in (*rows, *back) for v in row] + [v for row in products.values() for v in row.values()])
-    n = len(rows)
-    P, Q = ([[field.read(v) for v in row] for row in matrix] for matrix in (rows, back))
-    found: dict[tuple[int, int, int], Any] = {}
-    for i in range(n):
-        for j in range(i, n):
-            total = [field.zero] * n
-            for (a, b), row in products.items():
-                weight = P[i][a] * P[j][b] + (P[i][b] * P[j][a] if a != b else field.zero)
-                for k, value in row.items() if weight else ():
-                    total[k] = total[k] + weight * field.read(value)
-            for k in range(n):
-                value = field.zero
-                for m in range(n):
-                    value = value + total[m] * Q[m][k]
-                if value:
-                    found[i, j, k] = field.write(value)
-    return found
-
-
-def _inverse(rows: Rows) -> Rows:
-    field = real_field(v for row in rows for v in row)
-    n = range(len(rows))
-    # P^T x = e_j has the columns of the transposed inverse
-    matrix = [[field.read(v) for v in row] for row in rows]
-    identity = [[field.one if i == j else field.zero for j in n] for i in n]
-    return [[field.write(v) for v in row] for row in solved(matrix, identity, field)]
+    return TwistOrbit(condition, f, dimension, twists.dimension - dimension, found.name, found.complex_name)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from numbers import Integral
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon
@@ -23,12 +23,14 @@ from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.given import listed
+from liepoisson.inputs.names import free_name
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.casimirs import special_values
 from liepoisson.structure.cohomology.cocycle import Cocycle
 from liepoisson.structure.cohomology.commutative_complex import Cochain, CommutativeComplex
-from liepoisson.structure.cohomology.deformation import Deformation, taken_names
+from liepoisson.structure.cohomology.change_of_basis import in_basis
+from liepoisson.structure.cohomology.deformation import ClosedForm, Deformation, symbols_in, taken_names
 from liepoisson.structure.cohomology.mending import Mended, mended
 from liepoisson.structure.extension import Extension, Products, read_products
 
@@ -129,7 +131,9 @@ class Cocycles:
         items = listed(coefficients, "coefficients")
         if items is None or len(items) != self.dimension:
             got = repr(coefficients) if items is None else f"{len(items)}"
-            raise ShapeError(f"coefficients must be {self.dimension} numbers or names; got {got:.60}. Give one for each.")
+            raise ShapeError(
+                f"coefficients must be {self.dimension} numbers or names; got {got:.60}. Give one for each."
+            )
         total: dict[tuple[int, int], dict[int, Exact]] = {}
         for k, (given, f) in enumerate(zip(items, self.basis, strict=True)):
             c = read_parameter(given, f"coefficients[{k}]")
@@ -167,8 +171,39 @@ class Cocycles:
             }
             found = mended(complex_, first, self.most(order))
             terms = {monomial: self.written(complex_, term) for monomial, term in found.terms.items()}
-            conditions = _conditions(found, complex_.field, names)
-        return Deformation(self.given, names, terms, conditions, found.order, found.ends)
+            closed = None if found.ends else self.closed_form(self.basis, names)
+            if closed is None:
+                conditions = _conditions(found, complex_.field, names)
+            else:
+                inner: Any = dict(zip(closed.inner.parameters, map(to_sympy, closed.values), strict=True))
+                conditions = tuple(p.subs(inner, simultaneous=True).expand() for p in closed.inner.conditions)
+        return Deformation(self.given, names, terms, conditions, found.order, found.ends, closed)
+
+    def closed_form(self, first: Sequence[Cocycle], names: Sequence[str]) -> ClosedForm | None:
+        """A deformation with these terms of first order, from one of the normal form of A whose series ends.
+
+        In a basis that has nothing to do with the algebra, its grading by powers of generators is hidden, and series
+        need not end; in that of the normal form they do.  What is left of each cocycle there is a coboundary.
+        """
+        from liepoisson.structure.classification import classify
+
+        try:
+            found = classify(self.extension)
+        except ParameterError:  # more fields than are classified, or a sign of symbols
+            return None
+        if found.normal_form is None or found.change_of_basis is None:
+            return None
+        there, rows = _cocycles(found.normal_form), found.change_of_basis
+        moved = [there.cocycle(cast("Any", in_basis(f.products, rows))) for f in first]
+        taken = {*names, *self.extension.symbols, *(s for f in first for s in symbols_in(f.products))}
+        inner = there.deformation([free_name(f"s{k + 1}", taken) for k in range(there.dimension)])
+        if not inner.ends:
+            return None
+        values: list[Exact] = [Fraction(0)] * there.dimension
+        for name, f in zip(names, moved, strict=True):
+            s = read_parameter(name, name)
+            values = [sum_of(old, product_of(s, c)) for old, c in zip(values, f.coordinates, strict=True)]
+        return ClosedForm(inner, tuple(values), rows, tuple(f.coboundary_map() for f in moved))
 
     def conditions(
         self, parameters: Sequence[str] | None = None, *, order: int | None = None, time_limit: float = SEARCH_LIMIT
