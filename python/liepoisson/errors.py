@@ -120,8 +120,8 @@ class CocycleError(BracketError):
             f"a twist must be a 2-cocycle, a f(b, c) - f(a b, c) + f(a, b c) - f(a, b) c = 0; for {place} this is "
             f"{residual} instead of 0. Correct its products, or take a combination of the basis of cocycles."
             if of_algebra
-            else f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for {place} the "
-            f"cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
+            else f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for {place} "
+            f"the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
         )
 
     def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str], dict[str, object]]:
@@ -163,8 +163,8 @@ class ContractionError(BracketError):
     def __init__(self, term: str, power: int) -> None:
         self.term, self.power = term, power
         super().__init__(
-            f"a contraction needs products that stay finite as the parameter goes to 0; got {term}. Change the weights: "
-            "e_i e_j along e_k has the power w_i + w_j - w_k."
+            f"a contraction needs products that stay finite as the parameter goes to 0; got {term}. Change the "
+            "weights: e_i e_j along e_k has the power w_i + w_j - w_k."
         )
 
     def __reduce__(self) -> tuple[type[ContractionError], tuple[str, int]]:

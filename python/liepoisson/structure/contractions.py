@@ -1,12 +1,12 @@
 r"""Contractions: the limit of a bracket along a one-parameter group of changes of variables, with its functions.
 
 The basis $e'_\mu = \sum_\nu P_{\mu\nu}(t)\, e_\nu$ of A has the products $W(t) = P P\, W P^{-1}$, and so have components of
-g.  For $t \ne 0$ this is the same bracket in the fields $x'_\mu = \sum_\nu P_{\mu\nu} x_\nu$; its limit as t goes to 0,
-where there is one, is another one, to which W is a deformation.
+g.  For $t \ne 0$ this is the same bracket in the fields $x'_\mu = \sum_\nu P_{\mu\nu} x_\nu$; its limit as t goes to
+0, where there is one, is another one, of which W is a deformation.
 
 A function F of x is one of x' and t.  The first coefficient of its expansion in t is its limit.  Limits of independent
-functions may depend on each other; then a relation R between them gives the function $R(F_1, F_2, \dots)$, which vanishes
-at t = 0, and whose first coefficient is a new one.  Each step takes at least one power of t from
+functions may depend on each other; then a relation R between them gives the function $R(F_1, F_2, \dots)$, which
+vanishes at t = 0, and whose first coefficient is a new one.  Each step takes at least one power of t from
 $dF_1 \wedge dF_2 \wedge \dots$, so it ends with independent limits, unless a relation is of too high a degree.
 
 References: Inönü and Wigner, Proc. Natl. Acad. Sci. 39 (1953) 510; Saletan, J. Math. Phys. 2 (1961) 1.
@@ -22,7 +22,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, as_expression, product_of, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply
 from liepoisson.errors import ContractionError, ParameterError, ShapeError
@@ -49,7 +49,7 @@ MAX_RELATION = 8
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
 class Contraction:
-    """A family of brackets and its limit.
+    r"""A family of brackets and its limit.
 
     Example:
         >>> found = lp.brackets.contraction(lp.so(3) @ lp.leibniz(3), {"alpha": 1, "beta": 1})
@@ -59,7 +59,7 @@ class Contraction:
     Attributes:
         bracket: The bracket itself.
         parameter: The name of t.
-        family: The bracket in the new variables, with t as a symbol: for each $t \\ne 0$ the same, up to them.
+        family: The bracket in the new variables, with t as a symbol: for each $t \ne 0$ the same, up to them.
         limit: Its limit as t goes to 0.
         casimirs: Limits of the Casimirs of the bracket, which are Casimirs of the limit.
         integrals: Limits of the functions that were given.

@@ -135,7 +135,8 @@ def _of_repeated_root(kind: str, cubic: Cubic) -> list[list[Fraction]]:
 class _Numbers:
     r"""The field of one real root r of a cubic with a != 0, with $\sqrt{\pm\mathrm{disc}}$ adjoined.
 
-    The other factor is $X^2 + p X Y + q Y^2$, and $\sqrt{|p^2/4 - q|} = \sqrt{\pm\mathrm{disc}}/(2 a^2 (r^2 + p r + q))$.
+    The other factor is $X^2 + p X Y + q Y^2$, with
+    $\sqrt{|p^2/4 - q|} = \sqrt{\pm\mathrm{disc}}/(2 a^2 (r^2 + p r + q))$.
     """
 
     def __init__(self, cubic: Cubic) -> None:

@@ -371,7 +371,7 @@ def first_residual(complex_: CommutativeComplex, residual: Trilinear) -> tuple[t
 
 
 def _undoing(complex_: CommutativeComplex, terms: Mapping[int, Cochain], most: int) -> tuple[list[Map], bool]:
-    r"""Maps $\psi_k$ such that $\psi = 1 + \sum t^k \psi_k$ takes products to deformed ones, and whether it does exactly.
+    r"""Maps $\psi_k$ such that $1 + \sum t^k \psi_k$ takes products to deformed ones, and whether it does so exactly.
 
     $\psi(a b) = \psi(a) * \psi(b)$ at order k is $\delta\psi_k = -S_k$, where $S_k$ has the terms of lower order.
     """

@@ -84,7 +84,7 @@ class CommutativeComplex:
 
     @property
     def pivots(self) -> list[Any]:
-        """What the eliminations divided by: the dimensions are those at other values of parameters where none vanishes."""
+        """What the eliminations divided by: where none of these vanishes, values of parameters keep the dimensions."""
         unit = [value for value in self.unit or () if value]
         return [*self._pivots_of_unit, *unit, *self.cocycles.pivots, *self.coboundaries.pivots]
 
@@ -146,21 +146,21 @@ class CommutativeComplex:
         rows: dict[tuple[int, int, int, int], dict[int, Any]] = {}
         n, column = range(self.dimension), self._column
 
-        def add(a: int, b: int, c: int, m: int, i: int, j: int, k: int, value: Any) -> None:
-            _add(rows.setdefault((a, b, c, m), {}), column[(i, j, k) if i <= j else (j, i, k)], value)
+        def add(place: tuple[int, int, int, int], i: int, j: int, k: int, value: Any) -> None:
+            _add(rows.setdefault(place, {}), column[(i, j, k) if i <= j else (j, i, k)], value)
 
         for a, b, c in self.triples():
             for k in n:
                 for m, w in self.product(a, k).items():
-                    add(a, b, c, m, b, c, k, w)
+                    add((a, b, c, m), b, c, k, w)
                 for m, w in self.product(k, c).items():
-                    add(a, b, c, m, a, b, k, -w)
+                    add((a, b, c, m), a, b, k, -w)
             for p, w in self._argument(a, b).items():
                 for m in n:
-                    add(a, b, c, m, p, c, m, -w)
+                    add((a, b, c, m), p, c, m, -w)
             for p, w in self._argument(b, c).items():
                 for m in n:
-                    add(a, b, c, m, a, p, m, w)
+                    add((a, b, c, m), a, p, m, w)
         return {key: row for key, row in rows.items() if row}
 
     def of_cochain(self, f: Cochain) -> Trilinear:
@@ -248,7 +248,7 @@ class CommutativeComplex:
         return Echelon(self.field, sorted(columns, key=len))
 
     def mended(self, residual: Trilinear) -> tuple[Cochain, Trilinear]:
-        r"""A cochain f and what is left of a trilinear map, $F = \delta f + F'$, F' in a complement of the differentials."""
+        r"""A cochain f and what is left of a trilinear map, $F = \delta f + F'$, in a complement of the differentials."""
         left = self.images.reduce({(_MAP, *key): value for key, value in residual.items()})
         f: Cochain = {key[1:]: -value for key, value in left.items() if key[0] == _KEPT}
         return f, {key[1:]: value for key, value in left.items() if key[0] == _MAP}

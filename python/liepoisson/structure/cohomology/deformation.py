@@ -1,11 +1,11 @@
-r"""Deformations of commutative algebras, $e_\mu e_\nu = \sum_\lambda (W + \sum_\alpha s^\alpha f_\alpha)_\lambda e_\lambda$."""
+r"""Deformations of commutative algebras, $W + \sum_\alpha s^\alpha f_\alpha$ in the place of the products W."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, substituted, sum_of, symbols_of, to_sympy
 from liepoisson.algebra.sparse_polynomials import Monomial

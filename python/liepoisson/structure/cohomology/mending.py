@@ -1,6 +1,6 @@
 r"""Higher terms of a deformation $W + \sum_\alpha s^\alpha f_\alpha$, by exact linear algebra, order by order.
 
-Associativity at the monomial $s^\alpha$ is $\delta f_\alpha = \sum_{\beta + \gamma = \alpha} f_\beta \circ f_\gamma$ with
+Associativity at $s^\alpha$ is $\delta f_\alpha = \sum_{\beta + \gamma = \alpha} f_\beta \circ f_\gamma$ with
 $(f \circ h)(a, b, c) = f(h(a, b), c) - f(a, h(b, c))$.  What is no differential is left over: its entries, as
 polynomials in s, vanish exactly where the deformed product is associative.
 

@@ -4,9 +4,9 @@ r"""Orbits of twists under the automorphisms of the algebra, with representative
   the determinant.  There are five orbits, told apart by the roots, and the twists are all unital algebras of dimension
   three.
 * $\mathbb R[x]/(x^n)$: the classes are the polynomials p of degree at most n - 2, the deformations $x^n = t\,p(x)$.
-  The substitution $x = y w(y)$ takes p to $p(y w)\,w^{-n}$ modulo $y^{n-1}$; so $p = x^i v(x)$ with $v(0) \ne 0$ goes to
-  $x^i$ or $-x^i$, for which $w^{n-i} = \pm v(y w)$ is to be solved: with the sign of $v(0)$ if n - i is even, else with
-  either one.
+  The substitution $x = y w(y)$ takes p to $p(y w)\,w^{-n}$ modulo $y^{n-1}$; so $p = x^i v(x)$ with $v(0) \ne 0$ goes
+  to $x^i$ or $-x^i$, for which $w^{n-i} = \pm v(y w)$ is to be solved: with the sign of $v(0)$ if n - i is even, else
+  with either one.
 * An algebra without classes has one orbit.
 
 Others are not decided here.
@@ -24,9 +24,9 @@ from liepoisson.algebra.real_fields import real_field
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.automorphisms import Automorphism
+from liepoisson.structure.classification import Classification, classify
 from liepoisson.structure.cohomology.binary_cubics import KINDS, Cubic, cubic_form, discriminant, kind_of
 from liepoisson.structure.cohomology.change_of_basis import Rows, from_basis, in_basis, multiplied
-from liepoisson.structure.classification import Classification, classify
 from liepoisson.structure.derivations import arrows
 from liepoisson.structure.extension import Products
 from liepoisson.structure.normal_forms import null_square, truncated_polynomials
@@ -105,7 +105,7 @@ class TwistOrbits:
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
 class TwistForm:
-    """How a twist is brought to the representative of its orbit.
+    r"""How a twist is brought to the representative of its orbit.
 
     Example:
         >>> f = lp.cocycles(lp.so(3) @ lp.semidirect(3)).combination([2, 0, 0, 0])
@@ -115,7 +115,7 @@ class TwistForm:
 
     Attributes:
         orbit: The orbit.
-        automorphism: The linear map of fields: P with $e'_i = \\sum_j P_{ij} e_j$, in which basis the cocycle is the
+        automorphism: The linear map of fields: P with $e'_i = \sum_j P_{ij} e_j$, in which basis the cocycle is the
             representative, up to a coboundary, and the algebra is the normal form.  None if it is not written out.
         field_extension: The field that its entries generate.
         text: The map in words.
@@ -152,7 +152,8 @@ def normal_form(f: Cocycle) -> TwistForm:
     values = [value for row in f.products.values() for value in row.values()]
     if twists.extension.symbols or any(symbols_of(value) for value in values):
         raise ParameterError(
-            f"the orbit of a twist depends on the values of symbols; got {f} of {twists.extension.name}. Insert numbers."
+            f"the orbit of a twist depends on the values of symbols; got {f} of {twists.extension.name}. Insert "
+            "numbers."
         )
     if not known.is_decided:
         raise ParameterError(

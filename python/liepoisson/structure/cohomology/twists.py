@@ -27,9 +27,9 @@ from liepoisson.inputs.names import free_name
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.casimirs import special_values
+from liepoisson.structure.cohomology.change_of_basis import in_basis
 from liepoisson.structure.cohomology.cocycle import Cocycle
 from liepoisson.structure.cohomology.commutative_complex import Cochain, CommutativeComplex
-from liepoisson.structure.cohomology.change_of_basis import in_basis
 from liepoisson.structure.cohomology.deformation import ClosedForm, Deformation, symbols_in, taken_names
 from liepoisson.structure.cohomology.mending import Mended, mended
 from liepoisson.structure.extension import Extension, Products, read_products
@@ -148,8 +148,8 @@ class Cocycles:
     ) -> Deformation:
         r"""The general deformation $W + \sum_i s_i f_i + \dots$ with one parameter for each class.
 
-        Its `conditions` are the obstructions: polynomials in the parameters, which vanish where it is associative.  Every
-        small deformation of A is one of these, up to a change of variables (Kuranishi's family).
+        Its `conditions` are the obstructions: polynomials in the parameters, which vanish where it is associative.
+        Every small deformation of A is one of these, up to a change of variables (Kuranishi's family).
 
         Args:
             parameters: Their names; s1, s2, ... if left out.
