@@ -19,7 +19,7 @@ def is_casimir(bracket, function):
 
 def test_the_twist_goes_away_as_the_last_fields_shrink():
     found = contraction(TWISTED, {"alpha": 1, "beta": 1})
-    assert found.limit.entries() == (lp.so(3) @ lp.semidirect(3)).entries()
+    assert found.contracted.entries() == (lp.so(3) @ lp.semidirect(3)).entries()
     assert found.family.jacobi_certificate().holds
     at = found.family.substitute({"t": 1})
     assert at.entries() == TWISTED.entries()
@@ -39,21 +39,21 @@ def test_weights_of_fields_are_a_change_of_variables_of_the_bracket():
 def test_two_spheres_become_the_heavy_top_and_their_casimirs_stay_independent():
     """so(4) to se(3): both Casimirs begin with |alpha|^2, and their difference gives l.alpha."""
     found = contraction(SPHERES, matrix=[[1, 1], [0, "t"]])
-    assert found.limit.entries() == (lp.so(3) @ lp.semidirect(2)).entries()
+    assert found.contracted.entries() == (lp.so(3) @ lp.semidirect(2)).entries()
     dot = sum(sp.Symbol(f"l{k}") * sp.Symbol(f"alpha{k}") for k in (1, 2, 3))
     norm = sum(sp.Symbol(f"alpha{k}") ** 2 for k in (1, 2, 3))
     assert found.casimirs == (sp.expand(-2 * dot), norm)
     C1, C2, t = sp.symbols("C1 C2 t")
     assert found.origins == (sp.expand(t * (C1 - C2)), t**2 * C2)
     assert found.independent == 2
-    assert all(is_casimir(found.limit, c) for c in found.casimirs)
+    assert all(is_casimir(found.contracted, c) for c in found.casimirs)
 
 
 def test_origins_say_what_the_limits_are_limits_of():
     """Insert the Casimirs in the new variables: what is left at t = 0 is the limit."""
     found = contraction(SPHERES, matrix=[[1, 1], [0, "t"]])
     t = sp.Symbol("t")
-    old, new = SPHERES.fields, found.limit.fields
+    old, new = SPHERES.fields, found.contracted.fields
     values = {}
     for k in range(3):
         values[old["l"][k]] = new["l"][k] - new["alpha"][k] / t
@@ -66,21 +66,21 @@ def test_origins_say_what_the_limits_are_limits_of():
 def test_components_of_the_lie_algebra_contract_too():
     """Inonu and Wigner: so(3) to se(2)."""
     found = contraction(lp.so(3) @ lp.trivial(), algebra_weights=[1, 1, 0])
-    assert found.limit.algebra.derived_series()[-1].dimension == 0
-    assert found.limit.algebra.is_solvable
+    assert found.contracted.algebra.derived_series()[-1].dimension == 0
+    assert found.contracted.algebra.is_solvable
     l1, l2 = sp.symbols("l1 l2")
     assert found.casimirs == (l1**2 + l2**2,)
-    assert is_casimir(found.limit, found.casimirs[0])
-    assert not is_casimir(found.limit, found.bracket.casimirs()[0])
+    assert is_casimir(found.contracted, found.casimirs[0])
+    assert not is_casimir(found.contracted, found.bracket.casimirs()[0])
 
 
 def test_a_growing_factor_is_met_by_a_vanishing_one():
     """Powers of A and of g add up: here t^-1 and t, so that the limit is neither abelian nor infinite."""
     bracket = lp.so(3) @ lp.Extension.from_products(2, {(0, 0): {1: 1}})
     found = contraction(bracket, [0, 1], algebra_weights=[1, 1, 1])
-    assert found.limit.entries() == bracket.entries()
+    assert found.contracted.entries() == bracket.entries()
     vanishing = contraction(bracket, [1, 1], algebra_weights=[1, 1, 1])
-    assert vanishing.limit.entries() == ()
+    assert vanishing.contracted.entries() == ()
 
 
 def test_integrals_have_limits_in_involution():
@@ -92,14 +92,14 @@ def test_integrals_have_limits_in_involution():
     found = contraction(TWISTED, [0, 1, 1], integrals=[l[2], P])
     assert found.integrals[0] == l[2]
     assert found.independent == 5
-    assert found.limit(*found.integrals) == 0
+    assert found.contracted(*found.integrals) == 0
     assert sp.expand(found.integrals[1] - l.dot(alpha) - beta[2]) == 0
 
 
 def test_a_constant_part_scales_with_both_of_its_fields():
     bracket = (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "k"})
     found = contraction(bracket, algebra_weights=[1, 1, 0])
-    assert found.limit.constant == {}
+    assert found.contracted.constant == {}
     k, t = sp.symbols("k t")
     assert found.family.constant == {(0, 1): k * t**2}
 

@@ -1,8 +1,8 @@
 r"""Contractions: the limit of a bracket along a one-parameter group of changes of variables, with its functions.
 
-The basis $e'_\mu = \sum_\nu P_{\mu\nu}(t)\, e_\nu$ of A has the products $W(t) = P P\, W P^{-1}$, and so have components of
-g.  For $t \ne 0$ this is the same bracket in the fields $x'_\mu = \sum_\nu P_{\mu\nu} x_\nu$; its limit as t goes to
-0, where there is one, is another one, of which W is a deformation.
+In the basis $e'_\mu = \sum_\nu P_{\mu\nu}(t)\, e_\nu$ A has the products $W(t) = P P\, W P^{-1}$.  For $t \ne 0$
+this is the same bracket in the fields $x'_\mu = \sum_\nu P_{\mu\nu} x_\nu$; its limit as t goes to 0, where there is
+one, is another one, of which W is a deformation.
 
 A function F of x is one of x' and t.  The first coefficient of its expansion in t is its limit.  Limits of independent
 functions may depend on each other; then a relation R between them gives the function $R(F_1, F_2, \dots)$, which
@@ -30,7 +30,7 @@ from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
-from liepoisson.inputs.given import is_named, listed, named
+from liepoisson.inputs.given import is_named, listed, named, sequence
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket, read_function
 from liepoisson.structure.extension import Extension, Products
@@ -53,14 +53,14 @@ class Contraction:
 
     Example:
         >>> found = lp.brackets.contraction(lp.so(3) @ lp.leibniz(3), {"alpha": 1, "beta": 1})
-        >>> found.family.extension.products[1, 1], found.limit.extension.classify().name
+        >>> found.family.extension.products[1, 1], found.contracted.extension.classify().name
         ({2: t}, 'R[x,y]/(x,y)^2')
 
     Attributes:
         bracket: The bracket itself.
         parameter: The name of t.
         family: The bracket in the new variables, with t as a symbol: for each $t \ne 0$ the same, up to them.
-        limit: Its limit as t goes to 0.
+        contracted: Its limit as t goes to 0.
         casimirs: Limits of the Casimirs of the bracket, which are Casimirs of the limit.
         integrals: Limits of the functions that were given.
         origins: What each of these is the limit of: a polynomial in t, the Casimirs C1, C2, ... and the functions F1,
@@ -72,7 +72,7 @@ class Contraction:
     bracket: Bracket
     parameter: str
     family: Bracket
-    limit: Bracket
+    contracted: Bracket
     casimirs: tuple[Expr, ...]
     integrals: tuple[Expr, ...]
     origins: tuple[Expr, ...]
@@ -80,7 +80,7 @@ class Contraction:
     is_saturated: bool
 
     def __str__(self) -> str:
-        return f"{self.bracket!r} goes to {self.limit!r} as {self.parameter} goes to 0"
+        return f"{self.bracket!r} goes to {self.contracted!r} as {self.parameter} goes to 0"
 
     def __repr__(self) -> str:
         return f"<Contraction: {self}>"
@@ -102,7 +102,7 @@ def contraction(
     Example:
         >>> spheres = lp.so(3) @ (lp.trivial() + lp.trivial())  # so(4), by its two halves
         >>> top = lp.brackets.contraction(spheres, matrix=[[1, 1], [0, "t"]])
-        >>> top.limit.extension.classify().name, top.casimirs
+        >>> top.contracted.extension.classify().name, top.casimirs
         ('R[x]/(x^2)', (-2*alpha1*l1 - 2*alpha2*l2 - 2*alpha3*l3, alpha1**2 + alpha2**2 + alpha3**2))
 
     Args:
@@ -127,9 +127,10 @@ def contraction(
     t = _read_name(bracket, parameter)
     rows = _read_matrix(bracket, weights, matrix, t)
     powers = _read_weights(algebra_weights, bracket.algebra.basis_names, "algebra_weights")
+    given = sequence(integrals, "integrals", "functions of bracket.variables", "[bracket.variables[0]]")
     with as_deadline(time_limit).running():
         group = _Group(bracket, t, rows, powers)
-        functions = [read_function(bracket, function, f"integrals[{k}]") for k, function in enumerate(integrals)]
+        functions = [read_function(bracket, function, f"integrals[{k}]") for k, function in enumerate(given)]
         family, limit = group.family(), group.limit()
         casimirs = bracket.casimirs()
         names = [f"C{k + 1}" for k in range(len(casimirs))] + [f"F{k + 1}" for k in range(len(functions))]

@@ -78,7 +78,7 @@ class ChangeOfVariables:
         >>> twists = lp.cocycles(lp.so(3) @ lp.leibniz(3))
         >>> change = twists.cocycle({(1, 1): {2: 1}}).change_of_variables()
         >>> change.text, change.is_exact
-        ('beta -> beta + epsilon*beta', True)
+        ('beta -> (epsilon + 1)*beta', True)
 
     Attributes:
         matrices: $\psi_1, \psi_2, \dots$; field mu goes to the sum of `matrices[k][mu][nu]` times field nu.
@@ -270,10 +270,12 @@ class Cocycle:
         """
         if (obstruction := self.obstruction(order)) is not None:
             raise obstruction.error()
+        from liepoisson.structure.cohomology.twists import closed_form
+
         found, complex_ = self._mended(self.twists.most(order)), self.in_cochains[0]
         terms = {monomial: self.twists.written(complex_, term) for monomial, term in found.terms.items()}
         name = self._parameter(parameter)
-        closed = None if found.ends else self.twists.closed_form([self], [name])
+        closed = None if found.ends else closed_form(self.twists, [self], [name])
         return Deformation(self.twists.given, (name,), terms, (), found.order, found.ends, closed)
 
     def _parameter(self, parameter: str | None) -> str:

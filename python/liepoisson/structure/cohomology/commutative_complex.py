@@ -248,7 +248,7 @@ class CommutativeComplex:
         return Echelon(self.field, sorted(columns, key=len))
 
     def mended(self, residual: Trilinear) -> tuple[Cochain, Trilinear]:
-        r"""A cochain f and what is left of a trilinear map, $F = \delta f + F'$, in a complement of the differentials."""
+        r"""A cochain f and F' with $F = \delta f + F'$, of a trilinear map; F' is in a complement of differentials."""
         left = self.images.reduce({(_MAP, *key): value for key, value in residual.items()})
         f: Cochain = {key[1:]: -value for key, value in left.items() if key[0] == _KEPT}
         return f, {key[1:]: value for key, value in left.items() if key[0] == _MAP}

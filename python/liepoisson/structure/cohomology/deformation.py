@@ -60,8 +60,8 @@ class Deformation:
     Example:
         >>> twists = lp.cocycles(lp.so(3) @ lp.semidirect(3))
         >>> general = twists.deformation(["p", "q", "r", "s"])
-        >>> general.terms[1, 0, 1, 0], general.conditions
-        ({(1, 2): {0: Fraction(-1, 1)}}, ())
+        >>> general.terms[1, 0, 0, 1], general.conditions  # p s in e1 e1
+        ({(1, 1): {0: Fraction(-1, 1)}}, ())
 
     Attributes:
         given: The bracket or the extension that is deformed.

@@ -171,39 +171,13 @@ class Cocycles:
             }
             found = mended(complex_, first, self.most(order))
             terms = {monomial: self.written(complex_, term) for monomial, term in found.terms.items()}
-            closed = None if found.ends else self.closed_form(self.basis, names)
+            closed = None if found.ends else closed_form(self, self.basis, names)
             if closed is None:
                 conditions = _conditions(found, complex_.field, names)
             else:
                 inner: Any = dict(zip(closed.inner.parameters, map(to_sympy, closed.values), strict=True))
                 conditions = tuple(p.subs(inner, simultaneous=True).expand() for p in closed.inner.conditions)
         return Deformation(self.given, names, terms, conditions, found.order, found.ends, closed)
-
-    def closed_form(self, first: Sequence[Cocycle], names: Sequence[str]) -> ClosedForm | None:
-        """A deformation with these terms of first order, from one of the normal form of A whose series ends.
-
-        In a basis that has nothing to do with the algebra, its grading by powers of generators is hidden, and series
-        need not end; in that of the normal form they do.  What is left of each cocycle there is a coboundary.
-        """
-        from liepoisson.structure.classification import classify
-
-        try:
-            found = classify(self.extension)
-        except ParameterError:  # more fields than are classified, or a sign of symbols
-            return None
-        if found.normal_form is None or found.change_of_basis is None:
-            return None
-        there, rows = _cocycles(found.normal_form), found.change_of_basis
-        moved = [there.cocycle(cast("Any", in_basis(f.products, rows))) for f in first]
-        taken = {*names, *self.extension.symbols, *(s for f in first for s in symbols_in(f.products))}
-        inner = there.deformation([free_name(f"s{k + 1}", taken) for k in range(there.dimension)])
-        if not inner.ends:
-            return None
-        values: list[Exact] = [Fraction(0)] * there.dimension
-        for name, f in zip(names, moved, strict=True):
-            s = read_parameter(name, name)
-            values = [sum_of(old, product_of(s, c)) for old, c in zip(values, f.coordinates, strict=True)]
-        return ClosedForm(inner, tuple(values), rows, tuple(f.coboundary_map() for f in moved))
 
     def conditions(
         self, parameters: Sequence[str] | None = None, *, order: int | None = None, time_limit: float = SEARCH_LIMIT
@@ -328,6 +302,33 @@ class Cocycles:
 
     def __repr__(self) -> str:
         return f"<Cocycles of {self.extension.name}, {self.dimension} classes>"
+
+
+def closed_form(twists: Cocycles, first: Sequence[Cocycle], names: Sequence[str]) -> ClosedForm | None:
+    """A deformation with these terms of first order, from one of the normal form of A whose series ends.
+
+    In a basis that has nothing to do with the algebra, its grading by powers of generators is hidden, and series
+    need not end; in that of the normal form they do.  What is left of each cocycle there is a coboundary.
+    """
+    from liepoisson.structure.classification import classify
+
+    try:
+        found = classify(twists.extension)
+    except ParameterError:  # more fields than are classified, or a sign of symbols
+        return None
+    if found.normal_form is None or found.change_of_basis is None:
+        return None
+    there, rows = _cocycles(found.normal_form), found.change_of_basis
+    moved = [there.cocycle(cast("Any", in_basis(f.products, rows))) for f in first]
+    taken = {*names, *twists.extension.symbols, *(s for f in first for s in symbols_in(f.products))}
+    inner = there.deformation([free_name(f"s{k + 1}", taken) for k in range(there.dimension)])
+    if not inner.ends:
+        return None
+    values: list[Exact] = [Fraction(0)] * there.dimension
+    for name, f in zip(names, moved, strict=True):
+        s = read_parameter(name, name)
+        values = [sum_of(old, product_of(s, c)) for old, c in zip(values, f.coordinates, strict=True)]
+    return ClosedForm(inner, tuple(values), rows, tuple(f.coboundary_map() for f in moved))
 
 
 def _conditions(found: Mended, field: Coefficients, names: Sequence[str]) -> tuple[Expr, ...]:
