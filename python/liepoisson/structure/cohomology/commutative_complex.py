@@ -86,7 +86,7 @@ class CommutativeComplex:
     def pivots(self) -> list[Any]:
         """What the eliminations divided by: where none of these vanishes, values of parameters keep the dimensions."""
         unit = [value for value in self.unit or () if value]
-        return [*self._pivots_of_unit, *unit, *self.cocycles.pivots, *self.coboundaries.pivots]
+        return [*self._pivots_of_unit, *unit, *self._classes[1].pivots, *self.coboundaries.pivots]
 
     def product(self, i: int, j: int) -> Mapping[int, Any]:
         """The product of two basis elements."""
@@ -185,9 +185,13 @@ class CommutativeComplex:
         return found
 
     @cached_property
-    def cocycles(self) -> NullSpace:
-        """The cocycles, in the coordinates `pairs`."""
-        return nullspace(list(self._equations.values()), len(self.pairs), self.field)
+    def _classes(self) -> tuple[list[int], NullSpace]:
+        """The cocycles without the places where rows of coboundaries lead: one for each class, by columns."""
+        leads = {lead[1:] for lead in self.coboundaries.rows if lead[0] == _MAP}
+        columns = [column for column, key in enumerate(self.pairs) if key not in leads]
+        place = {column: k for k, column in enumerate(columns)}
+        rows = ({place[c]: value for c, value in row.items() if c in place} for row in self._equations.values())
+        return columns, nullspace([row for row in rows if row], len(columns), self.field)
 
     @cached_property
     def coboundaries(self) -> Echelon:
@@ -218,11 +222,9 @@ class CommutativeComplex:
         In reduced echelon form modulo the coboundaries: each has the coefficient 1 at its first place, where no
         coboundary and no other representative has any.
         """
-        classes = Echelon(self.field)
-        for vector in self.cocycles.vectors:
-            cochain: Cochain = {self.pairs[column]: value for column, value in vector.items()}
-            classes.insert(self.reduced(cochain)[0])
-        return [dict(row) for row in classes.basis()]
+        columns, space = self._classes
+        vectors = ({self.pairs[columns[k]]: value for k, value in vector.items()} for vector in space.vectors)
+        return [dict(row) for row in Echelon(self.field, vectors).basis()]
 
     def reduced(self, f: Cochain) -> tuple[Cochain, Map]:
         r"""A cochain modulo coboundaries, f' and g with $f = f' + \delta g$."""
