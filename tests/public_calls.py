@@ -34,7 +34,7 @@ DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
 NOT_READ = {
-    "brackets.CasimirReport", "brackets.Contraction", "brackets.Derivation", "brackets.JacobiCertificate",
+    "brackets.CasimirReport", "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate",
     "brackets.Locus", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
     "extensions.ChangeOfVariables", "extensions.Classification", "extensions.Deformation", "extensions.LocalFactor",
     "extensions.Obstruction", "extensions.TwistOrbits", "fields.PiecesField", "fields.QuadraticField",
@@ -207,10 +207,10 @@ def _of_algebras(add):
     add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 1], [0, "t"]])
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
     twists = lp.cocycles(lp.so(3) @ lp.semidirect(3))
-    add("extensions.Cocycles.cocycle", "products:v", twists, products={(1, 1): {2: 1}})
-    add("extensions.Cocycles.combination", "coefficients:o", twists, coefficients=[1, 2, 3, 5])
+    add("extensions.Twists.cocycle", "products:v", twists, products={(1, 1): {2: 1}})
+    add("extensions.Twists.combination", "coefficients:o", twists, coefficients=[1, 2, 3, 5])
     for name in ("conditions", "deformation"):
-        add(f"extensions.Cocycles.{name}", "parameters:o", twists, parameters=["p", "q", "r", "s"])
+        add(f"extensions.Twists.{name}", "parameters:o", twists, parameters=["p", "q", "r", "s"])
     add("extensions.Extension", "tensor:o field_names:o", tensor=lp.semidirect(2).tensor, field_names=["u", "v"])
     add(
         "extensions.Extension.from_products", "products:v field_names:o", n=1, products={(0, 0): {0: 1}},

@@ -48,7 +48,7 @@ MAX_RELATION = 8
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class Contraction:
+class ContractedBracket:
     r"""A family of brackets and its limit.
 
     Example:
@@ -83,7 +83,7 @@ class Contraction:
         return f"{self.bracket!r} goes to {self.contracted!r} as {self.parameter} goes to 0"
 
     def __repr__(self) -> str:
-        return f"<Contraction: {self}>"
+        return f"<ContractedBracket: {self}>"
 
 
 @explains_its_arguments
@@ -96,7 +96,7 @@ def contraction(
     integrals: Sequence[Expr] = (),
     parameter: str = "t",
     time_limit: float = SEARCH_LIMIT,
-) -> Contraction:
+) -> ContractedBracket:
     r"""The limit of a bracket g (x) A as t goes to 0, with the limits of its Casimirs and of integrals.
 
     Example:
@@ -137,7 +137,7 @@ def contraction(
         found = _Limits(group, [*casimirs, *functions], names)
         found.saturate()
     limits = found.expressions()
-    return Contraction(
+    return ContractedBracket(
         bracket,
         t,
         family,

@@ -18,7 +18,7 @@ from liepoisson.inputs.refusals import check_kind
 from liepoisson.structure.automorphisms import Automorphism
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.cohomology.commutative_complex import Cochain, CommutativeComplex, Map, Trilinear, combined
-from liepoisson.structure.cohomology.deformation import (
+from liepoisson.structure.cohomology.deformed_algebra import (
     Deformation,
     element_in_words,
     in_words,
@@ -31,7 +31,7 @@ from liepoisson.structure.extension import Extension, Products
 
 if TYPE_CHECKING:
     from liepoisson.structure.cohomology.twist_orbits import TwistForm
-    from liepoisson.structure.cohomology.twists import Cocycles
+    from liepoisson.structure.cohomology.twists import Twists
 
 Matrix = tuple[tuple[Exact, ...], ...]
 
@@ -128,7 +128,7 @@ class Cocycle:
         products: $f(e_\mu, e_\nu) = \sum_\lambda$ `products[mu, nu][lam]` e_lam, the nonzero ones for mu <= nu.
     """
 
-    twists: Cocycles
+    twists: Twists
     products: Products
 
     @property

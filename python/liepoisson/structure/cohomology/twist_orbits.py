@@ -33,7 +33,7 @@ from liepoisson.structure.normal_forms import null_square, truncated_polynomials
 
 if TYPE_CHECKING:
     from liepoisson.structure.cohomology.cocycle import Cocycle
-    from liepoisson.structure.cohomology.twists import Cocycles
+    from liepoisson.structure.cohomology.twists import Twists
 
 
 @explains_its_methods
@@ -127,8 +127,8 @@ class TwistForm:
     text: str
 
 
-def orbits(twists: Cocycles) -> TwistOrbits:
-    """The orbits of all classes; see `Cocycles.orbits`."""
+def orbits(twists: Twists) -> TwistOrbits:
+    """The orbits of all classes; see `Twists.orbits`."""
     if twists.is_rigid:
         return TwistOrbits((_orbit(twists, "zero", {}),), True, "there is no class but zero")
     kind, found = _kind(twists)
@@ -215,7 +215,7 @@ def _condition(n: int, i: int, sign: int) -> str:
     return text.replace("x^1", "x") if i == 1 else text
 
 
-def _kind(twists: Cocycles) -> tuple[str, Classification]:
+def _kind(twists: Twists) -> tuple[str, Classification]:
     """Which of the two families the algebra belongs to, if to one."""
     found = classify(twists.extension)
     n = twists.extension.dimension
@@ -243,7 +243,7 @@ def _products_of_power(n: int, i: int, sign: int) -> Products:
     return {(a, b): {a + b - n + i: Fraction(sign)} for a, b in pairs}
 
 
-def _orbit(twists: Cocycles, condition: str, products: Products, rows: Rows | None = None) -> TwistOrbit:
+def _orbit(twists: Twists, condition: str, products: Products, rows: Rows | None = None) -> TwistOrbit:
     """The orbit of a cocycle that is given in the basis of the rows."""
     if rows is not None:
         products = from_basis(products, rows)

@@ -30,7 +30,7 @@ from liepoisson.structure.casimirs import special_values
 from liepoisson.structure.cohomology.change_of_basis import in_basis
 from liepoisson.structure.cohomology.cocycle import Cocycle
 from liepoisson.structure.cohomology.commutative_complex import Cochain, CommutativeComplex
-from liepoisson.structure.cohomology.deformation import ClosedForm, Deformation, symbols_in, taken_names
+from liepoisson.structure.cohomology.deformed_algebra import ClosedForm, Deformation, symbols_in, taken_names
 from liepoisson.structure.cohomology.mending import Mended, mended
 from liepoisson.structure.extension import Extension, Products, read_products
 
@@ -49,12 +49,12 @@ class ExceptionalTwists(NamedTuple):
     """
 
     condition: str
-    twists: Cocycles
+    twists: Twists
 
 
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
-class Cocycles:
+class Twists:
     r"""The symmetric cocycles of a commutative algebra, $f: A \times A \to A$, modulo coboundaries.
 
     Example:
@@ -301,10 +301,10 @@ class Cocycles:
         return "\n".join(lines)
 
     def __repr__(self) -> str:
-        return f"<Cocycles of {self.extension.name}, {self.dimension} classes>"
+        return f"<Twists of {self.extension.name}, {self.dimension} classes>"
 
 
-def closed_form(twists: Cocycles, first: Sequence[Cocycle], names: Sequence[str]) -> ClosedForm | None:
+def closed_form(twists: Twists, first: Sequence[Cocycle], names: Sequence[str]) -> ClosedForm | None:
     """A deformation with these terms of first order, from one of the normal form of A whose series ends.
 
     In a basis that has nothing to do with the algebra, its grading by powers of generators is hidden, and series
@@ -353,7 +353,7 @@ def _conditions(found: Mended, field: Coefficients, names: Sequence[str]) -> tup
 
 
 @explains_its_arguments
-def cocycles(given: Bracket | Extension, *, time_limit: float = SEARCH_LIMIT) -> Cocycles:
+def cocycles(given: Bracket | Extension, *, time_limit: float = SEARCH_LIMIT) -> Twists:
     r"""Every way to twist a bracket of g (x) A, or an algebra A: symmetric 2-cocycles modulo coboundaries.
 
     Example:
@@ -384,7 +384,7 @@ def cocycles(given: Bracket | Extension, *, time_limit: float = SEARCH_LIMIT) ->
     return found
 
 
-def _cocycles(given: Bracket | Extension) -> Cocycles:
+def _cocycles(given: Bracket | Extension) -> Twists:
     extension = given if isinstance(given, Extension) else given.extension
     n, products = extension.dimension, extension.products
-    return Cocycles(given, Extension.from_products(n, products, extension.name, extension.field_names))
+    return Twists(given, Extension.from_products(n, products, extension.name, extension.field_names))
