@@ -1,6 +1,7 @@
 """Cocycles of commutative algebras: dimensions, representatives, deformations and obstructions."""
 
 import re
+import time
 from fractions import Fraction
 from functools import cache
 from itertools import combinations_with_replacement, product
@@ -12,7 +13,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
-from liepoisson.errors import BracketError, CocycleError, ObstructionError, ParameterError, ShapeError
+from liepoisson.errors import BracketError, CocycleError, ObstructionError, ParameterError, ShapeError, TimeLimitError
 from liepoisson.structure.classification import classify
 from liepoisson.structure.normal_forms import complex_truncated_polynomials, normal_form_named, normal_forms
 
@@ -515,3 +516,12 @@ def test_refusals():
     assert general.extension({"a": 1, "b": 0, "c": 0, "d": 0}).classify().name == "R[x]/(x^3)"
     with pytest.raises(BracketError, match="associative"):
         lp.cocycles(lp.Extension([[[0, 1], [1, 0]], [[1, 0], [0, 0]]], check=False))
+
+
+def test_a_call_ends_soon_after_its_limit():
+    began = time.process_time()
+    with pytest.raises(TimeLimitError, match="time limit"):
+        lp.cocycles(lp.leibniz(60), time_limit=0.2)
+    with pytest.raises(TimeLimitError, match="time limit"):
+        twists(lp.semidirect(7)).deformation(time_limit=0.2)
+    assert time.process_time() - began < 3 * 2

@@ -19,6 +19,7 @@ from typing import Any, TypeAlias
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.linear_algebra import NullSpace, nullspace
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.extension import Products
 
 Map: TypeAlias = "dict[tuple[int, int], Any]"
@@ -128,6 +129,7 @@ class CommutativeComplex:
 
     def of_map(self, g: Mapping[tuple[int, int], Any]) -> Cochain:
         r"""The coboundary $\delta g$ of a linear map that annihilates the unit."""
+        checkpoint("a coboundary")
         rows = _by_first(g)
         found: Cochain = {}
         for i, j in combinations_with_replacement(self.arguments, 2):
@@ -150,6 +152,7 @@ class CommutativeComplex:
             _add(rows.setdefault(place, {}), column[(i, j, k) if i <= j else (j, i, k)], value)
 
         for a, b, c in self.triples():
+            checkpoint("the equations of cocycles")
             for k in n:
                 for m, w in self.product(a, k).items():
                     add((a, b, c, m), b, c, k, w)
