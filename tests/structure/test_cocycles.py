@@ -175,6 +175,7 @@ def test_representatives_are_normalised_cocycles(extension):
 FORMS = [form for n in (2, 3, 4) for form in normal_forms(n)]
 
 
+@pytest.mark.thorough
 @lean
 @given(st.sampled_from(FORMS), st.data())
 def test_dimensions_do_not_depend_on_the_basis(form, data):
@@ -352,6 +353,7 @@ def test_obstructions_of_the_null_algebra_are_associativity():
     assert found.cocycle({(0, 0): {1: 1}}).obstruction() is None
 
 
+@pytest.mark.thorough
 @lean
 @given(st.lists(numbers, min_size=6, max_size=6))
 def test_conditions_vanish_where_and_only_where_products_are_associative(values):
@@ -405,6 +407,7 @@ def test_the_general_deformation_of_a_truncated_algebra_has_all_roots():
 SHEARED = [[1, 2, 3], [1, 1, 0], [0, 2, 5]]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("form", [lp.semidirect(3), lp.leibniz(3)], ids=str)
 def test_in_any_basis_a_twist_is_an_algebra_for_every_value_of_its_parameter(form):
     """The grading is hidden there, and the series need not end: rational functions then."""
@@ -518,10 +521,11 @@ def test_refusals():
         lp.cocycles(lp.Extension([[[0, 1], [1, 0]], [[1, 0], [0, 0]]], check=False))
 
 
+@pytest.mark.thorough
 def test_a_call_ends_soon_after_its_limit():
     began = time.process_time()
     with pytest.raises(TimeLimitError, match="time limit"):
         lp.cocycles(lp.leibniz(60), time_limit=0.2)
     with pytest.raises(TimeLimitError, match="time limit"):
         twists(lp.semidirect(7)).deformation(time_limit=0.2)
-    assert time.process_time() - began < 3 * 2
+    assert time.process_time() - began < 2 * 2

@@ -94,6 +94,7 @@ def test_the_map_lies_in_the_field_of_one_root_and_of_the_discriminant(form, fie
     assert cubic_form(tuple(expanded(form))).field_extension == field
 
 
+@pytest.mark.thorough
 @lean
 @given(st.lists(numbers, min_size=4, max_size=4), st.lists(numbers, min_size=4, max_size=4))
 def test_the_orbit_does_not_depend_on_the_basis(cubic, entries):
@@ -140,6 +141,7 @@ def test_another_basis_of_the_same_algebra():
         assert orbit.representative.normal_form().orbit.name == orbit.name
 
 
+@pytest.mark.thorough
 def test_truncated_polynomials_are_told_apart_by_the_order_of_the_relation():
     orbits = lp.cocycles(lp.leibniz(4)).orbits()
     assert [(o.condition, o.codimension, o.name) for o in orbits] == [
@@ -193,6 +195,7 @@ def test_other_algebras_are_not_decided():
         TWISTS.combination(["a", 0, 0, 0]).normal_form()
 
 
+@pytest.mark.thorough
 def test_irrational_cubics_have_their_orbit_without_a_map():
     found = cocycle_of((1, 0, "-sqrt(2)", 0)).normal_form()
     assert found.orbit.condition == "three real roots"

@@ -19,6 +19,7 @@ from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter, values_of_symbols
 from liepoisson.formula.tensors import Tensor3, read_names, read_tensor
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_named
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.refusals import check_kind, not_a
@@ -403,6 +404,7 @@ def _check_associative(n: int, products: Products) -> None:
     for mu, nu, rho in product(range(n), repeat=3):
         if mu >= rho:  # the associator of (mu, nu, rho) is minus that of (rho, nu, mu)
             continue
+        checkpoint("a check of associativity")
         residual: dict[int, Exact] = {}
         _add_product(residual, products, (mu, nu), rho, 1)
         _add_product(residual, products, (nu, rho), mu, -1)
