@@ -16,6 +16,7 @@ from typing import Any
 
 from liepoisson.algebra.linear_algebra import solve
 from liepoisson.algebra.sparse_polynomials import Monomial, of_exponents
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.cohomology.commutative_complex import Cochain, CommutativeComplex, Trilinear, combined
 
 
@@ -96,6 +97,7 @@ def _residuals(
     sums: dict[Monomial, list[tuple[Any, Trilinear]]] = {}
     for k in range(1, d):
         for m, f in degrees[k].items():
+            checkpoint("the terms of a deformation")
             for other, h in degrees[d - k].items():
                 sums.setdefault(of_exponents(m, other), []).append((complex_.field.one, complex_.composed(f, h)))
     return {m: total for m, terms in sums.items() if (total := combined(terms))}
