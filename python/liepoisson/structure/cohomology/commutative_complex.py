@@ -211,7 +211,8 @@ class CommutativeComplex:
     def derivations(self) -> list[Map]:
         """A basis of the derivations."""
         rows = self.coboundaries.rows
-        return [{key[1:]: v for key, v in rows[lead].items()} for lead in sorted(rows) if lead[0] == _KEPT]
+        kept = (rows[lead] for lead in sorted(rows) if lead[0] == _KEPT)
+        return [self.with_unit_in({key[1:]: v for key, v in row.items()}) for row in kept]
 
     @property
     def n_coboundaries(self) -> int:
@@ -233,7 +234,15 @@ class CommutativeComplex:
         r"""A cochain modulo coboundaries, f' and g with $f = f' + \delta g$."""
         left = self.coboundaries.reduce({(_MAP, *key): value for key, value in f.items()})
         remainder: Cochain = {key[1:]: value for key, value in left.items() if key[0] == _MAP}
-        return remainder, {key[1:]: -value for key, value in left.items() if key[0] == _KEPT}
+        return remainder, self.with_unit_in({key[1:]: -value for key, value in left.items() if key[0] == _KEPT})
+
+    def with_unit_in(self, g: Map) -> Map:
+        """A map that annihilates the unit, by all basis elements, that which was left out among them."""
+        found = dict(g)
+        for (i, k), value in g.items():
+            if i in self._weights:
+                _add(found, (self._left_out, k), -(self._weights[i] * value))
+        return found
 
     def coordinates(self, f: Cochain) -> tuple[list[Any], Map]:
         r"""The class of a cocycle in `basis`, and g such that f is this combination plus $\delta g$."""
@@ -354,7 +363,7 @@ def _unit(
     for j in range(n):
         rows.setdefault((j, j), {})[n] = -field.one
     space = nullspace(list(rows.values()), n + 1, field)
-    (*_, last) = [*space.vectors, {}]
+    (*_, last) = [{}, *space.vectors]
     return ([last.get(k, field.zero) for k in range(n)] if n in last else None), space.pivots
 
 

@@ -45,7 +45,7 @@ def mended(complex_: CommutativeComplex, first: Mapping[Monomial, Cochain], most
     Args:
         complex_: The cochains of the algebra.
         first: The terms of degree one.
-        most: The degree at which to stop where there is no end.
+        most: The degree beyond which terms are followed no further.
     """
     degrees: dict[int, dict[Monomial, Cochain]] = {1: {m: f for m, f in first.items() if f}}
     residuals: dict[Monomial, Trilinear] = {}
@@ -54,8 +54,8 @@ def mended(complex_: CommutativeComplex, first: Mapping[Monomial, Cochain], most
         terms = {m: f for degree in degrees.values() for m, f in degree.items()}
         if d > 2 * last or not degrees[1]:
             return Mended(terms, residuals, last, ends=True)
-        if d > most:
-            return Mended(terms, residuals, most, ends=False)
+        if last > most:
+            return Mended(terms, residuals, last, ends=False)
         degrees[d] = {}
         for monomial, total in _residuals(complex_, degrees, d).items():
             f, left = complex_.mended(total)
@@ -77,8 +77,8 @@ def mended_along(complex_: CommutativeComplex, f: Cochain, most: int) -> Mended:
         terms = {m: term for degree in degrees.values() for m, term in degree.items()}
         if d > 2 * last or not f:
             return Mended(terms, {}, last, ends=True)
-        if d > most:
-            return Mended(terms, {}, most, ends=False)
+        if last > most:
+            return Mended(terms, {}, last, ends=False)
         term, left = complex_.mended(_residuals(complex_, degrees, d).get((d,), {}))
         if left and d > 2 and (shift := _shift(complex_, f, left)):
             degrees[d - 1] = {(d - 1,): combined([(one, degrees[d - 1].get((d - 1,), {})), (one, shift)])}

@@ -7,7 +7,7 @@ what changes of variables do.  The classes are Harrison's cohomology $H^2(A, A)$
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from numbers import Integral
@@ -165,19 +165,23 @@ class Twists:
         """
         names = self._names(parameters)
         with as_deadline(time_limit).running():
-            complex_ = self._complex
-            first: dict[tuple[int, ...], Cochain] = {
-                tuple(int(i == k) for i in range(self.dimension)): f for k, f in enumerate(complex_.basis)
-            }
-            found = mended(complex_, first, self.most(order))
-            terms = {monomial: self.written(complex_, term) for monomial, term in found.terms.items()}
-            closed = None if found.ends else closed_form(self, self.basis, names)
-            if closed is None:
-                conditions = _conditions(found, complex_.field, names)
-            else:
-                inner: Any = dict(zip(closed.inner.parameters, map(to_sympy, closed.values), strict=True))
-                conditions = tuple(p.subs(inner, simultaneous=True).expand() for p in closed.inner.conditions)
-        return Deformation(self.given, names, terms, conditions, found.order, found.ends, closed)
+            found = self._general(names, order)
+            if found.ends or (closed := closed_form(self, self.basis, names)) is None:
+                return found
+            inner: Any = dict(zip(closed.inner.parameters, map(to_sympy, closed.values), strict=True))
+            conditions = tuple(p.subs(inner, simultaneous=True).expand() for p in closed.inner.conditions)
+        return replace(found, conditions=conditions, closed_form=closed)
+
+    def _general(self, names: tuple[str, ...], order: int | None = None) -> Deformation:
+        """The same as a series alone."""
+        complex_ = self._complex
+        first: dict[tuple[int, ...], Cochain] = {
+            tuple(int(i == k) for i in range(self.dimension)): f for k, f in enumerate(complex_.basis)
+        }
+        found = mended(complex_, first, self.most(order))
+        terms = {monomial: self.written(complex_, term) for monomial, term in found.terms.items()}
+        conditions = _conditions(found, complex_.field, names)
+        return Deformation(self.given, names, terms, conditions, found.order, found.ends)
 
     def conditions(
         self, parameters: Sequence[str] | None = None, *, order: int | None = None, time_limit: float = SEARCH_LIMIT
@@ -321,7 +325,7 @@ def closed_form(twists: Twists, first: Sequence[Cocycle], names: Sequence[str]) 
     there, rows = _cocycles(found.normal_form), found.change_of_basis
     moved = [there.cocycle(cast("Any", in_basis(f.products, rows))) for f in first]
     taken = {*names, *twists.extension.symbols, *(s for f in first for s in symbols_in(f.products))}
-    inner = there.deformation([free_name(f"s{k + 1}", taken) for k in range(there.dimension)])
+    inner = there._general(tuple(free_name(f"s{k + 1}", taken) for k in range(there.dimension)))  # pyright: ignore[reportPrivateUsage]
     if not inner.ends:
         return None
     values: list[Exact] = [Fraction(0)] * there.dimension
