@@ -13,8 +13,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import liepoisson as lp
+from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.errors import BracketError, CocycleError, ObstructionError, ParameterError, ShapeError, TimeLimitError
 from liepoisson.structure.classification import classify
+from liepoisson.structure.cohomology.commutative_complex import CommutativeComplex
 from liepoisson.structure.normal_forms import complex_truncated_polynomials, normal_form_named, normal_forms
 
 numbers = st.integers(-3, 3)
@@ -386,6 +388,38 @@ def test_an_obstruction_beyond_the_square():
     values = dict(zip(s, along.coordinates, strict=True))
     assert all(p.subs(values) == 0 for p in conditions)
     assert classify(along.extension(1)).name == "R[x]/(x^4)"
+
+
+def test_a_term_of_second_order_may_have_to_contain_a_cocycle():
+    """The square of f is a differential, but the straight line of classes is obstructed at order three."""
+    found = twists(normal_form_named("R[x,y,z]/(x^3, xy, xz, y^2, yz, z^2)"))
+    f = found.cocycle({(1, 2): {3: 1}, (1, 3): {2: 1}})
+    deformed = f.deformation("t")
+    assert deformed.ends
+    lp.Extension.from_products(5, deformed.extension().products)  # associative: verified anew
+    assert f.obstruction() is None
+    general = found.deformation()
+    straight = dict(zip(general.parameters, f.coordinates, strict=True))
+    assert any(condition.subs(straight) != 0 for condition in general.conditions)
+
+
+@pytest.mark.parametrize(
+    "form", [lp.leibniz(4), lp.trivial() + lp.leibniz(3), complex_truncated_polynomials(2)], ids=str
+)
+def test_the_unit_is_put_into_no_argument(form):
+    """In any basis: one basis element is left out, and what is left has the same cohomology as all cochains."""
+    moved = in_basis(form, [[1, 2, 0, 1], [0, 1, 1, 3], [1, 1, 2, 0], [0, 0, 1, 1]])
+    complex_ = CommutativeComplex.of(4, moved.products, Coefficients())
+    assert tuple(complex_.unit) == moved.unit()
+    assert len(complex_.arguments) == 3
+    assert len(complex_.plain.arguments) == 4
+    assert len(complex_.basis) == len(complex_.plain.basis) == twists(form).dimension
+    assert complex_.n_coboundaries == complex_.plain.n_coboundaries
+    for f in complex_.basis:
+        assert not complex_.plain.of_cochain(complex_.with_unit(f))
+        assert complex_.is_normalised(complex_.with_unit(f))
+    for D in complex_.derivations:
+        assert not complex_.plain.of_map(D)
 
 
 def test_the_general_deformation_of_a_truncated_algebra_has_all_roots():
