@@ -24,6 +24,7 @@ lean = settings(max_examples=15, deadline=None, suppress_health_check=list(Healt
 
 CHARGED = lp.so(3) @ lp.semidirect(3)
 NAMES = ["a", "b", "c", "d"]
+SHEARED = [[1, 2, 3], [1, 1, 0], [0, 2, 5]]
 
 
 @cache
@@ -331,15 +332,48 @@ def test_a_nilpotent_change_ends_at_an_order_of_its_own():
     assert change.matrices == (tuple(tuple(-Fraction(v) for v in row) for row in g),)
 
 
-def test_the_first_order_holds_where_the_series_does_not_end():
+def test_a_change_of_variables_may_be_the_inverse_of_one_that_ends():
+    """e0 e0 = (1 + t) e0: the fields go to l/(1 + t)."""
+    bracket = lp.so(3) @ (lp.trivial() + lp.trivial())
+    f = twists(bracket).cocycle({(0, 0): {0: 1}})
+    change = f.change_of_variables()
+    assert change.is_exact
+    assert change.is_inverse
+    assert change.text == "l -> (1 - epsilon)*l"
+    assert change.map("t").is_poisson(f.bracket("t"), bracket)
+    assert change.map(2).matrix[0][0] == Fraction(1, 3)
+
+
+def test_a_coboundary_whose_series_does_not_end_is_undone_exactly_too():
+    bracket = lp.so(3) @ in_basis(lp.leibniz(3), SHEARED)
+    found = lp.cocycles(bracket)
+    g = [[0, 1, 2], [1, 0, -1], [3, 1, 1]]
+    W, n = bracket.extension.tensor, range(3)
+    products = {}
+    for i, j in combinations_with_replacement(n, 2):
+        products[i, j] = {
+            m: sum(g[j][k] * W[m][i][k] + g[i][k] * W[m][j][k] - W[k][i][j] * g[k][m] for k in n) for m in n
+        }
+    f = found.cocycle(products)
+    change = f.change_of_variables()
+    assert change.is_exact
+    assert change.map("1/7").is_poisson(f.bracket("1/7"), bracket)
+
+
+def test_the_first_order_holds_where_no_series_ends():
+    """e0 - e1 has a square root in front: the change of variables is no rational function."""
     found = twists(lp.trivial() + lp.trivial())
-    f = found.cocycle({(0, 0): {0: 1}})  # e0 e0 = (1 + t) e0; the fields go to l/(1 + t)
+    f = found.cocycle({(0, 0): {0: 1, 1: 1}, (0, 1): {0: -1, 1: -1}, (1, 1): {0: 1, 1: 1}})
     change = f.change_of_variables()
     assert not change.is_exact
-    assert change.text == "l -> (1 - epsilon)*l"
+    assert not change.is_inverse
     t = sp.Symbol("t")
-    entry = change.map("t").matrix[0][0]
-    assert sp.series(1 / (1 + t) - entry, t, 0, len(change.matrices) + 1).removeO() == 0
+    P, n = change.map("t").matrix, range(2)
+    deformed = f.extension("t")
+    for i, j, m in product(n, repeat=3):  # psi(a b) = psi(a) * psi(b), up to the first power of t
+        left = sum(sp.sympify(found.extension.tensor[k][i][j]) * P[k][m] for k in n)
+        right = sum(P[i][a] * P[j][b] * sp.sympify(deformed.tensor[m][a][b]) for a in n for b in n)
+        assert all(sp.Poly(sp.expand(left - right), t).coeff_monomial(t**k) == 0 for k in (0, 1))
 
 
 def test_obstructions_of_the_null_algebra_are_associativity():
@@ -436,9 +470,6 @@ def test_the_general_deformation_of_a_truncated_algebra_has_all_roots():
     assert third == 0
     values = [-c for c in reversed(rest)]
     assert general.extension(values).classify().name == "R + R + R + R"
-
-
-SHEARED = [[1, 2, 3], [1, 1, 0], [0, 2, 5]]
 
 
 @pytest.mark.thorough

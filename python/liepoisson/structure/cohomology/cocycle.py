@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, sum_of, to_sympy
 from liepoisson.errors import CocycleError, ObstructionError, ParameterError
@@ -17,6 +17,7 @@ from liepoisson.inputs.names import free_name
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.structure.automorphisms import Automorphism
 from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.cohomology.change_of_basis import identity, inverse, multiplied
 from liepoisson.structure.cohomology.commutative_complex import Cochain, CommutativeComplex, Map, Trilinear, combined
 from liepoisson.structure.cohomology.deformed_algebra import (
     Deformation,
@@ -72,7 +73,7 @@ class Obstruction:
 @explains_its_methods
 @dataclass(frozen=True, eq=False)
 class ChangeOfVariables:
-    r"""The change of fields $\psi = 1 + \sum_k t^k \psi_k$ that undoes a coboundary.
+    r"""The change of fields that undoes a coboundary: $1 + \sum_k t^k \psi_k$, or the inverse of such a map.
 
     Example:
         >>> twists = lp.cocycles(lp.so(3) @ lp.leibniz(3))
@@ -82,12 +83,15 @@ class ChangeOfVariables:
 
     Attributes:
         matrices: $\psi_1, \psi_2, \dots$; field mu goes to the sum of `matrices[k][mu][nu]` times field nu.
-        is_exact: Whether the deformed bracket goes to the bracket for every t; else only up to the next power of t.
+        is_inverse: Whether it is the inverse of the map with these.
+        is_exact: Whether the deformed bracket goes to the bracket for every t, where the map is defined; else only up
+            to the next power of t.
         parameter: The name of t.
         text: The change to first order.
     """
 
     matrices: tuple[Matrix, ...]
+    is_inverse: bool
     is_exact: bool
     parameter: str
     text: str
@@ -99,8 +103,7 @@ class ChangeOfVariables:
             value: Of t, which stays symbolic if left out.
         """
         t = read_parameter(self.parameter if value is None else value, self.parameter)
-        n = len(self.matrices[0])
-        rows: list[list[Exact]] = [[Fraction(int(i == j)) for j in range(n)] for i in range(n)]
+        rows = identity(len(self.matrices[0]))
         factor: Exact = Fraction(1)
         for matrix in self.matrices:
             factor = product_of(factor, t)
@@ -108,7 +111,7 @@ class ChangeOfVariables:
                 [sum_of(old, product_of(factor, new)) for old, new in zip(row, more, strict=True)]
                 for row, more in zip(rows, matrix, strict=True)
             ]
-        return Automorphism(rows)
+        return Automorphism(cast("Any", inverse(rows) if self.is_inverse else rows))
 
 
 @explains_its_methods
@@ -325,20 +328,26 @@ class Cocycle:
                 f"a change of variables undoes coboundaries; got a cocycle whose class has the coordinates "
                 f"({', '.join(map(str, self.coordinates))}). Subtract its representative."
             )
-        most = self.twists.most(None)
-        found = self._mended(most)
-        maps, is_exact = _undoing(self.in_cochains[0], {k: term for (k,), term in found.terms.items()}, most)
-        if not maps:
-            maps = [{key: -value for key, value in self._class[1].items()}]
-        name = self._parameter(None)
-        matrices = tuple(self._written(g) for g in maps)
+        matrices, is_inverse, is_exact = self._undone()
+        name, sign = self._parameter(None), -1 if is_inverse else 1
         first: list[list[Any]] = [
-            [int(i == j) + to_sympy(read_parameter(name, name)) * to_sympy(value) for j, value in enumerate(row)]
+            [int(i == j) + sign * to_sympy(read_parameter(name, name)) * to_sympy(value) for j, value in enumerate(row)]
             for i, row in enumerate(matrices[0])
         ]
-        return ChangeOfVariables(
-            matrices, is_exact and found.ends, name, arrows(self.twists.extension.field_names, first)
-        )
+        return ChangeOfVariables(matrices, is_inverse, is_exact, name, arrows(self.twists.extension.field_names, first))
+
+    def _undone(self) -> tuple[tuple[Matrix, ...], bool, bool]:
+        """The maps of a change of variables, whether it is the inverse of what they make, and whether it is exact."""
+        most, complex_ = self.twists.most(None), self.in_cochains[0]
+        found = self._mended(most)
+        if not found.ends and (closed := self.deformation().closed_form) is not None:
+            (g,), basis = closed.maps, closed.basis
+            return (tuple(map(tuple, multiplied(inverse(basis), multiplied(g, basis)))),), True, True
+        terms = {k: term for (k,), term in found.terms.items()}
+        maps, is_exact = _undoing(complex_, terms, most)
+        if not is_exact and (back := _straightening(complex_, terms, most)):
+            return tuple(self._written(g) for g in back), True, found.ends
+        return tuple(self._written(g) for g in maps or [{}]), False, is_exact and found.ends
 
     @property
     def orbit_dimension(self) -> int:
@@ -396,6 +405,30 @@ def _undoing(complex_: CommutativeComplex, terms: Mapping[int, Cochain], most: i
             maps[k] = {key: -value for key, value in g.items()}
             last = k
     return [maps.get(j, {}) for j in range(1, last + 1)], False
+
+
+def _straightening(complex_: CommutativeComplex, terms: Mapping[int, Cochain], most: int) -> list[Map] | None:
+    r"""Maps $\phi_k$ such that $1 + \sum t^k \phi_k$ takes deformed products to products, if these end."""
+    one, maps = complex_.field.one, dict[int, Map]()
+    last, degree = 0, max(terms, default=0)
+    for k in range(1, most + 1):
+        if k > max(2 * last, last + degree):
+            return [maps.get(j, {}) for j in range(1, last + 1)]
+        total: list[tuple[Any, Cochain]] = []
+        for order, f in terms.items():
+            if order == k:
+                total.append((one, f))
+            elif k - order in maps:
+                total.append((one, complex_.applied(maps[k - order], f)))
+        for i in range(1, k):
+            if i in maps and k - i in maps:
+                total.append((-one, complex_.substituted(None, maps[i], maps[k - i])))
+        remainder, g = complex_.reduced(combined(total))
+        if remainder:
+            return None
+        if g:
+            maps[k], last = g, k
+    return None
 
 
 def _without_zeros(products: Mapping[tuple[int, int], Mapping[int, Exact]]) -> Products:

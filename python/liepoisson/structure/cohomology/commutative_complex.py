@@ -297,6 +297,15 @@ class CommutativeComplex:
                         _add(found, (i, j, k), v * w * value)
         return found
 
+    def applied(self, g: Map, f: Cochain) -> Cochain:
+        """g(f(a, b)), for a map by all basis elements."""
+        rows = _by_first(g)
+        found: Cochain = {}
+        for (i, j, k), value in f.items():
+            for m, w in rows.get(k, {}).items():
+                _add(found, (i, j, m), value * w)
+        return found
+
     def multiplication_by(self, v: Mapping[int, Any]) -> Map:
         """The map x -> v x."""
         found: Map = {}
