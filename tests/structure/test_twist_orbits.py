@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.structure.cohomology.binary_cubics import KINDS, cubic_form
+from liepoisson.structure.normal_forms import complex_truncated_polynomials
 
 numbers = st.integers(-4, 4)
 lean = settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
@@ -175,6 +176,43 @@ def test_a_twist_of_a_truncated_algebra_finds_its_orbit(coordinates, condition):
     assert f.orbit_dimension == found.dimension
     # The class of a small twist decides what the algebra becomes only where its first order does; x^n = x^i does.
     assert found.representative.extension(1).classify().name == found.name
+
+
+SUMS = [
+    (lp.leibniz(2) + lp.trivial(), 3),
+    (lp.leibniz(2) + lp.leibniz(2), 6),  # pairs of three, in either order
+    (lp.leibniz(3) + lp.leibniz(2), 4 * 3),
+    (complex_truncated_polynomials(3), 3),
+    (lp.trivial() + complex_truncated_polynomials(2), 2),
+]
+
+
+@pytest.mark.parametrize(("extension", "n"), SUMS, ids=str)
+def test_orbits_of_a_sum_are_those_of_its_parts(extension, n):
+    twists = lp.cocycles(extension)
+    orbits = twists.orbits()
+    assert len(orbits) == n
+    assert [o.dimension for o in orbits] == sorted(o.dimension for o in orbits)
+    assert orbits[-1].codimension == 0
+    for orbit in orbits:
+        assert orbit.representative.normal_form().orbit.condition == orbit.condition
+        assert orbit.representative.extension("1/100").classify().name == orbit.name
+        assert orbit.representative.orbit_dimension == orbit.dimension
+
+
+@pytest.mark.thorough
+@settings(parent=lean, max_examples=8)
+@given(st.lists(numbers, min_size=3, max_size=3), st.permutations(range(5)))
+def test_the_orbit_of_a_sum_does_not_depend_on_the_order_of_its_basis(coordinates, places):
+    A = lp.leibniz(3) + lp.leibniz(2)
+    f = lp.cocycles(A).combination(coordinates)
+    rows = [[int(places[i] == j) for j in range(5)] for i in range(5)]
+    moved = lp.cocycles(in_basis(A, rows))
+    g = moved.cocycle({
+        (i, j): {k: f.tensor[places[k]][places[i]][places[j]] for k in range(5)} for i in range(5) for j in range(i, 5)
+    })  # fmt: skip
+    assert g.normal_form().orbit.condition == f.normal_form().orbit.condition
+    assert g.orbit_dimension == f.orbit_dimension == f.normal_form().orbit.dimension
 
 
 def test_rigid_algebras_have_one_orbit():

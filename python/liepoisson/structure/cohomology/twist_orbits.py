@@ -1,35 +1,32 @@
 r"""Orbits of twists under the automorphisms of the algebra, with representatives.
 
-* $\mathbb R[x,y]/(x,y)^2$: the classes are the binary cubics $C(v) = v \wedge f(v, v)$, on which GL2 acts, twisted by
-  the determinant.  There are five orbits, told apart by the roots, and the twists are all unital algebras of dimension
-  three.
-* $\mathbb R[x]/(x^n)$: the classes are the polynomials p of degree at most n - 2, the deformations $x^n = t\,p(x)$.
-  The substitution $x = y w(y)$ takes p to $p(y w)\,w^{-n}$ modulo $y^{n-1}$; so $p = x^i v(x)$ with $v(0) \ne 0$ goes
-  to $x^i$ or $-x^i$, for which $w^{n-i} = \pm v(y w)$ is to be solved: with the sign of $v(0)$ if n - i is even, else
-  with either one.
-* An algebra without classes has one orbit.
-
-Others are not decided here.
+A unital algebra is the direct sum of local ones, $H^2$ that of theirs, and an automorphism permutes isomorphic ones and
+acts in each.  So an orbit is one of each local factor, and the order of those of isomorphic factors does not count.
+Those of local algebras are in `local_orbits`; where a factor is none of these, and without a unit, orbits are not
+decided here, except that an algebra without classes has one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
+from itertools import combinations_with_replacement, groupby, product
+from operator import add
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import Exact, symbols_of, to_sympy
-from liepoisson.algebra.real_fields import real_field
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.automorphisms import Automorphism
 from liepoisson.structure.classification import Classification, classify
-from liepoisson.structure.cohomology.binary_cubics import KINDS, Cubic, cubic_form, discriminant, kind_of
+from liepoisson.structure.cohomology.binary_cubics import Cubic, cubic_form
 from liepoisson.structure.cohomology.change_of_basis import Rows, from_basis, in_basis, multiplied
+from liepoisson.structure.cohomology.local_orbits import ZERO, LocalOrbits, cubic_of
 from liepoisson.structure.derivations import arrows
-from liepoisson.structure.extension import Products
-from liepoisson.structure.normal_forms import null_square, truncated_polynomials
+from liepoisson.structure.extension import Extension, Products
+from liepoisson.structure.normal_forms import null_square
 
 if TYPE_CHECKING:
     from liepoisson.structure.cohomology.cocycle import Cocycle
@@ -127,76 +124,61 @@ class TwistForm:
     text: str
 
 
+UNKNOWN = "not decided: known where each local factor is R[x]/(x^n), C[x]/(x^n) or R[x,y]/(x,y)^2, or has no class"
+"""Why no orbits are told."""
+
+
 def orbits(twists: Twists) -> TwistOrbits:
     """The orbits of all classes; see `Twists.orbits`."""
     if twists.is_rigid:
-        return TwistOrbits((_orbit(twists, "zero", {}),), True, "there is no class but zero")
-    kind, found = _kind(twists)
-    if kind == "null square":
-        rows = _own_basis(found)
-        made = [_orbit(twists, name, _products_of_cubic(form), rows) for name, form in KINDS.items()]
-        return TwistOrbits(tuple(made), True, "binary cubics, by their roots")
-    if kind == "truncated":
-        n, rows = twists.extension.dimension, _own_basis(found)
-        made = [_orbit(twists, "zero", {}, rows)]
-        for i in reversed(range(n - 1)):
-            for sign in (1, -1) if (n - i) % 2 == 0 else (1,):
-                made.append(_orbit(twists, _condition(n, i, sign), _products_of_power(n, i, sign), rows))
-        return TwistOrbits(tuple(made), True, "x^n = p(x), by the order of p")
-    return TwistOrbits((), False, "not decided: known for R[x,y]/(x,y)^2, for R[x]/(x^n), and where there is no class")
+        return TwistOrbits((_zero(twists),), True, "there is no class but zero")
+    if (known := _factors(twists)) is None:
+        return TwistOrbits((), False, UNKNOWN)
+    found, factors = known
+    made = [_orbit(twists, found, factors, names) for names in _choices(factors)]
+    made.sort(key=lambda orbit: orbit.dimension)
+    return TwistOrbits(tuple(made), True, f"orbits of the local factors of {found.name}")
 
 
 def normal_form(f: Cocycle) -> TwistForm:
     """The orbit of a cocycle, and the way to its representative; see `Cocycle.normal_form`."""
-    twists, known = f.twists, orbits(f.twists)
+    twists = f.twists
     values = [value for row in f.products.values() for value in row.values()]
     if twists.extension.symbols or any(symbols_of(value) for value in values):
         raise ParameterError(
             f"the orbit of a twist depends on the values of symbols; got {f} of {twists.extension.name}. Insert "
             "numbers."
         )
-    if not known.is_decided:
-        raise ParameterError(
-            f"the orbit of a twist of {twists.extension.name} is {known.reason}. Classify the algebra."
-        )
-    kind, found = _kind(twists)
-    own = found.change_of_basis
     if f.is_coboundary:
-        return _form(f, known[0], own, found.field_extension)
-    assert own is not None
-    there = in_basis(f.representative.products, own)
-    return _of_cubic(f, known, own, there) if kind == "null square" else _of_power(f, known, there)
+        found = classify(twists.extension)
+        return _form(f, _zero(twists), found.change_of_basis, found.field_extension)
+    if (known := _factors(twists)) is None:
+        raise ParameterError(f"the orbit of a twist of {twists.extension.name} is {UNKNOWN}. Classify the algebra.")
+    found, factors = known
+    assert found.change_of_basis is not None
+    there = in_basis(f.representative.products, found.change_of_basis)
+    parts = [_part(there, factors, k) for k in range(len(factors))]
+    names = [factor.orbit_of(part) for factor, part in zip(factors, parts, strict=True)]
+    rows, field = _rows_of_cubic(parts[0], found) if found.name == null_square(3).name else (None, "Q")
+    return _form(f, _orbit(twists, found, factors, _in_order(factors, names)), rows, field)
 
 
-def _of_cubic(f: Cocycle, known: TwistOrbits, own: Rows, there: Products) -> TwistForm:
-    p, q, r = (there.get(pair, {}) for pair in ((1, 1), (1, 2), (2, 2)))
-    field = real_field(value for row in (p, q, r) for value in row.values())
-
-    def entry(row: Mapping[int, Exact], k: int) -> Any:
-        return field.read(row[k]) if k in row else field.zero
-
-    two = field.number(2)
-    cubic = (entry(p, 2), two * entry(q, 2) - entry(p, 1), entry(r, 2) - two * entry(q, 1), -entry(r, 1))
+def _rows_of_cubic(f: Cocycle, found: Classification) -> tuple[Rows | None, str]:
+    """The basis in which a twist of two fields is the representative, and the field that this needs."""
+    assert found.change_of_basis is not None
+    cubic, field = cubic_of(f)
     if not all(isinstance(value, Fraction) for value in cubic):
-        disc = discriminant(cubic)
-        kind = kind_of(cubic, field.sign(disc) if disc else 0)
-        return _form(f, _named(known, kind), None, field.name)
-    found = cubic_form(cast("Cubic", cubic))
+        return None, field.name
+    form = cubic_form(cast("Cubic", cubic))
     one, zero = Fraction(1), Fraction(0)
-    inner = [[one, zero, zero], *([zero, *row] for row in found.rows)]
-    return _form(f, _named(known, found.kind), multiplied(inner, own), found.field_extension)
+    inner: list[list[Exact]] = [[one, zero, zero], *([zero, *row] for row in form.rows)]
+    return multiplied(inner, found.change_of_basis), form.field_extension
 
 
-def _of_power(f: Cocycle, known: TwistOrbits, there: Products) -> TwistForm:
-    """The orbit of p = x^i v(x), from the class in the basis of powers."""
-    from liepoisson.structure.cohomology.twists import cocycles
-
-    n = f.twists.extension.dimension
-    coordinates = cocycles(truncated_polynomials(n)).cocycle(cast("Any", there)).coordinates
-    i, value = next((i, c) for i, c in enumerate(coordinates) if c != 0)
-    field = real_field([value])
-    sign = field.sign(field.read(value)) if (n - i) % 2 == 0 else 1
-    return _form(f, _named(known, _condition(n, i, sign)), None, field.name)
+def _zero(twists: Twists) -> TwistOrbit:
+    """The orbit of the class zero."""
+    found = classify(twists.extension)
+    return TwistOrbit(ZERO, twists.cocycle({}), 0, twists.dimension, found.name, found.complex_name)
 
 
 def _form(f: Cocycle, orbit: TwistOrbit, rows: Rows | None, field: str) -> TwistForm:
@@ -206,48 +188,66 @@ def _form(f: Cocycle, orbit: TwistOrbit, rows: Rows | None, field: str) -> Twist
     return TwistForm(orbit, Automorphism(cast("Any", rows)), field, arrows(f.twists.extension.field_names, shown))
 
 
-def _named(known: TwistOrbits, condition: str) -> TwistOrbit:
-    return next(orbit for orbit in known if orbit.condition == condition)
-
-
-def _condition(n: int, i: int, sign: int) -> str:
-    text = f"x^{n} = {'t' if sign > 0 else '-t'}*x^{i}" if i else f"x^{n} = {'t' if sign > 0 else '-t'}"
-    return text.replace("x^1", "x") if i == 1 else text
-
-
-def _kind(twists: Twists) -> tuple[str, Classification]:
-    """Which of the two families the algebra belongs to, if to one."""
+def _factors(twists: Twists) -> tuple[Classification, list[LocalOrbits]] | None:
+    """What the algebra is, and the orbits of its local factors, if they are known."""
     found = classify(twists.extension)
-    n = twists.extension.dimension
-    if found.name == null_square(3).name:
-        return "null square", found
-    if n >= 2 and found.name == truncated_polynomials(n).name:
-        return "truncated", found
-    return "", found
+    if not found.is_unital or found.change_of_basis is None:
+        return None
+    factors = [LocalOrbits.of(cast("Extension", factor.normal_form)) for factor in found.factors]
+    return None if None in factors else (found, cast("list[LocalOrbits]", factors))
 
 
-def _own_basis(found: Classification) -> Rows:
+def _choices(factors: Sequence[LocalOrbits]) -> list[tuple[str, ...]]:
+    """An orbit for each factor; isomorphic factors stand beside each other, and their order does not count."""
+    groups = [list(group) for _, group in groupby(factors, key=lambda factor: factor.algebra.name)]
+    chosen = [combinations_with_replacement(group[0].representatives, len(group)) for group in groups]
+    return [tuple(name for names in choice for name in names) for choice in product(*chosen)]
+
+
+def _in_order(factors: Sequence[LocalOrbits], names: Sequence[str]) -> list[str]:
+    """The orbits of isomorphic factors in the order of their list."""
+    pairs = zip(factors, names, strict=True)
+    groups = (list(group) for _, group in groupby(pairs, key=lambda pair: pair[0].algebra.name))
+    return [
+        name for group in groups for name in sorted((n for _, n in group), key=list(group[0][0].representatives).index)
+    ]
+
+
+def _told(factors: Sequence[LocalOrbits], names: Sequence[str]) -> str:
+    """The condition in words, that of a single factor as it is."""
+    if len(factors) == 1:
+        return names[0]
+    pairs = zip(factors, names, strict=True)
+    return "; ".join(f"{factor.algebra.name}: {name}" for factor, name in pairs if name != ZERO) or ZERO
+
+
+def _part(products: Products, factors: Sequence[LocalOrbits], k: int) -> Cocycle:
+    """What a cocycle of the sum is in one of its factors."""
+    from liepoisson.structure.cohomology.twists import cocycles
+
+    start = sum(factor.algebra.dimension for factor in factors[:k])
+    inside = range(start, start + factors[k].algebra.dimension)
+    part = {
+        (i - start, j - start): {m - start: value for m, value in row.items() if m in inside}
+        for (i, j), row in products.items()
+        if i in inside and j in inside
+    }
+    return cocycles(factors[k].algebra).cocycle(cast("Any", part))
+
+
+def _orbit(twists: Twists, found: Classification, factors: Sequence[LocalOrbits], names: Sequence[str]) -> TwistOrbit:
+    """The orbit with these in the factors."""
+    from liepoisson.structure.cohomology.twists import cocycles
+
     assert found.change_of_basis is not None
-    return found.change_of_basis
-
-
-def _products_of_cubic(form: Sequence[int]) -> Products:
-    """The cocycle e1 e1 = -b e1 + a e2, e2 e2 = -d e1 + c e2 of a cubic."""
-    a, b, c, d = (Fraction(x) for x in form)
-    return {(1, 1): {1: -b, 2: a}, (2, 2): {1: -d, 2: c}}
-
-
-def _products_of_power(n: int, i: int, sign: int) -> Products:
-    """x^n = x^i, read to first order."""
-    pairs = [(a, b) for a in range(1, n) for b in range(a, n) if n <= a + b < 2 * n - i]
-    return {(a, b): {a + b - n + i: Fraction(sign)} for a, b in pairs}
-
-
-def _orbit(twists: Twists, condition: str, products: Products, rows: Rows | None = None) -> TwistOrbit:
-    """The orbit of a cocycle that is given in the basis of the rows."""
-    if rows is not None:
-        products = from_basis(products, rows)
-    f = twists.cocycle(cast("Any", products))
-    found = classify(f.extension(1))
-    dimension = f.orbit_dimension
-    return TwistOrbit(condition, f, dimension, twists.dimension - dimension, found.name, found.complex_name)
+    products, deformed, start = Products(), list[Extension](), 0
+    for factor, name in zip(factors, names, strict=True):
+        own = factor.representatives[name]
+        for (i, j), row in own.items():
+            products[i + start, j + start] = {k + start: value for k, value in row.items()}
+        deformed.append(cocycles(factor.algebra).cocycle(cast("Any", own)).extension(1))
+        start += factor.algebra.dimension
+    f = twists.cocycle(cast("Any", from_basis(products, found.change_of_basis)))
+    dimension, becomes = f.orbit_dimension, classify(reduce(add, deformed))
+    codimension = twists.dimension - dimension
+    return TwistOrbit(_told(factors, names), f, dimension, codimension, becomes.name, becomes.complex_name)

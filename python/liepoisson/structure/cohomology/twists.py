@@ -246,12 +246,16 @@ class Twists:
     def orbits(self) -> TwistOrbits:
         """The orbits of the classes under the automorphisms of A, with representatives.
 
-        Known for R[x,y]/(x,y)^2, whose classes are the binary cubics, for R[x]/(x^n), and where there is no class; for
-        other algebras the answer says that it is not decided.
+        Known for R[x,y]/(x,y)^2, whose classes are the binary cubics, for R[x]/(x^n) and C[x]/(x^n), for direct sums of
+        these, and where there is no class; for other algebras the answer says that it is not decided.
 
         Raises:
             ParameterError: the symbols in W leave open what A is.
         """
+        return self._orbits
+
+    @cached_property
+    def _orbits(self) -> TwistOrbits:
         from liepoisson.structure.cohomology.twist_orbits import orbits
 
         return orbits(self)
