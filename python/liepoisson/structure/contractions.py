@@ -61,7 +61,8 @@ class ContractedBracket:
         parameter: The name of t.
         family: The bracket in the new variables, with t as a symbol: for each $t \ne 0$ the same, up to them.
         contracted: Its limit as t goes to 0.
-        casimirs: Limits of the Casimirs of the bracket, which are Casimirs of the limit.
+        casimirs: Limits of the Casimirs of the bracket, which are Casimirs of the limit; of those that `casimirs` writes
+            out, without traces.
         integrals: Limits of the functions that were given.
         origins: What each of these is the limit of: a polynomial in t, the Casimirs C1, C2, ... and the functions F1,
             F2, ..., divided by the power of t with which it begins.
@@ -132,7 +133,7 @@ def contraction(
         group = _Group(bracket, t, rows, powers)
         functions = [read_function(bracket, function, f"integrals[{k}]") for k, function in enumerate(given)]
         family, limit = group.family(), group.limit()
-        casimirs = bracket.casimirs()
+        casimirs = [c for c in bracket.casimirs() if c.is_polynomial(*bracket.variables)]
         names = [f"C{k + 1}" for k in range(len(casimirs))] + [f"F{k + 1}" for k in range(len(functions))]
         found = _Limits(group, [*casimirs, *functions], names)
         found.saturate()
@@ -356,7 +357,7 @@ class _Limits:
         self.functions, self.origins = [], list[Any]()
         for polynomial, name, (_, factor) in zip(read, names, moved, strict=True):
             self._take(polynomial, factor * Symbol(name))
-        self.wanted = self._rank([self._at_one(f) for f in self.functions])
+        self.wanted = self._rank([self._at(f, self.field.number(Fraction(3, 7))) for f in self.functions])
         self.independent = self._rank(self.limits)
 
     def _polynomial(self, moved: Any, function: Any) -> tuple[dict[tuple[int, ...], Any], Any]:
@@ -390,10 +391,14 @@ class _Limits:
         """The functions at t = 0, as polynomials in the coordinates."""
         return [{m[:-1]: c for m, c in f.items() if not m[-1]} for f in self.functions]
 
-    def _at_one(self, f: Polynomial) -> Polynomial:
+    def _at(self, f: Polynomial, t: Any) -> Polynomial:
+        """The function at a value of t, of which nothing is special."""
         total: Polynomial = {}
         for m, c in f.items():
-            add_multiple(total, {m[:-1]: c}, self.field.one)
+            factor = self.field.one
+            for _ in range(m[-1]):
+                factor = factor * t
+            add_multiple(total, {m[:-1]: c}, factor)
         return total
 
     def _rank(self, polynomials: Sequence[Polynomial]) -> int:
