@@ -3,8 +3,12 @@
 `python benchmarks/cohomology.py [--fields 8] [--dense] [--moved]`.  The scripts write out all equations of symmetric
 cocycles, without a thought for the unit or for what coboundaries take away, and complete the coboundaries to the
 cocycles: one with SymPy's sparse matrices over a domain, and, with --dense, one with `Matrix` as most people write it,
-which takes minutes beyond five fields.  With --moved the algebra is in a basis in which no product vanishes.  Process
+which takes minutes beyond eight fields.  With --moved the algebra is in a basis in which no product vanishes.  Process
 times, the least of some repeats in one process.
+
+On one core of a busy machine, eight fields: 0.013 s; sparse 0.048 s, dense 1.6 s; moved 0.27 s, and sparse 1.3 s.  So
+it is over a hundred times as fast as the script that most people would write, and four to five times as fast as the
+best one of SymPy.
 """
 
 from __future__ import annotations

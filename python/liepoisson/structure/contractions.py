@@ -61,8 +61,8 @@ class ContractedBracket:
         parameter: The name of t.
         family: The bracket in the new variables, with t as a symbol: for each $t \ne 0$ the same, up to them.
         contracted: Its limit as t goes to 0.
-        casimirs: Limits of the Casimirs of the bracket, which are Casimirs of the limit; of those that `casimirs` writes
-            out, without traces.
+        casimirs: Limits of the Casimirs of the bracket, which are Casimirs of the limit; of those only that are written
+            out, and not traces.
         integrals: Limits of the functions that were given.
         origins: What each of these is the limit of: a polynomial in t, the Casimirs C1, C2, ... and the functions F1,
             F2, ..., divided by the power of t with which it begins.
