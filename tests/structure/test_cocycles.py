@@ -1,5 +1,6 @@
 """Cocycles of commutative algebras: dimensions, representatives, deformations and obstructions."""
 
+import pickle
 import re
 import time
 from fractions import Fraction
@@ -532,6 +533,17 @@ def test_fields_beyond_the_rational_numbers(entry):
     ] == [0, 0]
     square = found.cocycle({(1, 1): {2: 1}})
     assert square.is_coboundary
+
+
+def test_cocycles_and_deformations_are_pickled():
+    found = lp.cocycles(lp.so(3) @ lp.leibniz(3, "epsilon"))
+    f = found.combination(["k", 2])
+    assert f.coordinates == (sp.Symbol("k"), 2)
+    again = pickle.loads(pickle.dumps(f))
+    assert again.products == f.products
+    assert again.twists.dimension == 2
+    general = pickle.loads(pickle.dumps(found.deformation()))
+    assert general.extension([1, 0]).products == found.deformation().extension([1, 0]).products
 
 
 def test_cocycles_are_combined():

@@ -367,6 +367,10 @@ class Cocycle:
 
         return normal_form(self)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: the definition."""
+        return {"twists": self.twists, "products": self.products}
+
     def __str__(self) -> str:
         return in_words(self.products)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, substituted, sum_of, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, substituted, sum_of, symbols_of
 from liepoisson.algebra.sparse_polynomials import Monomial
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter
@@ -168,7 +168,7 @@ class Deformation:
                 )
 
     def __str__(self) -> str:
-        names = ", ".join(self.parameters)
+        names = ", ".join(self.parameters) or "no parameter"
         end = "ends" if self.ends else "is told up to" if self.closed_form else "was computed to"
         where = f", associative where {', '.join(map(str, self.conditions))} = 0" if self.conditions else ""
         return f"deformation of {self.given!r} in {names}, which {end} at order {self.order}{where}"
@@ -208,5 +208,4 @@ def element_in_words(element: Mapping[int, Exact]) -> str:
 def _term(value: Exact, k: int) -> str:
     if value in (1, -1):
         return f"e{k}" if value == 1 else f"-e{k}"
-    text = str(to_sympy(value)) if not isinstance(value, Fraction) else str(value)
-    return f"({text})*e{k}" if any(sign in text[1:] for sign in "+-") else f"{text}*e{k}"
+    return f"({value})*e{k}" if not isinstance(value, Fraction) and value.is_Add else f"{value}*e{k}"

@@ -302,6 +302,10 @@ class Twists:
     def __len__(self) -> int:
         return self.dimension
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: the definition; everything else is derived again when it is asked for."""
+        return {"given": self.given, "extension": self.extension}
+
     def __str__(self) -> str:
         lines = [f"{self.extension.name}: {self.dimension} classes of twists, {self.cocycle_dimension} cocycles"]
         lines += [f"  {f}" for f in self.basis]
