@@ -11,7 +11,7 @@ References: Harrison, Trans. Amer. Math. Soc. 104 (1962) 191; Gerstenhaber, Ann.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import Any, TypeAlias
@@ -175,16 +175,32 @@ class CommutativeComplex:
                 _add(found, key, row[column] * by_column[column])
         return found
 
-    def composed(self, f: Cochain, h: Cochain) -> Trilinear:
-        r"""$f(h(a, b), c) - f(a, h(b, c))$."""
-        inner = {pair: self.argument(row) for pair, row in _by_pair(h).items()}
-        outer = _by_pair(f)
+    def inner(self, h: Cochain) -> list[tuple[int, int, Vector]]:
+        """(a, b, h(a, b)) with the value as an argument, for all pairs in both orders."""
+        rows = ((i, j, self.argument(row)) for (i, j), row in _by_pair(h).items())
+        return [entry for i, j, row in rows for entry in ([(i, j, row)] if i == j else [(i, j, row), (j, i, row)])]
+
+    def outer(self, f: Cochain) -> dict[int, list[tuple[int, int, Any]]]:
+        """All (other, k, coefficient) of f(e_p, e_other), by p."""
+        found: dict[int, list[tuple[int, int, Any]]] = {}
+        for (i, j, k), value in f.items():
+            found.setdefault(i, []).append((j, k, value))
+            if i != j:
+                found.setdefault(j, []).append((i, k, value))
+        return found
+
+    def composed(
+        self, outer: Mapping[int, list[tuple[int, int, Any]]], inner: Iterable[tuple[int, int, Vector]]
+    ) -> Trilinear:
+        r"""$f(h(a, b), c) - f(a, h(b, c))$, of `outer` of f and `inner` of h."""
         found: Trilinear = {}
-        for a, b, c in self.triples():
-            for sign, first, other in ((1, (a, b), c), (-1, (b, c), a)):
-                for p, value in inner.get(_ordered(*first), {}).items():
-                    for m, w in outer.get(_ordered(p, other), {}).items():
-                        _add(found, (a, b, c, m), value * w if sign > 0 else -(value * w))
+        for a, b, row in inner:
+            for p, value in row.items():
+                for other, k, w in outer.get(p, ()):
+                    if a < other:
+                        _add(found, (a, b, other, k), value * w)
+                    if other < b:
+                        _add(found, (other, a, b, k), -(value * w))
         return found
 
     @cached_property

@@ -94,21 +94,24 @@ def _residuals(
     complex_: CommutativeComplex, degrees: Mapping[int, Mapping[Monomial, Cochain]], d: int
 ) -> dict[Monomial, Trilinear]:
     """The sums of f o h over pairs of terms whose degrees add up to d, by monomials."""
-    sums: dict[Monomial, list[tuple[Any, Trilinear]]] = {}
+    one, sums = complex_.field.one, dict[Monomial, list[tuple[Any, Trilinear]]]()
+    inner = {m: complex_.inner(h) for k in range(1, d) for m, h in degrees[k].items()}
     for k in range(1, d):
         for m, f in degrees[k].items():
             checkpoint("the terms of a deformation")
-            for other, h in degrees[d - k].items():
-                sums.setdefault(of_exponents(m, other), []).append((complex_.field.one, complex_.composed(f, h)))
+            outer = complex_.outer(f)
+            for other in degrees[d - k]:
+                if part := complex_.composed(outer, inner[other]):
+                    sums.setdefault(of_exponents(m, other), []).append((one, part))
     return {m: total for m, terms in sums.items() if (total := combined(terms))}
 
 
 def _shift(complex_: CommutativeComplex, f: Cochain, left: Trilinear) -> Cochain | None:
     """A cocycle that, added to the term before, takes away what is left over."""
-    field = complex_.field
-    effects = [
-        complex_.mended(combined([(field.one, complex_.composed(f, b)), (field.one, complex_.composed(b, f))]))[1]
-        for b in complex_.basis
-    ]
+    field, outer, inner = complex_.field, complex_.outer(f), complex_.inner(f)
+    effects: list[Trilinear] = []
+    for b in complex_.basis:
+        both = complex_.composed(outer, complex_.inner(b)), complex_.composed(complex_.outer(b), inner)
+        effects.append(complex_.mended(combined([(field.one, part) for part in both]))[1])
     values = solve(effects, {key: -value for key, value in left.items()}, field)
     return None if values is None else combined(list(zip(values, complex_.basis, strict=True)))

@@ -289,8 +289,9 @@ class Twists:
     def most(self, order: int | None) -> int:
         """The order at which a series is given up.
 
-        Of R[x]/(x^n) the series end at order n - 1, and so do those of all algebras with a grading in which each
-        class has a weight of at least twice that of x.
+        With a grading, a term of order k has a weight of at least k times the least one w of a class, and at most
+        that of the products of the two last elements.  For R[x]/(x^n) w is 2, twice that of x, and the series end at
+        order n - 1 at the latest; twice the dimension leaves room for w = 1.
         """
         if order is None:
             return 2 * self.extension.dimension
