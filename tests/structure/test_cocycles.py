@@ -282,6 +282,7 @@ def test_the_cocycle_alone_is_no_bracket():
     assert bracket.jacobi_certificate().holds
     assert bracket.symbols == {"t"}
     assert bracket.field_names == ("l", "alpha", "beta")
+    assert repr(bracket) == "so(3) ⊗ semidirect(3) deformed"
 
 
 CUBICS = [

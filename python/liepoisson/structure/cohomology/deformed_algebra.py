@@ -102,10 +102,10 @@ class Deformation:
         read = self._read(values)
         self._check(read)
         algebra = _extension_of(self.given)
-        name = f"{algebra.name} deformed"
+        title = f"{algebra.name} deformed"
         if not self.ends and self.closed_form is not None:
             closed = self.closed_form.products(read)
-            return Extension.from_products(algebra.dimension, closed, name, algebra.field_names, check=False)
+            return Extension.from_products(algebra.dimension, closed, title, algebra.field_names, check=False)
         rows = {pair: dict(row) for pair, row in algebra.products.items()}
         for monomial, term in self.terms.items():
             factor: Exact = Fraction(1)
@@ -116,7 +116,7 @@ class Deformation:
                 here = rows.setdefault(pair, {})
                 for k, value in row.items():
                     here[k] = sum_of(here.get(k, Fraction(0)), product_of(factor, value))
-        return Extension.from_products(algebra.dimension, rows, name, algebra.field_names, check=False)
+        return Extension.from_products(algebra.dimension, rows, title, algebra.field_names, check=False)
 
     def bracket(self, values: Values | None = None) -> Bracket:
         """The bracket of g and the deformed algebra; arguments and errors as for `extension`.
