@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, sum_of, to_sympy
 from liepoisson.errors import CocycleError, ObstructionError, ParameterError
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from liepoisson.structure.cohomology.twist_orbits import TwistForm
     from liepoisson.structure.cohomology.twists import Twists
 
-Matrix = tuple[tuple[Exact, ...], ...]
+Matrix: TypeAlias = "tuple[tuple[Exact, ...], ...]"
 
 
 @explains_its_methods
@@ -279,6 +279,8 @@ class Cocycle:
         terms = {monomial: self.twists.written(complex_, term) for monomial, term in found.terms.items()}
         name = self._parameter(parameter)
         closed = None if found.ends else closed_form(self.twists, [self], [name])
+        if closed is not None and not closed.is_associative:  # the straight line of classes is obstructed
+            closed = None
         return Deformation(self.twists.given, (name,), terms, (), found.order, found.ends, closed)
 
     def _parameter(self, parameter: str | None) -> str:

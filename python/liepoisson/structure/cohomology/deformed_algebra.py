@@ -40,6 +40,12 @@ class ClosedForm:
     basis: Rows
     maps: tuple[Rows, ...]
 
+    @property
+    def is_associative(self) -> bool:
+        """Whether the conditions are fulfilled for all values of the parameters."""
+        values = dict(zip(self.inner.parameters, self.values, strict=True))
+        return all(is_zero(substituted(condition, values)) for condition in self.inner.conditions)
+
     def products(self, values: Mapping[str, Exact]) -> Products:
         """The products at values of the parameters, in their order."""
         found = self.inner.extension([cast("Any", substituted(value, values)) for value in self.values]).products
