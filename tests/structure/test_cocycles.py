@@ -426,19 +426,19 @@ def test_an_obstruction_beyond_the_square():
     assert classify(along.extension(1)).name == "R[x]/(x^4)"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("form", [form for n in range(2, 6) for form in normal_forms(n)], ids=str)
-def test_algebras_with_two_generators_have_no_obstructions(form):
+def test_only_algebras_with_three_generators_have_obstructions(form):
     """Points of a surface: their Hilbert scheme is smooth (Fogarty 1968).  Of four points in space there is a cone."""
     general = twists(form).deformation()
     assert general.ends
     if form.hilbert_function()[1:2] <= (2,):
         assert general.conditions == ()
     elif form.hilbert_function() == (1, 3):
-        symbols = [sp.Symbol(name) for name in general.parameters]
-        degrees = [min(map(sum, sp.Poly(p, *symbols).monoms())) for p in general.conditions]
-        assert degrees.count(2) == 15  # Pluecker's relations of lines in five-space
+        assert len(general.conditions) == 15  # Pluecker's relations of lines in five-space, and no others
 
 
+@pytest.mark.thorough
 def test_a_term_of_second_order_may_have_to_contain_a_cocycle():
     """The square of f is a differential, but the straight line of classes is obstructed at order three."""
     found = twists(normal_form_named("R[x,y,z]/(x^3, xy, xz, y^2, yz, z^2)"))
