@@ -35,12 +35,14 @@ SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|
 """In annotations of arguments that hold several values."""
 NOT_READ = {
     "algebras.Cochain", "algebras.Derivations", "algebras.LieCohomology", "algebras.LieDeformation",
-    "brackets.CasimirReport", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus", "brackets.Stratum",
-    "charts.LeafConstants.of", "citations.Citation", "extensions.Classification", "extensions.LocalFactor",
-    "fields.PiecesField", "fields.QuadraticField", "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry",
-    "sweeps.SweepSpec.of_record", "sweeps.sweep", "systems.PhaseFunction.gradient_in_balls", "systems.Reference",
-    "systems.PhaseFunction.of_pair", "systems.PhaseFunction.value_in_balls", "systems.Report", "systems.SystemFile",
-    "systems.SystemFile.error", "orbits.symmetric_homoclinic_orbits",
+    "brackets.CasimirReport", "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate",
+    "brackets.Locus", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
+    "extensions.ChangeOfVariables", "extensions.Classification", "extensions.Deformation", "extensions.LocalFactor",
+    "extensions.Obstruction", "extensions.TwistOrbits", "fields.PiecesField", "fields.QuadraticField",
+    "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry", "sweeps.SweepSpec.of_record", "sweeps.sweep",
+    "systems.PhaseFunction.gradient_in_balls", "systems.Reference", "systems.PhaseFunction.of_pair",
+    "systems.PhaseFunction.value_in_balls", "systems.Report", "systems.SystemFile", "systems.SystemFile.error",
+    "orbits.symmetric_homoclinic_orbits",
 }  # fmt: skip
 """Records that functions make, and what these call: the fields are taken as they are.  Settings of a sweep are those of
 `SweepSpec`, and homoclinic orbits are searched for like periodic ones."""
@@ -204,7 +206,18 @@ def _of_algebras(add):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
     add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(3, "epsilon"), values={"epsilon": 2})
     add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})
+    add(
+        "brackets.contraction", "weights:S algebra_weights:S integrals:o", None,
+        {"weights": ("l", "alpha"), "algebra_weights": ("1", "2", "3")}, bracket=E3, weights=[0, 2],
+        algebra_weights=[1, 1, 0], integrals=[E3.variables[0]],
+    )  # fmt: skip
+    add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 1], [0, "t"]])
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
+    twists = lp.cocycles(lp.so(3) @ lp.semidirect(3))
+    add("extensions.Twists.cocycle", "products:v", twists, products={(1, 1): {2: 1}})
+    add("extensions.Twists.combination", "coefficients:o", twists, coefficients=[1, 2, 3, 5])
+    for name in ("conditions", "deformation"):
+        add(f"extensions.Twists.{name}", "parameters:o", twists, parameters=["p", "q", "r", "s"])
     add("extensions.Extension", "tensor:o field_names:o", tensor=lp.semidirect(2).tensor, field_names=["u", "v"])
     add(
         "extensions.Extension.from_products", "products:v field_names:o", n=1, products={(0, 0): {0: 1}},

@@ -20,6 +20,8 @@ WORDS = {
     "systems": "own custom define model user-defined hamiltonian ode right-hand side vector field parameters toml file",
     "brackets": "define own poisson bracket structure constants lie algebra semidirect central extension cocycle "
     "casimir jacobi identity coadjoint exact",
+    "cocycles": "cocycle coboundary cohomology harrison hochschild deformation deform obstruction versal unfolding "
+    "orbit binary cubic contraction inonu wigner limit rigid twist extension",
     "canonical": "canonical separable hamiltonian pendulum symplectic potential kinetic momenta coordinates escape "
     "time-dependent time dependent nonautonomous non-autonomous periodically driven forcing external "
     "kicked",

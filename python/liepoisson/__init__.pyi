@@ -27,7 +27,7 @@ from liepoisson.indicators.finite_time_exponents import finite_time_exponents as
 from liepoisson.indicators.lyapunov_exponent import lyapunov_exponent as lyapunov_exponent
 from liepoisson.indicators.spectrum import lyapunov_spectrum as lyapunov_spectrum
 from liepoisson.indicators.verdict import decide as decide
-from liepoisson.integrability.deformation.deformed_integrals import deformations as deformations
+from liepoisson.integrability.deforming.deformed_integrals import deformations as deformations
 from liepoisson.laboratory.views import view as view
 from liepoisson.leaf.leaf import Leaf as Leaf
 from liepoisson.model.system import System as System
@@ -46,6 +46,7 @@ from liepoisson.saved.rerun import load as load
 from liepoisson.saved.rerun import rerun as rerun
 from liepoisson.structure.bracket import Bracket as Bracket
 from liepoisson.structure.canonical_bracket import canonical as canonical
+from liepoisson.structure.cohomology.twists import cocycles as cocycles
 from liepoisson.structure.extension import Extension as Extension
 from liepoisson.structure.extensions import leibniz as leibniz
 from liepoisson.structure.extensions import semidirect as semidirect

@@ -5,6 +5,8 @@ from liepoisson.structure.canonical_bracket import canonical as canonical
 from liepoisson.structure.casimirs import CasimirReport as CasimirReport
 from liepoisson.structure.certificates import JacobiCertificate as JacobiCertificate
 from liepoisson.structure.certificates import RankCertificate as RankCertificate
+from liepoisson.structure.contractions import ContractedBracket as ContractedBracket
+from liepoisson.structure.contractions import contraction as contraction
 from liepoisson.structure.derivations import Derivation as Derivation
 from liepoisson.structure.strata import Locus as Locus
 from liepoisson.structure.strata import Stratum as Stratum

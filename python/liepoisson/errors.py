@@ -15,6 +15,7 @@ __all__ = [
     "CochainError",
     "CocycleError",
     "CompatibilityError",
+    "ContractionError",
     "CoreError",
     "DamagedFileError",
     "EnclosureError",
@@ -27,6 +28,7 @@ __all__ = [
     "MissingFileError",
     "MissingPackageError",
     "MixingWarning",
+    "ObstructionError",
     "OrbitError",
     "OutputError",
     "ParameterError",
@@ -103,23 +105,72 @@ class BracketError(LiePoissonError, ValueError):
 
 
 class CocycleError(BracketError):
-    """A constant part of a bracket that is no 2-cocycle, so that the Jacobi identity fails.
+    """A cochain that is no 2-cocycle: the constant part of a bracket, or a twist of a commutative algebra.
+
+    The Jacobi identity fails then, or associativity to first order.
 
     Attributes:
-        triple: Names of the three coordinates at which it fails.
-        residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+        triple: Names of the three coordinates, or basis elements, at which it fails.
+        residual: What should be 0 for them, as text: the cyclic sum of {{x, y}, z}, or the differential.
+        of_algebra: Whether it is a symmetric cochain of a commutative algebra.
     """
 
-    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
-        self.triple = triple
-        self.residual = residual
+    def __init__(self, triple: tuple[str, ...], residual: str, *, of_algebra: bool = False) -> None:
+        self.triple, self.residual, self.of_algebra = triple, residual, of_algebra
+        place = f"({', '.join(triple)})"
         super().__init__(
-            f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for "
-            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
+            f"a twist must be a 2-cocycle, a f(b, c) - f(a b, c) + f(a, b c) - f(a, b) c = 0; for {place} this is "
+            f"{residual} instead of 0. Correct its products, or take a combination of the basis of cocycles."
+            if of_algebra
+            else f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for {place} "
+            f"the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
         )
 
-    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str]]:
-        return type(self), (self.triple, self.residual)
+    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str], dict[str, object]]:
+        return type(self), (self.triple, self.residual), {"of_algebra": self.of_algebra}
+
+
+class ObstructionError(BracketError):
+    """A cocycle of a commutative algebra that begins no deformation: higher terms do not mend its products.
+
+    Attributes:
+        order: The power of the parameter at which associativity fails.
+        triple: Names of three basis elements at which it does.
+        residual: What is left of (a b) c - a (b c) for them, modulo all further terms, as text; it should be 0.
+        is_proved: Whether no choice of the lower terms helps; beyond order three that is not always decided.
+    """
+
+    def __init__(self, order: int, triple: tuple[str, ...], residual: str, *, is_proved: bool = True) -> None:
+        self.order, self.triple, self.residual, self.is_proved = order, triple, residual, is_proved
+        place = f"({', '.join(triple)})"
+        doubt = "" if is_proved else " Other terms of lower order might do; whether they do is not decided."
+        super().__init__(
+            f"a deformation needs products that are associative at every order; at order {order} the residual for "
+            f"{place} is {residual}, which no further term mends.{doubt} Take a twist at which the polynomials of "
+            "`conditions` vanish."
+        )
+
+    def __reduce__(self) -> tuple[type[ObstructionError], tuple[int, tuple[str, ...], str], dict[str, object]]:
+        return type(self), (self.order, self.triple, self.residual), {"is_proved": self.is_proved}
+
+
+class ContractionError(BracketError):
+    """A family of brackets that has no limit.
+
+    Attributes:
+        term: The product that grows without bound, in words.
+        power: The power of the parameter with which it does, negative.
+    """
+
+    def __init__(self, term: str, power: int) -> None:
+        self.term, self.power = term, power
+        super().__init__(
+            f"a contraction needs products that stay finite as the parameter goes to 0; got {term}. Change the "
+            "weights: e_i e_j along e_k has the power w_i + w_j - w_k."
+        )
+
+    def __reduce__(self) -> tuple[type[ContractionError], tuple[str, int]]:
+        return type(self), (self.term, self.power)
 
 
 class CompatibilityError(BracketError):

@@ -19,11 +19,11 @@ from liepoisson.indicators.spectrum import Spectrum as Spectrum
 from liepoisson.indicators.structural_zeros import SpectrumResiduals as SpectrumResiduals
 from liepoisson.indicators.verdict import Agreement as Agreement
 from liepoisson.indicators.verdict import Verdict as Verdict
-from liepoisson.integrability.deformation.compatible_brackets import Involution as Involution
-from liepoisson.integrability.deformation.deformed_integrals import DeformationCase as DeformationCase
-from liepoisson.integrability.deformation.deformed_integrals import Deformations as Deformations
-from liepoisson.integrability.deformation.deformed_integrals import DeformedIntegral as DeformedIntegral
-from liepoisson.integrability.deformation.deformed_integrals import Obstruction as Obstruction
+from liepoisson.integrability.deforming.compatible_brackets import Involution as Involution
+from liepoisson.integrability.deforming.deformed_integrals import DeformationCase as DeformationCase
+from liepoisson.integrability.deforming.deformed_integrals import Deformations as Deformations
+from liepoisson.integrability.deforming.deformed_integrals import DeformedIntegral as DeformedIntegral
+from liepoisson.integrability.deforming.deformed_integrals import Obstruction as Obstruction
 from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies
 from liepoisson.integrability.families import ParameterCase as ParameterCase
 from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan

@@ -232,3 +232,37 @@ def test_families_go_on(n):
     form = complex_truncated_polynomials(n)
     assert (Extension(form.tensor).dimension, form.residue_field) == (2 * n, "C")
     assert normal_form_named("R[x]/(x^3)").tensor == normal_forms(3)[0].tensor
+
+
+def over(field, extension):
+    """The algebra over Q[x]/(p), p = x^n - (the polynomial of these coefficients), as one over Q."""
+    n, products = len(field), {}
+    powers = [[int(i == k) for k in range(n)] for i in range(n)]
+    for _ in range(n):
+        *rest, last = powers[-1]
+        powers.append([a + last * b for a, b in zip([0, *rest], field, strict=True)])
+    for (i, j), row in extension.products.items():
+        for a in range(n):
+            for b in range(n):
+                if i * n + a <= j * n + b or i != j:
+                    pair = tuple(sorted((i * n + a, j * n + b)))
+                    products[pair] = {k * n + m: w * c for k, w in row.items() for m, c in enumerate(powers[a + b])}
+    return Extension.from_products(extension.dimension * n, products)
+
+
+@pytest.mark.parametrize(
+    ("field", "extension", "name"),
+    [
+        ([1, 1, 0], leibniz(2), "C[x]/(x^2) + R[x]/(x^2)"),  # x^3 = x + 1
+        ([-1, 3, 0], leibniz(2), "R[x]/(x^2) + R[x]/(x^2) + R[x]/(x^2)"),  # x^3 = 3 x - 1
+        ([2, 0], semidirect(3), "R[x,y]/(x,y)^2 + R[x,y]/(x,y)^2"),
+        ([2, 0, 0], semidirect(3), "[local, residue field C, Hilbert function (1, 2)] + R[x,y]/(x,y)^2"),
+    ],
+)
+def test_algebras_over_a_number_field_have_its_places(field, extension, name):
+    given = over(field, extension)
+    found = classify(given)
+    assert found.name == name
+    if found.change_of_basis is not None:
+        assert len(field) == 2
+        assert_normal(given, found)

@@ -103,8 +103,8 @@ def is_zero(value: Exact) -> bool:
     """Whether the parameter vanishes identically (a free symbol does not).
 
     A polynomial in its symbols is expanded, and does so if its coefficients do.  That a coefficient does not vanish is
-    proved by its decimals; only one whose decimals leave it open, and what is no polynomial, is simplified, and False
-    may then mean that SymPy did not succeed.
+    proved by its decimals.  A rational function vanishes if its numerator does.  Only coefficients whose decimals leave
+    it open, and other expressions, are simplified, and False may then mean that SymPy did not succeed.
     """
     if isinstance(value, Fraction):
         return value == 0
@@ -115,8 +115,11 @@ def is_zero(value: Exact) -> bool:
         return True
     symbols = tuple(expanded.free_symbols)
     if not expanded.is_polynomial(*symbols):
-        from sympy import simplify
+        from sympy import fraction, simplify, together
 
+        numerator: Any = fraction(together(value))[0]
+        if numerator.is_polynomial(*symbols):
+            return is_zero(numerator)
         return bool(simplify(value) == 0)
     return all(_vanishes(terms) for terms in _coefficients(expanded, symbols))
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from liepoisson.formula.styles import Style
     from liepoisson.integrability.darboux import DarbouxPolynomials
-    from liepoisson.integrability.deformation.deformed_integrals import Deformations
+    from liepoisson.integrability.deforming.deformed_integrals import Deformations
     from liepoisson.integrability.families import IntegrableFamilies, ParameterCase
     from liepoisson.integrability.polynomial_integrals import FirstIntegrals
 
@@ -260,7 +260,7 @@ def deformations(
     What does not survive has a proof.  Several parameters: the values for which an integral survives.
     """
     from liepoisson.cli.runs import check_limits
-    from liepoisson.integrability.deformation.deformed_integrals import deformations as search
+    from liepoisson.integrability.deforming.deformed_integrals import deformations as search
 
     check_limits(time_limit=time_limit)
     file = read_file(system)

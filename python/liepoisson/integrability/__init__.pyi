@@ -3,10 +3,10 @@ from liepoisson.integrability.certificates import certificate as certificate
 from liepoisson.integrability.certificates import load_certificate as load_certificate
 from liepoisson.integrability.certificates import save_certificate as save_certificate
 from liepoisson.integrability.darboux import darboux_polynomials as darboux_polynomials
-from liepoisson.integrability.deformation.compatible_brackets import argument_shift as argument_shift
-from liepoisson.integrability.deformation.compatible_brackets import lenard_chains as lenard_chains
-from liepoisson.integrability.deformation.compatible_brackets import pencil as pencil
-from liepoisson.integrability.deformation.deformed_integrals import deformations as deformations
+from liepoisson.integrability.deforming.compatible_brackets import argument_shift as argument_shift
+from liepoisson.integrability.deforming.compatible_brackets import lenard_chains as lenard_chains
+from liepoisson.integrability.deforming.compatible_brackets import pencil as pencil
+from liepoisson.integrability.deforming.deformed_integrals import deformations as deformations
 from liepoisson.integrability.families import integrable_families as integrable_families
 from liepoisson.integrability.galois.linear_systems import linear_system as linear_system
 from liepoisson.integrability.galois.monodromy import monodromy as monodromy

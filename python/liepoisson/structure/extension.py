@@ -19,6 +19,7 @@ from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter, values_of_symbols
 from liepoisson.formula.tensors import Tensor3, read_names, read_tensor
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_named
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.refusals import check_kind, not_a
@@ -101,7 +102,7 @@ class Extension:
         """
         extension = cls.__new__(cls)
         n = read_field_count(n)
-        extension._set(n, _read_products(n, products), name, field_names, check=check)
+        extension._set(n, read_products(n, products), name, field_names, check=check)
         return extension
 
     @classmethod
@@ -340,7 +341,14 @@ def read_field_count(n: object) -> int:
     return int(n)
 
 
-def _read_products(n: int, products: object) -> Products:
+def read_products(n: int, products: object) -> Products:
+    """Read products that a caller gives, `products[mu, nu][lam]`; zeros are dropped.
+
+    Raises:
+        ShapeError: not a mapping from pairs to mappings, or an index is not in 0..n-1.
+        BracketError: a pair and its reverse have different products.
+        ParameterError: an entry is not exact.
+    """
     if not is_named(products):
         raise ShapeError(
             f"products must be a mapping; got {type(products).__name__}. Write for example {{(0, 0): {{0: 1}}}}."
@@ -396,6 +404,7 @@ def _check_associative(n: int, products: Products) -> None:
     for mu, nu, rho in product(range(n), repeat=3):
         if mu >= rho:  # the associator of (mu, nu, rho) is minus that of (rho, nu, mu)
             continue
+        checkpoint("a check of associativity")
         residual: dict[int, Exact] = {}
         _add_product(residual, products, (mu, nu), rho, 1)
         _add_product(residual, products, (nu, rho), mu, -1)

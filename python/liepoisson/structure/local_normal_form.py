@@ -60,8 +60,12 @@ def real_factors(component: Component) -> list[RealFactor]:
     if component.degree == 2:
         return _quadratic(component)
     roots = component.algebra.field.real_roots(component.polynomial)
-    is_field = component.hilbert_function == (1,)
-    forms = {"R": truncated_polynomials(1), "C": complex_truncated_polynomials(1)} if is_field else {}
+    hilbert = component.hilbert_function
+    forms: dict[str, Extension] = {}
+    if set(hilbert) == {1}:  # one generator over the residue field, and so over each of its completions
+        forms = {"R": truncated_polynomials(len(hilbert)), "C": complex_truncated_polynomials(len(hilbert))}
+    elif len(hilbert) == 2:
+        forms = {"R": null_square(1 + hilbert[1])}
     places = ["R"] * roots + ["C"] * ((component.degree - roots) // 2)
     return [RealFactor(component, place, forms.get(place), None) for place in places]
 
@@ -193,9 +197,11 @@ def _quadratic(component: Component) -> list[RealFactor]:
     sign = field.sign(D)
     chain = set(component.hilbert_function) == {1}
     length = len(component.hilbert_function)
-    if not chain:
+    if not chain and (sign < 0 or length > 2):
         return [RealFactor(component, place, None, None) for place in ("RR" if sign > 0 else "C")]
     root = _root_of_discriminant(component)
+    if not chain:
+        return _two_null_squares(component, root)
     x = _generators(component)[0] if component.powers else component.unit
     powers = _lift(_powers(algebra, component.unit, x, length))
     if sign < 0:
@@ -203,15 +209,38 @@ def _quadratic(component: Component) -> list[RealFactor]:
         i = tuple(weight * c for c in root)
         basis = tuple(v for power in powers for v in (power, _multiply(algebra, i, power)))
         return [RealFactor(component, "C", complex_truncated_polynomials(length), basis)]
+    return [
+        RealFactor(
+            component, "R", truncated_polynomials(length), tuple(_multiply(algebra, unit, power) for power in powers)
+        )
+        for unit in _idempotents(component, root)
+    ]
+
+
+def _idempotents(component: Component, root: Vector) -> list[SurdVector]:
+    """The units of the two factors of a component whose residue field has a real square root."""
+    field, D = component.algebra.field, component.discriminant
     half = field.one / field.number(2)
     (unit,) = _lift([component.unit])
     weight = Surd.root(field, D) * (half / D)
-    factors: list[RealFactor] = []
-    for orientation in (field.one, -field.one):
-        idempotent = tuple(c * half + weight * orientation * r for c, r in zip(unit, root, strict=True))
-        basis = tuple(_multiply(algebra, idempotent, power) for power in powers)
-        factors.append(RealFactor(component, "R", truncated_polynomials(length), basis))
-    return factors
+    return [
+        tuple(c * half + weight * orientation * r for c, r in zip(unit, root, strict=True))
+        for orientation in (field.one, -field.one)
+    ]
+
+
+def _two_null_squares(component: Component, root: Vector) -> list[RealFactor]:
+    """The two factors with m^2 = 0 of one component, from a basis of m over the residue field."""
+    algebra, generators, span = component.algebra, list[Vector](), list[Vector]()
+    for v in component.powers[0]:
+        if algebra.complement(span, [v]):
+            generators.append(v)
+            span = algebra.echelon([*span, v, algebra.multiply(root, v)])
+    form = null_square(1 + len(generators))
+    return [
+        RealFactor(component, "R", form, (unit, *(_multiply(algebra, unit, v) for v in _lift(generators))))
+        for unit in _idempotents(component, root)
+    ]
 
 
 def _root_of_discriminant(component: Component) -> Vector:

@@ -16,9 +16,9 @@ from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.refusals import counted
-from liepoisson.integrability.deformation.conditions import Parametric, ParametricEquations
-from liepoisson.integrability.deformation.family import Family, Start, Starts, family_of
-from liepoisson.integrability.deformation.orders import Functional, OrderEquations, Solved
+from liepoisson.integrability.deforming.conditions import Parametric, ParametricEquations
+from liepoisson.integrability.deforming.family import Family, Start, Starts, family_of
+from liepoisson.integrability.deforming.orders import Functional, OrderEquations, Solved
 from liepoisson.integrability.search_problem import SizeAsked, where
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula

@@ -19,7 +19,7 @@ from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, solve
 from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.deformation.family import Family, Starts
+from liepoisson.integrability.deforming.family import Family, Starts
 from liepoisson.integrability.derivation import Exponents
 from liepoisson.integrability.search import residues_of
 

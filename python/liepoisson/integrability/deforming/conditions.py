@@ -29,7 +29,7 @@ from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
-from liepoisson.integrability.deformation.family import Family, Starts
+from liepoisson.integrability.deforming.family import Family, Starts
 from liepoisson.integrability.derivation import Exponents
 
 _MOST_COLUMNS = 2500
