@@ -403,7 +403,7 @@ def _of_integrals(add):
     add("integrability.general_system", "degree:1 symmetries:t", **general)
     conditions = {"positive": ["J"], "nonzero": ["a"]}
     add("integrability.integrable_families", "on:e positive:o nonzero:o", **family, on=["C1 = 0"], **conditions)
-    add("integrability.known_lax_pair", "parameters:c", name="lagrange", parameters={"I": (2, 2, 1)})
+    add("integrability.known_lax_pair", "parameters:c", system="lagrange", parameters={"I": (2, 2, 1)})
     symbolic = lp.System(E3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
     given = {"system": symbolic, "degree": 1, "nonzero": ["a3"], "positive": ["I1", "I2", "I3"]}
     add("integrability.lax_families", "nonzero:o positive:o", **given)

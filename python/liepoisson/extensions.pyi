@@ -2,6 +2,7 @@
 from liepoisson.structure.classification import Classification as Classification
 from liepoisson.structure.classification import LocalFactor as LocalFactor
 from liepoisson.structure.extension import Extension as Extension
+from liepoisson.structure.extensions import binary_cubic as binary_cubic
 from liepoisson.structure.extensions import crmhd as crmhd
 from liepoisson.structure.extensions import leibniz as leibniz
 from liepoisson.structure.extensions import semidirect as semidirect

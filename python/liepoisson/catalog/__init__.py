@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from liepoisson._lazy import unknown
 from liepoisson.catalog.families import (
+    cubic_top,
     euler_top_on,
     heavy_top_on,
     henon_heiles,
@@ -25,6 +26,7 @@ from liepoisson.catalog.families import (
     vorticity,
     zeitlin,
 )
+from liepoisson.catalog.lagrange_tops import lagrange_top
 from liepoisson.errors import UnknownNameError, did_you_mean
 from liepoisson.inputs.calls import explains_its_arguments
 
@@ -34,10 +36,12 @@ if TYPE_CHECKING:
     from liepoisson.model.system_file import SystemFile
 
 __all__ = [
+    "cubic_top",
     "entry",
     "euler_top_on",
     "heavy_top_on",
     "henon_heiles",
+    "lagrange_top",
     "leibniz_top",
     "manakov",
     "names",

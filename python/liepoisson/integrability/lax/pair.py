@@ -23,6 +23,7 @@ from sympy import Add, Expr, ImmutableMatrix, Matrix, Poly, S, Symbol
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
+from liepoisson.catalog.lagrange_tops import axial_top
 from liepoisson.catalog.lax_pairs import LAX_PAIRS
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import GivenValue, read_values
@@ -262,29 +263,47 @@ def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
 
 
 @explains_its_arguments
-def known_lax_pair(name: str, *, parameters: Mapping[str, GivenValue] | None = None) -> LaxPair:
-    """The Lax pair of a system of the catalog, verified.
+def known_lax_pair(system: str | System, *, parameters: Mapping[str, GivenValue] | None = None) -> LaxPair:
+    """The Lax pair of a system of the catalog, or of a symmetric top on any unital algebra; verified.
 
     Example:
         >>> pair = lp.integrability.known_lax_pair("kovalevskaya")
         >>> pair.integrals().coefficients[0].formula
         8*H
+        >>> lp.integrability.known_lax_pair(lp.catalog.lagrange_top(lp.leibniz(4), [0, 1, 0, 0])).L[0, 1]
+        -x03*z**3 - x13*z**2 - x23*z - x33 - z**4
 
     Args:
-        name: The name of the system.
+        system: The name of the system; or a system with the Hamiltonian of `catalog.lagrange_top`.
         parameters: Values in the place of those of the catalog.
 
     Raises:
         UnknownNameError: there is no such system, or the package has no Lax pair of it; the message lists those it has.
+        ParameterError: a system that is no such top, or parameters for a system that is given itself.
         LaxPairError: the pair is none for these parameters.
     """
-    if name not in LAX_PAIRS:
-        what = "has no Lax pair in the package" if name in names() else "is no system of the catalog"
-        hint = did_you_mean(name, LAX_PAIRS)
-        raise UnknownNameError(f"{name!r} {what}. {hint}There are those of {', '.join(LAX_PAIRS)}.")
-    file, texts = entry(name), LAX_PAIRS[name]
-    system = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
-    return lax_pair(system, texts.L, texts.M, source=texts.source)
+    if isinstance(system, System):
+        return _of_symmetric_top(system, parameters)
+    if system not in LAX_PAIRS:
+        what = "has no Lax pair in the package" if system in names() else "is no system of the catalog"
+        hint = did_you_mean(system, LAX_PAIRS)
+        raise UnknownNameError(f"{system!r} {what}. {hint}There are those of {', '.join(LAX_PAIRS)}.")
+    file, texts = entry(system), LAX_PAIRS[system]
+    found = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
+    return lax_pair(found, texts.L, texts.M, source=texts.source)
+
+
+def _of_symmetric_top(system: System, parameters: object) -> LaxPair:
+    if parameters is not None:
+        raise ParameterError("parameters: wanted none beside a system, which has its own; got some; leave them out")
+    top = axial_top(system)
+    if top is None:
+        raise ParameterError(
+            "system: wanted a symmetric top on a unital algebra, as catalog.lagrange_top makes it, or the name of a "
+            f"system of the catalog; got {system.name}; look for a pair with search_lax_pairs"
+        )
+    L, M = top.lax_entries(spectral_symbol(system, "z"))
+    return lax_pair(system, L, M, source="musso2005")
 
 
 @dataclass(frozen=True)
