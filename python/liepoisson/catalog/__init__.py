@@ -26,7 +26,7 @@ from liepoisson.catalog.families import (
     vorticity,
     zeitlin,
 )
-from liepoisson.catalog.lagrange_tops import lagrange_top
+from liepoisson.catalog.unital_tops import kovalevskaya_top, lagrange_top
 from liepoisson.errors import UnknownNameError, did_you_mean
 from liepoisson.inputs.calls import explains_its_arguments
 
@@ -41,6 +41,7 @@ __all__ = [
     "euler_top_on",
     "heavy_top_on",
     "henon_heiles",
+    "kovalevskaya_top",
     "lagrange_top",
     "leibniz_top",
     "manakov",

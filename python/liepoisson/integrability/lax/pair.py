@@ -23,8 +23,8 @@ from sympy import Add, Expr, ImmutableMatrix, Matrix, Poly, S, Symbol
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
-from liepoisson.catalog.lagrange_tops import axial_top
 from liepoisson.catalog.lax_pairs import LAX_PAIRS
+from liepoisson.catalog.unital_tops import KovalevskayaTop, LagrangeTop, unital_top
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import GivenValue, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -283,27 +283,42 @@ def known_lax_pair(system: str | System, *, parameters: Mapping[str, GivenValue]
         LaxPairError: the pair is none for these parameters.
     """
     if isinstance(system, System):
-        return _of_symmetric_top(system, parameters)
-    if system not in LAX_PAIRS:
-        what = "has no Lax pair in the package" if system in names() else "is no system of the catalog"
-        hint = did_you_mean(system, LAX_PAIRS)
-        raise UnknownNameError(f"{system!r} {what}. {hint}There are those of {', '.join(LAX_PAIRS)}.")
-    file, texts = entry(system), LAX_PAIRS[system]
-    found = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
-    return lax_pair(found, texts.L, texts.M, source=texts.source)
-
-
-def _of_symmetric_top(system: System, parameters: object) -> LaxPair:
-    if parameters is not None:
-        raise ParameterError("parameters: wanted none beside a system, which has its own; got some; leave them out")
-    top = axial_top(system)
-    if top is None:
+        if parameters is not None:
+            raise ParameterError("parameters: wanted none beside a system, which has its own; got some; leave them out")
+        if (pair := _of_unital_top(system)) is not None:
+            return pair
         raise ParameterError(
-            "system: wanted a symmetric top on a unital algebra, as catalog.lagrange_top makes it, or the name of a "
-            f"system of the catalog; got {system.name}; look for a pair with search_lax_pairs"
+            "system: wanted the name of a system of the catalog, or a top as catalog.lagrange_top and "
+            f"catalog.kovalevskaya_top make them; got {system.name}; look for a pair with search_lax_pairs"
         )
-    L, M = top.lax_entries(spectral_symbol(system, "z"))
-    return lax_pair(system, L, M, source="musso2005")
+    if system not in names():
+        hint = did_you_mean(system, LAX_PAIRS)
+        raise UnknownNameError(
+            f"{system!r} is no system of the catalog. {hint}There are those of {', '.join(LAX_PAIRS)}."
+        )
+    file = entry(system)
+    found = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
+    if (texts := LAX_PAIRS.get(system)) is not None:
+        return lax_pair(found, texts.L, texts.M, source=texts.source)
+    if (pair := _of_unital_top(found)) is not None:
+        return pair
+    raise UnknownNameError(
+        f"{system!r} has no Lax pair in the package. {did_you_mean(system, LAX_PAIRS)}There are those of "
+        f"{', '.join(LAX_PAIRS)}."
+    )
+
+
+def _of_unital_top(system: System) -> LaxPair | None:
+    """The pair of Lagrange's or Kovalevskaya's top on a unital algebra; None for other systems."""
+    top = unital_top(system)
+    if top is None:
+        return None
+    z = spectral_symbol(system, "z")
+    if (lagrange := LagrangeTop(top)).holds:
+        return lax_pair(system, *lagrange.lax_entries(z), source="musso2005")
+    if (kovalevskaya := KovalevskayaTop(top)).holds:
+        return lax_pair(system, *kovalevskaya.lax_entries(z), source="bobenko1989")
+    return None
 
 
 @dataclass(frozen=True)
