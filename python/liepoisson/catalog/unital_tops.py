@@ -76,7 +76,8 @@ def lagrange_top(
 
     with the degree m of the minimal polynomial $\sum_i f_i z^i$ of c; and those of
     $P_{m+j} = \tfrac12\sum_i f_i \sum_{p+q=i+j-1} x_{c^p}\cdot x_{c^q}$, $j < m$, that are no Casimirs.  They commute.
-    If $1, c, c^2, \dots$ span A, the top is Liouville integrable.  `known_lax_pair` gives its Lax pair.
+    If $1, c, c^2, \dots$ span A, the top is Liouville integrable.  `known_lax_pair` gives its Lax pair.  Where the unit
+    is not $e_0$, $P_0 = I_1\ell_3$ stands for $\ell_3$.
 
     Example:
         >>> top = lp.catalog.lagrange_top(lp.extensions.binary_cubic(0, 1, -1, 0), [0, "a3", 0], "I1", "I3")
@@ -108,7 +109,9 @@ def lagrange_top(
     top = UnitalTop(_bracket(extension), (inverse[0], *inverse), (none, none, c))
     plain = top.system("Lagrange top", {}, _LAGRANGE)
     found = {name: f for name, f in LagrangeTop(top).integrals.items() if not plain.is_casimir(f)}
-    return top.system("Lagrange top", {"l3": top.l[2]} | found, _LAGRANGE)
+    # where the unit is no element of the basis, l3 is the name of another function
+    axial_part = {"l3": top.l[2]} if top.unit[0] == 1 and not any(top.unit[1:]) else {"P0": moments[0] * top.l[2]}
+    return top.system("Lagrange top", axial_part | found, _LAGRANGE)
 
 
 @explains_its_arguments
