@@ -78,7 +78,7 @@ def leibniz(inertia, a):
 
 
 def kovalevskaya(*products):
-    """I = (2, 2, 1), H = ... - alpha1 - beta2: a field is fed by alpha and beta times it, as products e1 e_mu, e2 e_mu."""
+    """I = (2, 2, 1), H = ... - alpha1 - beta2; for each e_mu the coordinates of its products with e1 and with e2."""
 
     def equations(*fields):
         omega = over(fields[0], (2, 2, 1))

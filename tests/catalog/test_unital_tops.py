@@ -1,4 +1,4 @@
-"""Tops on unital algebras: Lagrange's and Kovalevskaya's integrals, Lax pairs, completeness; the tops of binary cubics."""
+"""Tops on unital algebras: integrals, Lax pairs and completeness of Lagrange's and Kovalevskaya's; binary cubics."""
 
 import pytest
 from sympy import I, Matrix, Rational, S, Symbol, expand, symbols
@@ -144,7 +144,7 @@ def test_a_changed_coefficient_of_lagranges_top_is_found():
     assert not top.is_constant(top.integrals["P2"] + alpha2 * l1)
     tilted = lp.System(top.bracket, top.hamiltonian + alpha2 / 7)
     assert not tilted.is_constant(top.integrals["P2"])
-    with pytest.raises(ParameterError, match="lagrange_top and catalog.kovalevskaya_top"):
+    with pytest.raises(ParameterError, match="lagrange_top and catalog"):
         known_lax_pair(tilted)
     pair = known_lax_pair(top)
     L, M = pair.elements

@@ -363,7 +363,8 @@ def cubic_top(
         >>> top = lp.catalog.cubic_top((0, 1, -1, 0), ["I1", "I2", "I3"], ["a1", 0, 0], [0, "b2", 0])
         >>> top.equations[top.variables[0]], top.equations[top.variables[5]]
         (-beta3*b2 - l2*l3/I2 + l2*l3/I3, -a1*alpha2 - alpha1*l2/I2 + alpha2*l1/I1)
-        >>> lp.catalog.cubic_top((-1, 0, 0, 0), [2, 2, 1], [-1, 0, 0]).equations == lp.Top.twisted_kovalevskaya().equations
+        >>> twisted = lp.catalog.cubic_top((-1, 0, 0, 0), [2, 2, 1], [-1, 0, 0])
+        >>> twisted.equations == lp.Top.twisted_kovalevskaya().equations
         True
 
     Args:
@@ -574,6 +575,7 @@ def read_numbers(values: Sequence[Parameter], n: int, name: str, letter: str | N
 
 
 def check_divisors(values: list[Any], what: str) -> None:
+    """Refuse values by which the energy is divided where one is zero."""
     if zero := [k + 1 for k, value in enumerate(values) if value.is_zero]:
         raise ParameterError(
             f"the {what} must not vanish, the energy is divided by them; number {zero[0]} does. Change it."

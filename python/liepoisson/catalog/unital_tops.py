@@ -1,7 +1,8 @@
 r"""Lagrange's and Kovalevskaya's tops on every unital algebra: the systems, their integrals, their Lax pairs.
 
-For $p \in A$ let $x_p = \sum_\mu p_\mu x_\mu$; $\ell = x_1$ belongs to the unit.  A top is coupled to elements $c_k$ of
-A by its three axes, $H = \tfrac12\,\ell\cdot I^{-1}\ell + \sum_k e_k\cdot x_{c_k}$, and the bracket of so(3) (x) A gives
+For $p \in A$ let $x_p = \sum_\mu p_\mu x_\mu$; $\ell = x_1$ belongs to the unit.  A top is coupled to elements $c_k$
+of A by its three axes, $H = \tfrac12\,\ell\cdot I^{-1}\ell + \sum_k e_k\cdot x_{c_k}$, and with the bracket of
+so(3) (x) A
 
 $$\dot x_p = x_p\times\omega + \sum_k x_{p c_k}\times e_k, \qquad \omega = I^{-1}\ell.$$
 
@@ -12,11 +13,12 @@ $$L(z) = e_3 + x_{(z - I_1 c)^{-1}}, \qquad \dot L = L\times(\omega + z\,e_3/I_1
 $$|L|^2 = 1 + 2\,(\ell_3/z + I_1 P_1/z^2 + I_1^2 P_2/z^3 + \dots), \qquad
 P_k = I_1\,(x_{c^k})_3 + \tfrac12\sum_{i+j=k-1} x_{c^i}\cdot x_{c^j}.$$
 
-**Kovalevskaya**, $I = (2, 2, 1)$ and $c_1 = x$, $c_2 = y$, $c_3 = k$ a number, with $u = x + iy$ and $w = x^2 + y^2$.  If
-$u^2 = s$ is a complex number, then $\xi = (\omega_1 + i\omega_2)^2 - (x_u)_1 - i\,(x_u)_2 + s$ has
+**Kovalevskaya**, $I = (2, 2, 1)$ and $c_1 = x$, $c_2 = y$, $c_3 = k$ a number, with $u = x + iy$, $w = x^2 + y^2$.
+If $u^2 = s$ is a complex number, then $\xi = (\omega_1 + i\omega_2)^2 - (x_u)_1 - i\,(x_u)_2 + s$ has
 $\dot\xi = -i\ell_3\,\xi$ for k = 0, and for all k
 
-$$K = |\xi|^2 + 2k\,\big(2\,(x_x)_3\,\omega_1 + 2\,(x_y)_3\,\omega_2 - (\ell_3 + 2k)(\omega_1^2 + \omega_2^2) - (x_w)_3\big)$$
+$$K = |\xi|^2 + 2k\,\big(2\,(x_x)_3\,\omega_1 + 2\,(x_y)_3\,\omega_2
+  - (\ell_3 + 2k)(\omega_1^2 + \omega_2^2) - (x_w)_3\big)$$
 
 is an integral.  The Lax pair is one of so(3, 2), matrices with blocks of three and two rows: with
 $S = \begin{pmatrix}\Re s & \Im s\\ \Im s & -\Re s\end{pmatrix}$, $N = \tfrac12(z - S/z)$, the matrix E of the columns
@@ -110,7 +112,9 @@ def lagrange_top(
     plain = top.system("Lagrange top", {}, _LAGRANGE)
     found = {name: f for name, f in LagrangeTop(top).integrals.items() if not plain.is_casimir(f)}
     # where the unit is no element of the basis, l3 is the name of another function
-    axial_part = {"l3": top.l[2]} if top.unit[0] == 1 and not any(top.unit[1:]) else {"P0": moments[0] * top.l[2]}
+    axial_part = (
+        {"l3": top.momentum[2]} if top.unit[0] == 1 and not any(top.unit[1:]) else {"P0": moments[0] * top.momentum[2]}
+    )
     return top.system("Lagrange top", axial_part | found, _LAGRANGE)
 
 
@@ -124,10 +128,11 @@ def kovalevskaya_top(
     $x_p = \sum_\mu p_\mu x_\mu$ and $\ell = x_1$ is the field of the unit.  If $(x + iy)^2$ is a complex number s, that
     is $x^2 - y^2$ and $xy$ are multiples of the unit, there is the integral
 
-    $$K = \big|(\omega_1 + i\omega_2)^2 - (x_{x + iy})_1 - i\,(x_{x + iy})_2 + s\big|^2, \qquad \omega = (\ell_1/2, \ell_2/2, \ell_3),$$
+    $$K = \big|(\omega_1 + i\omega_2)^2 - (x_{x + iy})_1 - i\,(x_{x + iy})_2 + s\big|^2$$
 
-    for k = 0, and one with further terms for other k (`liepoisson.catalog.unital_tops`); `known_lax_pair` gives a Lax
-    pair.  Such are the tops of one and of two fields, those of so(4) and so(3, 1), and twists of two and three fields.
+    for k = 0, with $\omega = (\ell_1/2, \ell_2/2, \ell_3)$, and one with further terms for other k
+    (`liepoisson.catalog.unital_tops`); `known_lax_pair` gives a Lax pair.  Such are the tops of one and of two fields,
+    those of so(4) and so(3, 1), and twists of two and three fields.
     Otherwise the system has no known integrals.
 
     Example:
@@ -231,19 +236,19 @@ class UnitalTop:
         return x, y, z
 
     @cached_property
-    def l(self) -> tuple[Any, Any, Any]:
+    def momentum(self) -> tuple[Any, Any, Any]:
         """The angular momentum."""
         return self.vector(self.unit)
 
     @property
     def omega(self) -> list[Any]:
         """The angular velocity."""
-        return [rate * x for rate, x in zip(self.rates, self.l, strict=True)]
+        return [rate * x for rate, x in zip(self.rates, self.momentum, strict=True)]
 
     @property
     def hamiltonian(self) -> Any:
         """The Hamiltonian."""
-        kinetic = sum(rate * x**2 for rate, x in zip(self.rates, self.l, strict=True)) / 2
+        kinetic = sum(rate * x**2 for rate, x in zip(self.rates, self.momentum, strict=True)) / 2
         return kinetic + sum(self.vector(element)[k] for k, element in enumerate(self.elements))
 
     def system(self, name: str, integrals: dict[str, Expr], source: str) -> System:
@@ -319,7 +324,7 @@ class LagrangeTop:
         return {f"P{k}": f.expand() for k, f in found.items()}
 
     def _products(self, k: int) -> Any:
-        r"""$\tfrac12\sum_{i+j=k-1} x_{c^i}\cdot x_{c^j}$"""
+        r"""The sum $\tfrac12\sum_{i+j=k-1} x_{c^i}\cdot x_{c^j}$."""
         from sympy import S
 
         pairs = [zip(self.vectors[i], self.vectors[k - 1 - i], strict=True) for i in range(k)]
@@ -351,7 +356,9 @@ class KovalevskayaTop:
     def holds(self) -> bool:
         """Whether the top is such a one, with its integral."""
         across, _, along = self.top.rates
-        equal = all((rate - value).equals(0) for rate, value in zip(self.top.rates, (along / 2, along / 2, 1)))
+        equal = all(
+            (rate - value).equals(0) for rate, value in zip(self.top.rates, (along / 2, along / 2, 1), strict=True)
+        )
         return bool(equal and across) and self.rotor is not None and self.square is not None
 
     def _number(self, element: Element) -> Any:
@@ -391,7 +398,9 @@ class KovalevskayaTop:
         X, Y = (self.top.vector(element) for element in self.top.elements[:2])
         real = first**2 - second**2 - X[0] + Y[1] + self.square[0]
         imaginary = 2 * first * second - X[1] - Y[0] + self.square[1]
-        further = 2 * (X[2] * first + Y[2] * second) - (self.top.l[2] + 2 * k) * (first**2 + second**2) - self._norm[2]
+        further = (
+            2 * (X[2] * first + Y[2] * second) - (self.top.momentum[2] + 2 * k) * (first**2 + second**2) - self._norm[2]
+        )
         return real**2 + imaginary**2 + 2 * k * further
 
     def lax_entries(self, z: Any) -> tuple[list[list[Any]], list[list[Any]]]:
@@ -405,11 +414,11 @@ class KovalevskayaTop:
         determinant = (z**2 - norm / z**2) / 4
         E = Matrix([[1, 0], [0, 1], [0, 0]])
         X, Y = (Matrix(self.top.vector(element)) for element in self.top.elements[:2])
-        f = [(z**2 + norm / z**2) / 4 * p - q / 2 for p, q in zip(self.top.l, self._norm, strict=True)]
+        f = [(z**2 + norm / z**2) / 4 * p - q / 2 for p, q in zip(self.top.momentum, self._norm, strict=True)]
         P = determinant * E * (z * eye(2) + S / z) - Matrix.hstack(X, Y) * N
         L, M = zeros(5), zeros(5)
         L[:3, :3], L[:3, 3:], L[3:, :3] = _hat(f), P, P.T
-        L[4, 3] = -(self.top.l[2] + 2 * k) * determinant
+        L[4, 3] = -(self.top.momentum[2] + 2 * k) * determinant
         L[3, 4] = -L[4, 3]
         one, two, three = self.top.omega
         M[:3, :3], M[:3, 3:], M[3:, :3] = _hat((one, two, three + k)), E * N, (E * N).T
