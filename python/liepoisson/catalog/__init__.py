@@ -66,7 +66,7 @@ def names() -> tuple[str, ...]:
 
     Example:
         >>> [name for name in lp.catalog.names() if name.startswith("kovalevskaya")]
-        ['kovalevskaya', 'kovalevskaya-gyrostat']
+        ['kovalevskaya', 'kovalevskaya-gyrostat', 'kovalevskaya-so4']
     """
     return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
 

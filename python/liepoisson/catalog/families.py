@@ -362,7 +362,7 @@ def cubic_top(
     Example:
         >>> top = lp.catalog.cubic_top((0, 1, -1, 0), ["I1", "I2", "I3"], ["a1", 0, 0], [0, "b2", 0])
         >>> top.equations[top.variables[0]], top.equations[top.variables[5]]
-        (-beta3*b2 - l2*l3/I2 + l2*l3/I3, -a1*alpha2 - alpha1*l2/I2 + alpha2*l1/I1)
+        (-b2*beta3 + l2*l3/I3 - l2*l3/I2, -a1*alpha2 + alpha1*l2/I2 - alpha2*l1/I1)
         >>> twisted = lp.catalog.cubic_top((-1, 0, 0, 0), [2, 2, 1], [-1, 0, 0])
         >>> twisted.equations == lp.Top.twisted_kovalevskaya().equations
         True

@@ -82,9 +82,9 @@ def lagrange_top(
     is not $e_0$, $P_0 = I_1\ell_3$ stands for $\ell_3$.
 
     Example:
-        >>> top = lp.catalog.lagrange_top(lp.extensions.binary_cubic(0, 1, -1, 0), [0, "a3", 0], "I1", "I3")
+        >>> top = lp.catalog.lagrange_top(lp.leibniz(3), [0, "a3", 0], "I1", "I3")
         >>> top.integrals["P2"]
-        -a3*(alpha1*beta1 - alpha1*l1)
+        I1*a3**2*beta3 + a3*alpha1*l1 + a3*alpha2*l2 + a3*alpha3*l3
         >>> lp.integrability.known_lax_pair(top).integrals().is_complete
         True
 

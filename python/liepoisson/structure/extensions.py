@@ -112,8 +112,8 @@ def binary_cubic(a: Parameter = "a", b: Parameter = "b", c: Parameter = "c", d: 
     $\mathbb R\times\mathbb C$.
 
     Example:
-        >>> lp.extensions.binary_cubic(0, 1, -1, 0).products  # X Y (X - Y): two idempotents
-        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (1, 1): {1: 1}, (2, 2): {2: 1}}
+        >>> lp.extensions.binary_cubic("a", 0, 0, "d").products
+        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (1, 1): {2: -a}, (1, 2): {0: -a*d}, (2, 2): {1: d}}
         >>> [lp.extensions.binary_cubic(*form).classify().name for form in ((0, 1, -1, 0), (0, 1, 0, 1), (0, 1, 0, 0))]
         ['R + R + R', 'C + R', 'R[x]/(x^2) + R']
 
