@@ -30,6 +30,7 @@ _EXACT = (
 _WEIGHTS = (1, 1, 1, 2, 2, 2, 3, 3, 3)
 _COUNT_HEADING = ("weight", "monomials", "rank", "integrals", "known")
 _FAMILY_DEGREE = 2
+_COCYCLE_DEGREE = 4
 
 
 @checks("kovalevskaya-inertia")
@@ -137,8 +138,43 @@ def nearby_integrable_case(evidence: Evidence, context: Context) -> None:
     _no_polynomial_integral(evidence, context)
     _families(evidence, context)
     _obstructions(evidence, context)
+    _other_cocycles(evidence, context)
     evidence.note(
         "For other parameters integrals of higher degree, and any that are not polynomial, are not examined here."
+    )
+
+
+def _other_cocycles(evidence: Evidence, context: Context) -> None:
+    """State which brackets of l and two fields keep a further integral of the two-field Kovalevskaya top."""
+    top = lp.catalog.system("twisted-two-field-kovalevskaya", {"kappa": "kappa"})
+    bracket = context.extended(lp.extensions.binary_cubic(0, "kappa", 0, "kappa"))
+    K, G = (top.integrals[name] for name in "KG")
+    evidence.note(
+        "Other cocycles: all brackets of l and two fields are so(3) ⊗ A with e₁e₁ = −ac + b e₁ − a e₂, e₁e₂ = −ad, "
+        "e₂e₂ = −bd + d e₁ − c e₂, up to terms k·l in H; a = b = c = d = 0 is the charged heavy top, b = c = d = 0 the "
+        "twisted top with ε = −a."
+    )
+    pairs = {"{K, H}": (K, top.hamiltonian), "{G, H}": (G, top.hamiltonian), "{K, G}": (K, G)}
+    evidence.zero(
+        "I = (2, 2, 1), a = (−1, 0, 0), b = (0, −1, 0), e₁e₁ = κe₁, e₁e₂ = 0, e₂e₂ = κe₁ − κ²: "
+        f"{', '.join(pairs)} vanish for every κ",
+        [bracket(f, g) for f, g in pairs.values()],
+        [f"K = {written(K, bracket)}"],
+    )
+    one = lp.System(context.extended(lp.extensions.binary_cubic(0, 1, 0, 1)), top.hamiltonian, name="kappa = 1")
+    functions = [one.hamiltonian, *(f.subs("kappa", 1) for f in (K, G)), *one.bracket.casimirs()]
+    point = [1, 2, 3, 1, 1, -1, 2, -1, 1]
+    evidence.independent("κ = 1: H, K, G and the Casimirs are independent", functions, one.bracket, point)
+    energy = "l1^2/4 + l2^2/4 + l3^2/2 + alpha1 + beta2 + k1*l1 + k2*l2 + k3*l3"
+    general = lp.System(context.extended(lp.extensions.binary_cubic()), energy, symbols=["k1", "k2", "k3"])
+    found = lp.integrability.integrable_families(general, degree=_COCYCLE_DEGREE)
+    cases = {frozenset(map(str, case.conditions)) for case in found.cases}
+    evidence.proof(
+        "search",
+        f"I = (2, 2, 1), a = (1, 0, 0), b = (0, 1, 0), any cocycle, any rotor: integrals of degree ≤ {_COCYCLE_DEGREE} "
+        "beyond the polynomials in H, C₁, C₂, C₃ exist for a = c, b = d, k₁ = k₂ = 0 and in no other case",
+        found.complete and cases == {frozenset(("k1", "k2", "a - c", "b - d"))},
+        [", ".join(f"{show(c)} = 0" for c in case.conditions) for case in found.cases],
     )
 
 
