@@ -154,11 +154,11 @@ def _other_cocycles(evidence: Evidence, context: Context) -> None:
         "e₂e₂ = −bd + d e₁ − c e₂, up to terms k·l in H; a = b = c = d = 0 is the charged heavy top, b = c = d = 0 the "
         "twisted top with ε = −a."
     )
-    pairs = {"{K, H}": (K, top.hamiltonian), "{G, H}": (G, top.hamiltonian), "{K, G}": (K, G)}
+    pairs = ((K, top.hamiltonian), (G, top.hamiltonian), (K, G))
     evidence.zero(
         "I = (2, 2, 1), a = (−1, 0, 0), b = (0, −1, 0), e₁e₁ = κe₁, e₁e₂ = 0, e₂e₂ = κe₁ − κ²: "
-        f"{', '.join(pairs)} vanish for every κ",
-        [bracket(f, g) for f, g in pairs.values()],
+        "{K, H}, {G, H} and {K, G} vanish for every κ",
+        [bracket(f, g) for f, g in pairs],
         [f"K = {written(K, bracket)}"],
     )
     one = lp.System(context.extended(lp.extensions.binary_cubic(0, 1, 0, 1)), top.hamiltonian, name="kappa = 1")
