@@ -1,8 +1,8 @@
 r"""Where integrability returns among the twists.
 
 Kovalevskaya's top in two fields, with the twist of the cubic $Y(X^2 + tY^2)$: the mean exponent of 48 random starts at
-time 1000, and the share that is chaotic. For t < 0 the algebra is $\mathbb R^3$, at t = 0 $\mathbb R\times\mathbb R[z]/z^2$, for
-t > 0 $\mathbb R\times\mathbb C$. At t = 1 both integrals are back.
+time 1000, and the share that is chaotic. For t < 0 the algebra is $\mathbb R^3$, for t > 0 it is
+$\mathbb R\times\mathbb C$. At t = 1 both integrals are back.
 
 Read on: [which twists keep an integral](../twists.md#which-twists-keep-an-integral).
 """

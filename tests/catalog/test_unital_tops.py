@@ -4,6 +4,7 @@ import pytest
 from sympy import I, Matrix, Rational, S, Symbol, expand, symbols
 
 import liepoisson as lp
+from liepoisson.catalog.lax_pairs import MADE
 from liepoisson.errors import BracketError, LaxPairError, ParameterError, ShapeError, UnknownNameError
 
 cubic = lp.extensions.binary_cubic
@@ -194,7 +195,7 @@ def test_the_lax_pair_proves_that_they_are_integrable_with_a_rotor(extension, fi
     assert (found.n_independent, found.rank, found.in_involution) == (n, 2 * n, True)
 
 
-@pytest.mark.parametrize("name", ["kovalevskaya-so4", "three-field-kovalevskaya", "twisted-two-field-kovalevskaya"])
+@pytest.mark.parametrize("name", MADE)
 def test_entries_of_the_catalog_have_certificates_and_lax_pairs(name):
     top = lp.catalog.system(name)
     proof = lp.integrability.certificate(top, {"H": top.hamiltonian} | top.integrals)
@@ -206,6 +207,13 @@ def test_entries_of_the_catalog_have_certificates_and_lax_pairs(name):
         assert known_lax_pair(name, parameters={"kappa": "kappa"}).size == 5
         changed = lp.catalog.system(name, {"I": [3, 2, 1]})
         assert not changed.integrals
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("name", "genus"), [*zip(MADE, (11, 10, 17), strict=True)])
+def test_the_spectral_curves_have_the_genus_of_the_page(name, genus):
+    components = known_lax_pair(name).spectral_curve(seed=1).components
+    assert max(component.genus for component in components) == genus
 
 
 def test_without_a_number_for_the_square_there_is_no_integral():

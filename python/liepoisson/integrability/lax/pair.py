@@ -23,7 +23,7 @@ from sympy import Add, Expr, ImmutableMatrix, Matrix, Poly, S, Symbol
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
-from liepoisson.catalog.lax_pairs import LAX_PAIRS
+from liepoisson.catalog.lax_pairs import LAX_PAIRS, MADE
 from liepoisson.catalog.unital_tops import KovalevskayaTop, LagrangeTop, unital_top
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import GivenValue, read_values
@@ -291,21 +291,18 @@ def known_lax_pair(system: str | System, *, parameters: Mapping[str, GivenValue]
             "system: wanted the name of a system of the catalog, or a top as catalog.lagrange_top and "
             f"catalog.kovalevskaya_top make them; got {system.name}; look for a pair with search_lax_pairs"
         )
-    if system not in names():
-        hint = did_you_mean(system, LAX_PAIRS)
+    if system not in (*LAX_PAIRS, *MADE):
+        what = "has no Lax pair in the package" if system in names() else "is no system of the catalog"
+        known = (*LAX_PAIRS, *MADE)
         raise UnknownNameError(
-            f"{system!r} is no system of the catalog. {hint}There are those of {', '.join(LAX_PAIRS)}."
+            f"{system!r} {what}. {did_you_mean(system, known)}There are those of {', '.join(known)}."
         )
     file = entry(system)
     found = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
-    if (texts := LAX_PAIRS.get(system)) is not None:
-        return lax_pair(found, texts.L, texts.M, source=texts.source)
-    if (pair := _of_unital_top(found)) is not None:
-        return pair
-    raise UnknownNameError(
-        f"{system!r} has no Lax pair in the package. {did_you_mean(system, LAX_PAIRS)}There are those of "
-        f"{', '.join(LAX_PAIRS)}."
-    )
+    texts = LAX_PAIRS.get(system)
+    if texts is None:
+        return known_lax_pair(found)
+    return lax_pair(found, texts.L, texts.M, source=texts.source)
 
 
 def _of_unital_top(system: System) -> LaxPair | None:
