@@ -241,6 +241,22 @@ def _of_systems(add):
         "catalog.leibniz_top", "inertia:N vectors:o", None, names, n=3, inertia=(3, 2, 1),
         vectors=[(1, 0, 2), (0, 1, 0)],
     )  # fmt: skip
+    add(
+        "catalog.cubic_top", "cubic:N inertia:N a:N b:N", None, names | {"cubic": numbered("c", 4)}, cubic=(1, 2, 3, 5),
+        inertia=(3, 2, 1), a=(1, 0, 2), b=(0, 1, 3),
+    )  # fmt: skip
+    add(
+        "catalog.lagrange_top",
+        "element:N",
+        None,
+        {"element": numbered("c", 2)},
+        extension=lp.semidirect(2),
+        element=(2, 3),
+    )
+    add(
+        "catalog.kovalevskaya_top", "first:N second:N", None, {"first": numbered("x", 2), "second": numbered("y", 2)},
+        extension=lp.semidirect(2), first=(0, 1), second=(0, 2),
+    )  # fmt: skip
     add("catalog.manakov", "J:N", None, names, n=3, J=(3, 2, 1))
     add("catalog.su_top", "J:N", None, numbered("J", 2), n=2, J=(3, 2))
     add("catalog.vorticity", "states:o", states=np.arange(8.0), n_points=4)
@@ -428,7 +444,7 @@ def _of_integrals(add):
     add("integrability.general_system", "degree:1 symmetries:t", **general)
     conditions = {"positive": ["J"], "nonzero": ["a"]}
     add("integrability.integrable_families", "on:e positive:o nonzero:o", **family, on=["C1 = 0"], **conditions)
-    add("integrability.known_lax_pair", "parameters:c", name="lagrange", parameters={"I": (2, 2, 1)})
+    add("integrability.known_lax_pair", "parameters:c", system="lagrange", parameters={"I": (2, 2, 1)})
     symbolic = lp.System(E3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
     given = {"system": symbolic, "degree": 1, "nonzero": ["a3"], "positive": ["I1", "I2", "I3"]}
     add("integrability.lax_families", "nonzero:o positive:o", **given)

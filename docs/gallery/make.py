@@ -43,7 +43,9 @@ GROUPS = {
         *("kovalevskaya-section", "lagrange-chart", "attitude", "gyrostat", "rattleback", "sphere"),
         *("kirchhoff", "regions", "equilibria", "sleeping-top", "bifurcation", "rod", "double-pendulum"),
     ),
-    "Twist and charge": ("lyapunov", "twist-section", "twist-sweep", "charged-top", "leibniz", "structure"),
+    "Twist and charge": (
+        *("lyapunov", "twist-section", "twist-sweep", "cubic-twists", "charged-top", "leibniz", "structure"),
+    ),
     "Chaos and its measures": (
         *("henon-heiles", "megno-map", "frequencies", "sticky", "spectrum", "exponent-error"),
         *("covariant", "splitting", "homoclinic", "orbit-families"),

@@ -11,6 +11,7 @@ from liepoisson.structure.cohomology.twist_orbits import TwistOrbits as TwistOrb
 from liepoisson.structure.cohomology.twists import Twists as Twists
 from liepoisson.structure.cohomology.twists import cocycles as cocycles
 from liepoisson.structure.extension import Extension as Extension
+from liepoisson.structure.extensions import binary_cubic as binary_cubic
 from liepoisson.structure.extensions import crmhd as crmhd
 from liepoisson.structure.extensions import leibniz as leibniz
 from liepoisson.structure.extensions import semidirect as semidirect

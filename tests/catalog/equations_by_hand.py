@@ -77,6 +77,20 @@ def leibniz(inertia, a):
     return equations
 
 
+def kovalevskaya(*products):
+    """I = (2, 2, 1), H = ... - alpha1 - beta2; for each e_mu the coordinates of its products with e1 and with e2."""
+
+    def equations(*fields):
+        omega = over(fields[0], (2, 2, 1))
+        rates = []
+        for x, both in zip(fields, products, strict=True):
+            alpha, beta = (plus(*(times(F(c), y) for c, y in zip(product, fields, strict=True))) for product in both)
+            rates.append(plus(cross(x, omega), cross(alpha, [-1, 0, 0]), cross(beta, [0, -1, 0])))
+        return rates
+
+    return equations
+
+
 def gyrostat(l):
     k = [F(1, 2), F(1, 3), F(1, 4)]
     return [cross(l, over(plus(l, times(-1, k)), [1, 2, F(5, 2)]))]
@@ -267,6 +281,7 @@ EQUATIONS = {
     ),
     "kovalevskaya": heavy((2, 2, 1), (-1, 0, 0)),
     "kovalevskaya-gyrostat": euclidean(lambda l, _: ([l[0] / 2, l[1] / 2, l[2] - F(1, 3)], [1, 0, 0])),
+    "kovalevskaya-so4": kovalevskaya([(0, 1), (0, 0)], [(1, 0), (0, 0)]),
     "lagrange": heavy((1, 1, F(1, 2)), (0, 0, 1)),
     "leibniz-lagrange-4": leibniz((1, 1, F(1, 2)), (0, 0, 1)),
     "leibniz-lagrange-5": leibniz((1, 1, F(1, 2)), (0, 0, 1)),
@@ -282,10 +297,19 @@ EQUATIONS = {
     "spherical-pendulum": euclidean(lambda l, _: (l, [0, 0, 1])),
     "spring-pendulum": spring_pendulum,
     "steklov": quadratic(A, times(-MU, PRODUCTS), times(MU**2, along(A, SQUARES))),
+    "three-field-kovalevskaya": kovalevskaya(
+        [(0, 1, 0, 0), (0, 0, 1, 0)],
+        [(0, 0, 0, 1), (0, 0, 0, 0)],
+        [(0, 0, 0, 0), (0, 0, 0, 1)],
+        [(0, 0, 0, 0), (0, 0, 0, 0)],
+    ),
     "three-wave": three_wave,
     "toda": toda,
     "twisted-kovalevskaya": top((2, 2, 1), (-1, 0, 0), epsilon=1),
     "twisted-lagrange": top((1, 1, F(1, 2)), (0, 0, 1), epsilon=1),
+    "twisted-two-field-kovalevskaya": kovalevskaya(
+        [(0, 1, 0), (0, 0, 1)], [(0, 1, 0), (0, 0, 0)], [(0, 0, 0), (-1, 1, 0)]
+    ),
     "two-field-kovalevskaya": top((2, 2, 1), (-1, 0, 0), (0, -1, 0)),
     "two-field-spherical": top((1, 1, 1), (1, 0, 0), (0, 1, 0)),
     "zeitlin-3": fluid(3),

@@ -17,7 +17,7 @@ from liepoisson.errors import ParameterError, ShapeError, UnknownNameError
 from liepoisson.model.system_file_reader import parse_system_file
 
 NAMES = catalog.names()
-SYMBOLIC = ("twisted-top",)
+SYMBOLIC = ("cubic-top-complex", "cubic-top-double", "cubic-top-split", "twisted-top")
 NUMBERS = tuple(name for name in NAMES if name not in SYMBOLIC)
 
 WITH_SINES = ("reduced-mhd-3", "zeitlin-3", "zeitlin-5")  # structure constants that are no rational numbers
@@ -26,6 +26,9 @@ TRANSCENDENTAL = ("double-pendulum", "spring-pendulum", "toda")  # rates that ar
 # Not known to be integrable, or known not to be; all others have a complete set of integrals.
 NOT_INTEGRABLE = (
     "charged-heavy-top",
+    "cubic-top-complex",
+    "cubic-top-double",
+    "cubic-top-split",
     "double-pendulum",
     "heavy-top",
     "henon-heiles",

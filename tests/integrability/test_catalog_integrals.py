@@ -14,9 +14,10 @@ DEGREES = {
     "charged-lagrange": 2, "charged-twisted-lagrange": 2, "chaplygin": 4, "clebsch": 2, "compressible-reduced-mhd": 2,
     "goryachev": 4, "goryachev-chaplygin": 3, "goryachev-chaplygin-gyrostat": 3, "henon-heiles-kaup-kupershmidt": 6,
     "henon-heiles-kdv": 4, "henon-heiles-sawada-kotera": 3, "kepler-on-the-sphere": 2, "kirchhoff": 1,
-    "kovalevskaya": 4, "kovalevskaya-gyrostat": 4, "lagrange": 1, "leibniz-lagrange-4": 2, "leibniz-lagrange-5": 2,
-    "lyapunov": 2, "manakov-so4": 2, "neumann": 2, "poincare-ellipsoidal-cavity": 1, "so21-heavy-top": 1,
-    "so21-twisted-top": 2, "spherical-pendulum": 1, "steklov": 2, "three-wave": 2, "toda": 3, "twisted-lagrange": 2,
+    "kovalevskaya": 4, "kovalevskaya-gyrostat": 4, "kovalevskaya-so4": 4, "lagrange": 1, "leibniz-lagrange-4": 2,
+    "leibniz-lagrange-5": 2, "lyapunov": 2, "manakov-so4": 2, "neumann": 2, "poincare-ellipsoidal-cavity": 1,
+    "so21-heavy-top": 1, "so21-twisted-top": 2, "spherical-pendulum": 1, "steklov": 2, "three-wave": 2, "toda": 3,
+    "twisted-lagrange": 2, "three-field-kovalevskaya": 4, "twisted-two-field-kovalevskaya": 4,
     "two-field-kovalevskaya": 4, "two-field-spherical": 4,
 }  # fmt: skip
 """The degree to which is searched, the largest of the integrals that are stated."""

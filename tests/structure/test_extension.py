@@ -52,7 +52,8 @@ def test_products_of_named_extensions(extension, beside_the_unit):
 
 def test_names():
     assert (crmhd("2/3").field_names, crmhd("2/3").name) == (("omega", "v", "p", "psi"), "CRMHD(beta_e = 2/3)")
-    calls = {"trivial": (), "semidirect": (3,), "leibniz": (3, "epsilon"), "crmhd": ("beta_e",), "normal_form": (4, 2)}
+    calls = {"trivial": (), "semidirect": (3,), "leibniz": (3, "epsilon"), "crmhd": ("beta_e",)}
+    calls |= {"binary_cubic": (0, 1, "c", 0), "normal_form": (4, 2)}
     assert set(EXTENSIONS) == set(calls)
     assert all(isinstance(EXTENSIONS[name](*arguments), Extension) for name, arguments in calls.items())
 

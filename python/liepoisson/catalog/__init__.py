@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from liepoisson._lazy import unknown
 from liepoisson.catalog.families import (
+    cubic_top,
     euler_top_on,
     heavy_top_on,
     henon_heiles,
@@ -25,6 +26,7 @@ from liepoisson.catalog.families import (
     vorticity,
     zeitlin,
 )
+from liepoisson.catalog.unital_tops import kovalevskaya_top, lagrange_top
 from liepoisson.errors import UnknownNameError, did_you_mean
 from liepoisson.inputs.calls import explains_its_arguments
 
@@ -34,10 +36,13 @@ if TYPE_CHECKING:
     from liepoisson.model.system_file import SystemFile
 
 __all__ = [
+    "cubic_top",
     "entry",
     "euler_top_on",
     "heavy_top_on",
     "henon_heiles",
+    "kovalevskaya_top",
+    "lagrange_top",
     "leibniz_top",
     "manakov",
     "names",
@@ -61,7 +66,7 @@ def names() -> tuple[str, ...]:
 
     Example:
         >>> [name for name in lp.catalog.names() if name.startswith("kovalevskaya")]
-        ['kovalevskaya', 'kovalevskaya-gyrostat']
+        ['kovalevskaya', 'kovalevskaya-gyrostat', 'kovalevskaya-so4']
     """
     return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
 

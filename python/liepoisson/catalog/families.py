@@ -347,6 +347,48 @@ def twisted_top_on(
 
 
 @explains_its_arguments
+def cubic_top(
+    cubic: Sequence[Parameter],
+    inertia: Sequence[Parameter],
+    a: Sequence[Parameter],
+    b: Sequence[Parameter] | None = None,
+) -> System:
+    r"""The top in two fields on so(3) (x) A, A the algebra of a binary cubic: any twist of the charged heavy top.
+
+    $H = \tfrac12\,\ell\cdot I^{-1}\ell + a\cdot\alpha + b\cdot\beta$ with the bracket of
+    `extensions.binary_cubic`.  The cubic (0, 0, 0, 0) gives the charged heavy top, (-epsilon, 0, 0, 0) the twisted
+    top.  Another choice of $e_1$ and $e_2$ modulo the unit adds terms $k\cdot\ell$ to H: rotors.
+
+    Example:
+        >>> top = lp.catalog.cubic_top((0, 1, -1, 0), ["I1", "I2", "I3"], ["a1", 0, 0], [0, "b2", 0])
+        >>> top.equations[top.variables[0]], top.equations[top.variables[5]]
+        (-b2*beta3 + l2*l3/I3 - l2*l3/I2, -a1*alpha2 + alpha1*l2/I2 - alpha2*l1/I1)
+        >>> twisted = lp.catalog.cubic_top((-1, 0, 0, 0), [2, 2, 1], [-1, 0, 0])
+        >>> twisted.equations == lp.Top.twisted_kovalevskaya().equations
+        True
+
+    Args:
+        cubic: The coefficients of $X^3, X^2Y, XY^2, Y^3$.
+        inertia: Principal moments of inertia, nonzero.
+        a: The constant vector that couples to alpha.
+        b: The constant vector that couples to beta; none if left out.
+
+    Raises:
+        ShapeError: not four coefficients, or a vector does not have 3 components.
+        ParameterError: a parameter is not exact.
+
+    References: Delone and Faddeev (1964); Thiffeault and Morrison (2000, 2001).
+    """
+    from liepoisson.structure.extensions import binary_cubic
+    from liepoisson.structure.lie_algebras import so
+
+    coefficients = read_numbers(cubic, 4, "cubic", "c")
+    bracket = so(3) @ binary_cubic(*coefficients)
+    vectors = {"a": a} if b is None else {"a": a, "b": b}
+    return _top(bracket, inertia, vectors, f"top of the {bracket.extension.name}", _EXTENSIONS)
+
+
+@explains_its_arguments
 def toda(n: int, *, closed: bool = True) -> System:
     r"""The Toda lattice of n particles, $H = \tfrac12\sum p_k^2 + \sum e^{q_k - q_{k+1}}$, with n integrals.
 
@@ -446,7 +488,7 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
     from liepoisson.structure.canonical_bracket import canonical
 
     values = {"A": A, "B": B, "C": C}
-    a, b, c = _numbers(list(values.values()), 3, "A, B, C")
+    a, b, c = read_numbers(list(values.values()), 3, "A, B, C")
     integrals: dict[str, str] = {}
     if c == -1 and (a - b).equals(0):
         integrals = {"K": "p_x*p_y + A*x*y + x*y^2 + x^3/3"}
@@ -486,11 +528,11 @@ def _top(
             f"vectors must be at most {len(fields) - 1}, one per field after the first; got {len(vectors)}. Leave out "
             "the others."
         )
-    moments = _numbers(inertia, n, "inertia", "I")
-    _check_divisors(moments, "moments of inertia")
+    moments = read_numbers(inertia, n, "inertia", "I")
+    check_divisors(moments, "moments of inertia")
     energy = sum((x**2 / (2 * moment) for x, moment in zip(fields[0], moments, strict=True)), S.Zero)
     for field, (letter, vector) in zip(fields[1:], vectors.items(), strict=False):
-        energy += sum((c * x for c, x in zip(_numbers(vector, n, letter), field, strict=True)), S.Zero)
+        energy += sum((c * x for c, x in zip(read_numbers(vector, n, letter), field, strict=True)), S.Zero)
     symbols = symbols_in(energy, bracket.coordinate_names)
     return System(bracket, energy, name=name, source=source, symbols=symbols)
 
@@ -499,7 +541,7 @@ def _difference_quotients(squares: Pairs, J: list[Any]) -> tuple[Any, dict[str, 
     r"""$\tfrac12\sum q_{jk}/(J_j + J_k)$ and the $K_k = \sum q_{jk} \sum_{p+q=k-2} J_j^{2p} J_k^{2q}$, 2 < k < n."""
     from sympy import S
 
-    _check_divisors([J[j] + J[k] for j, k in squares], "sums J[j] + J[k]")
+    check_divisors([J[j] + J[k] for j, k in squares], "sums J[j] + J[k]")
     energy = sum((square / (2 * (J[j] + J[k])) for (j, k), square in squares.items()), S.Zero)
     integrals = {
         f"K{degree}": sum(
@@ -516,10 +558,10 @@ def _difference_quotients(squares: Pairs, J: list[Any]) -> tuple[Any, dict[str, 
 
 
 def _moments(values: Sequence[Parameter] | None, n: int, name: str) -> list[Any]:
-    return _numbers(range(1, n + 1) if values is None else values, n, name)
+    return read_numbers(range(1, n + 1) if values is None else values, n, name)
 
 
-def _numbers(values: Sequence[Parameter], n: int, name: str, letter: str | None = None) -> list[Any]:
+def read_numbers(values: Sequence[Parameter], n: int, name: str, letter: str | None = None) -> list[Any]:
     """Exact numbers (or names), as SymPy expressions; labels are the letter with numbers from 1."""
     from liepoisson.algebra.exact_numbers import to_sympy
     from liepoisson.formula.parameters import read_parameter
@@ -532,7 +574,8 @@ def _numbers(values: Sequence[Parameter], n: int, name: str, letter: str | None 
     return [to_sympy(read_parameter(value, f"{name}[{k + 1}]")) for k, value in enumerate(items)]
 
 
-def _check_divisors(values: list[Any], what: str) -> None:
+def check_divisors(values: list[Any], what: str) -> None:
+    """Refuse values by which the energy is divided where one is zero."""
     if zero := [k + 1 for k, value in enumerate(values) if value.is_zero]:
         raise ParameterError(
             f"the {what} must not vanish, the energy is divided by them; number {zero[0]} does. Change it."

@@ -180,3 +180,6 @@ LAX_PAIRS: dict[str, LaxTexts] = {
     "two-field-kovalevskaya": _kovalevskaya("-a1*alpha{i}", "-b2*beta{i}", "0"),
 }
 """The pairs by the name of the system."""
+
+MADE = ("kovalevskaya-so4", "three-field-kovalevskaya", "twisted-two-field-kovalevskaya")
+"""Further systems of the catalog with a pair, which `liepoisson.catalog.unital_tops` makes."""

@@ -245,6 +245,7 @@ class _Algebra:
 
         And whether one of them is functionally independent of the functions.
         """
+        vectors = [v for v in vectors if v]  # what vanishes on the level is zero
         if not vectors:
             return True, False
         n = len(next(iter(vectors[0])))

@@ -156,18 +156,24 @@ class CommutativeAlgebra:
         # The last candidates suffice: two characters agree on sum_i (i + 1)^k e_i for finitely many k only.
         powers = (tuple(self.field.number((i + 1) ** k) for i in range(self.dimension)) for k in count(1))
         for x in chain(self.basis, powers):
-            polynomial = self._minimal_polynomial(x)
+            polynomial = self.minimal_polynomial(x, modulo=self.nilradical)
             if len(polynomial) == wanted + 1:
                 return x, polynomial
         raise AssertionError
 
-    def _minimal_polynomial(self, x: Vector) -> list[Scalar]:
+    def minimal_polynomial(self, x: Vector, modulo: Sequence[Vector] = ()) -> list[Scalar]:
+        """The monic polynomial of lowest degree with f(x) = 0, or f(x) in an ideal, from the leading coefficient down.
+
+        Args:
+            x: An element of the algebra, which has a unit.
+            modulo: A basis of the ideal.
+        """
         assert self.unit is not None
         powers = [self.unit]
-        rank = len(self.nilradical)
-        while len(self.echelon([*self.nilradical, *powers])) == rank + len(powers):
+        rank = len(modulo)
+        while len(self.echelon([*modulo, *powers])) == rank + len(powers):
             powers.append(self.multiply(powers[-1], x))
-        coefficients = self.coordinates(powers[-1], [*powers[:-1], *self.nilradical])
+        coefficients = self.coordinates(powers[-1], [*powers[:-1], *modulo])
         return [self.field.one, *(-c for c in reversed(coefficients[: len(powers) - 1]))]
 
     def _evaluate(self, polynomial: Sequence[Scalar], x: Vector) -> Vector:

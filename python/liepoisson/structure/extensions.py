@@ -1,4 +1,4 @@
-r"""Named extensions: trivial, semidirect, Leibniz, compressible reduced magnetohydrodynamics.
+r"""Named extensions: trivial, semidirect, Leibniz, compressible reduced magnetohydrodynamics, binary cubics.
 
 References: Thiffeault and Morrison, Physica D 136 (2000) 205; Hazeltine, Kotschenreuther and Morrison, Phys. Fluids 28
 (1985) 2466; Thiffeault and Morrison (2001) for the twisted top.
@@ -101,6 +101,44 @@ def _crmhd(strength: Exact) -> Extension:
     return Extension.from_products(4, products, "CRMHD", ("omega", "v", "p", "psi"), check=False)
 
 
+def binary_cubic(a: Parameter = "a", b: Parameter = "b", c: Parameter = "c", d: Parameter = "d") -> Extension:
+    r"""The algebra of dimension 3 of a binary cubic form, $aX^3 + bX^2Y + cXY^2 + dY^3$, with unit $e_0$.
+
+    $e_1 e_1 = -ac\, e_0 + b\, e_1 - a\, e_2$, $e_1 e_2 = -ad\, e_0$ and $e_2 e_2 = -bd\, e_0 + d\, e_1 - c\, e_2$.
+
+    These are all unital algebras of dimension 3, up to the choice of $e_1$ and $e_2$ modulo the unit: the twists of
+    the charged heavy top.  Over the reals there are five: the cubic 0 gives `semidirect(3)`, a triple root
+    `leibniz(3)`, a double root $\mathbb R\times\mathbb R[z]/z^2$, three real roots $\mathbb R^3$, one real root
+    $\mathbb R\times\mathbb C$.
+
+    Example:
+        >>> lp.extensions.binary_cubic("a", 0, 0, "d").products
+        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (1, 1): {2: -a}, (1, 2): {0: -a*d}, (2, 2): {1: d}}
+        >>> [lp.extensions.binary_cubic(*form).classify().name for form in ((0, 1, -1, 0), (0, 1, 0, 1), (0, 1, 0, 0))]
+        ['R + R + R', 'C + R', 'R[x]/(x^2) + R']
+
+    Args:
+        a: Coefficient of $X^3$; $-a$ is the strength of the cocycle of the twisted top.
+        b: Coefficient of $X^2 Y$.
+        c: Coefficient of $X Y^2$.
+        d: Coefficient of $Y^3$.
+
+    Raises:
+        ParameterError: a coefficient is not exact.
+
+    References: Delone and Faddeev (1964).
+    """
+    given = {name: read_parameter(value, name) for name, value in zip("abcd", (a, b, c, d), strict=True)}
+    if not all(isinstance(value, Fraction) for value in given.values()):
+        given = {name: to_sympy(value) for name, value in given.items()}
+    p, q, r, s = given.values()
+    squares = {(1, 1): {0: -p * r, 1: q, 2: -p}, (1, 2): {0: -p * s}, (2, 2): {0: -q * s, 1: s, 2: -r}}
+    products = {pair: {k: v for k, v in row.items() if not is_zero(v)} for pair, row in squares.items()}
+    name = f"binary cubic ({', '.join(map(str, given.values()))})"
+    units = _with_unit(3, {}, p)
+    return Extension.from_products(3, units | {pair: row for pair, row in products.items() if row}, name, check=False)
+
+
 def normal_form(n: int, k: int) -> Extension:
     """The k-th normal form of local algebras of dimension n, counted from 1; see `normal_forms.normal_forms`.
 
@@ -123,6 +161,7 @@ EXTENSIONS: dict[str, Callable[..., Extension]] = {
     "semidirect": semidirect,
     "leibniz": leibniz,
     "crmhd": crmhd,
+    "binary_cubic": binary_cubic,
     "normal_form": normal_form,
 }
 """Constructors by the name that system files use."""

@@ -203,7 +203,7 @@ class _Stratification:
             for field in drop.fields:
                 yield from self.below(tuple(f for f in fields if f != field), seen)
         else:
-            lost = drop.fields if drop is not None else (self._ideals(fields) or [(fields[-1],)])[0]
+            lost = drop.fields if drop is not None else (self._ideals(fields) or [fields])[0]
             yield from self.below(tuple(f for f in fields if f not in lost), seen)
 
     def _open(

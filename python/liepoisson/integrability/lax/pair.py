@@ -23,7 +23,8 @@ from sympy import Add, Expr, ImmutableMatrix, Matrix, Poly, S, Symbol
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.catalog import entry, names
-from liepoisson.catalog.lax_pairs import LAX_PAIRS
+from liepoisson.catalog.lax_pairs import LAX_PAIRS, MADE
+from liepoisson.catalog.unital_tops import KovalevskayaTop, LagrangeTop, unital_top
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import GivenValue, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -262,29 +263,59 @@ def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
 
 
 @explains_its_arguments
-def known_lax_pair(name: str, *, parameters: Mapping[str, GivenValue] | None = None) -> LaxPair:
-    """The Lax pair of a system of the catalog, verified.
+def known_lax_pair(system: str | System, *, parameters: Mapping[str, GivenValue] | None = None) -> LaxPair:
+    """The Lax pair of a system of the catalog, or of a symmetric top on any unital algebra; verified.
 
     Example:
         >>> pair = lp.integrability.known_lax_pair("kovalevskaya")
         >>> pair.integrals().coefficients[0].formula
         8*H
+        >>> lp.integrability.known_lax_pair(lp.catalog.lagrange_top(lp.leibniz(4), [0, 1, 0, 0])).L[0, 1]
+        -x03*z**3 - x13*z**2 - x23*z - x33 - z**4
 
     Args:
-        name: The name of the system.
+        system: The name of the system; or a system with the Hamiltonian of `catalog.lagrange_top`.
         parameters: Values in the place of those of the catalog.
 
     Raises:
         UnknownNameError: there is no such system, or the package has no Lax pair of it; the message lists those it has.
+        ParameterError: a system that is no such top, or parameters for a system that is given itself.
         LaxPairError: the pair is none for these parameters.
     """
-    if name not in LAX_PAIRS:
-        what = "has no Lax pair in the package" if name in names() else "is no system of the catalog"
-        hint = did_you_mean(name, LAX_PAIRS)
-        raise UnknownNameError(f"{name!r} {what}. {hint}There are those of {', '.join(LAX_PAIRS)}.")
-    file, texts = entry(name), LAX_PAIRS[name]
-    system = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
-    return lax_pair(system, texts.L, texts.M, source=texts.source)
+    if isinstance(system, System):
+        if parameters is not None:
+            raise ParameterError("parameters: wanted none beside a system, which has its own; got some; leave them out")
+        if (pair := _of_unital_top(system)) is not None:
+            return pair
+        raise ParameterError(
+            "system: wanted the name of a system of the catalog, or a top as catalog.lagrange_top and "
+            f"catalog.kovalevskaya_top make them; got {system.name}; look for a pair with search_lax_pairs"
+        )
+    if system not in (*LAX_PAIRS, *MADE):
+        what = "has no Lax pair in the package" if system in names() else "is no system of the catalog"
+        known = (*LAX_PAIRS, *MADE)
+        raise UnknownNameError(
+            f"{system!r} {what}. {did_you_mean(system, known)}There are those of {', '.join(known)}."
+        )
+    file = entry(system)
+    found = replace(file, parameters={**file.parameters, **read_values(parameters)}).system()
+    texts = LAX_PAIRS.get(system)
+    if texts is None:
+        return known_lax_pair(found)
+    return lax_pair(found, texts.L, texts.M, source=texts.source)
+
+
+def _of_unital_top(system: System) -> LaxPair | None:
+    """The pair of Lagrange's or Kovalevskaya's top on a unital algebra; None for other systems."""
+    top = unital_top(system)
+    if top is None:
+        return None
+    z = spectral_symbol(system, "z")
+    if (lagrange := LagrangeTop(top)).holds:
+        return lax_pair(system, *lagrange.lax_entries(z), source="musso2005")
+    if (kovalevskaya := KovalevskayaTop(top)).holds:
+        return lax_pair(system, *kovalevskaya.lax_entries(z), source="bobenko1989")
+    return None
 
 
 @dataclass(frozen=True)

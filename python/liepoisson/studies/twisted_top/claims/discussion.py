@@ -30,7 +30,8 @@ _EXACT = (
 _WEIGHTS = (1, 1, 1, 2, 2, 2, 3, 3, 3)
 _COUNT_HEADING = ("weight", "monomials", "rank", "integrals", "known")
 _FAMILY_DEGREE = 2
-DEFORMED_WEIGHT = 10
+_DEFORMED_WEIGHT = 10
+_COCYCLE_DEGREE = 4
 
 
 @checks("kovalevskaya-inertia")
@@ -109,49 +110,23 @@ def _families(evidence: Evidence, context: Context) -> None:
 
 
 def _deformations(evidence: Evidence, context: Context) -> None:
-    """State that no integral of the Kovalevskaya top survives the twist, and which other twists keep an integral."""
+    """State that no integral of the Kovalevskaya top survives the twist, to first order."""
     top = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0))
     l, alpha, _ = top.vectors
     at_0 = kovalevskaya_top(context, 0).system
     given = {"K": kovalevskaya_quartic(top), "l·α": l.dot(alpha)}
     if all(at_0.is_constant(f) for f in given.values()):
         found = lp.integrability.deformations(
-            top.system, parameter="epsilon", weight=DEFORMED_WEIGHT, order=1, integrals=given
+            top.system, parameter="epsilon", weight=_DEFORMED_WEIGHT, order=1, integrals=given
         )
         evidence.proof(
             "search",
-            f"no F₀ + εF₁ with a polynomial F₀ in K, l·α, H and the Casimirs of ε = 0, of weight ≤ {DEFORMED_WEIGHT}, "
+            f"no F₀ + εF₁ with a polynomial F₀ in K, l·α, H and the Casimirs of ε = 0, of weight ≤ {_DEFORMED_WEIGHT}, "
             "is an integral to first order, whatever the polynomials F₁ and H₁ are with H + εH₁ for the Hamiltonian, "
             "but for polynomials in H and C₁, C₂, C₃",
             not found.integrals and found.hamiltonian_terms == () and len(found.obstructions) == found.n_starts,
             [f"{show(o.start)}: {o.n_corrections} terms of F₁" for o in found.obstructions],
         )
-    a, b, c, d = (_symbol(name) for name in "abcd")
-    unit = {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}}
-    cubic = {(1, 1): {0: -a * c, 1: b, 2: -a}, (2, 2): {0: -b * d, 1: d, 2: -c}, (1, 2): {0: -a * d}}
-    bracket = context.extended(lp.Extension.from_products(3, unit | cubic))
-    rotor = ("k1", "k2", "k3")
-    energy = "l1^2/4 + l2^2/4 + l3^2/2 - alpha1 - beta2"
-    family = lp.System(bracket, f"{energy} + k1*l1 + k2*l2 + k3*l3", symbols=rotor)
-    quartic = family.expression("((l1^2 - l2^2)/4 + alpha1 - beta2)^2 + (l1*l2/2 + alpha2 + beta1)^2")
-    untwisted = lp.System(context.bracket(0), energy)
-    if untwisted.is_constant(quartic):
-        found = lp.integrability.deformations(family, parameter=(*"abcd", *rotor), weight=4, integrals={"K": quartic})
-        cases = [({str(p) for p in case.conditions}, case.is_exact) for case in found.cases]
-        evidence.proof(
-            "search",
-            "two-field Kovalevskaya top, I = (2, 2, 1), H = l·ω/2 − α₁ − β₂ + k·l, on the twist of any binary cubic "
-            "aX³ + bX²Y + cXY² + dY³: it has an integral that begins with K exactly for (aX + bY)(X² + Y²) and "
-            "k₁ = k₂ = 0",
-            cases == [({"a - c", "b - d", "k1", "k2"}, True)],
-            [", ".join(f"{show(p)} = 0" for p in case.conditions) for case in found.cases],
-        )
-
-
-def _symbol(name: str) -> Any:
-    from sympy import Symbol
-
-    return Symbol(name)
 
 
 def _obstructions(evidence: Evidence, context: Context) -> None:
@@ -185,8 +160,43 @@ def nearby_integrable_case(evidence: Evidence, context: Context) -> None:
     _families(evidence, context)
     _deformations(evidence, context)
     _obstructions(evidence, context)
+    _other_cocycles(evidence, context)
     evidence.note(
         "For other parameters integrals of higher degree, and any that are not polynomial, are not examined here."
+    )
+
+
+def _other_cocycles(evidence: Evidence, context: Context) -> None:
+    """State which brackets of l and two fields keep a further integral of the two-field Kovalevskaya top."""
+    top = lp.catalog.system("twisted-two-field-kovalevskaya", {"kappa": "kappa"})
+    bracket = context.extended(lp.extensions.binary_cubic(0, "kappa", 0, "kappa"))
+    K, G = (top.integrals[name] for name in "KG")
+    evidence.note(
+        "Other cocycles: all brackets of l and two fields are so(3) ⊗ A with e₁e₁ = −ac + b e₁ − a e₂, e₁e₂ = −ad, "
+        "e₂e₂ = −bd + d e₁ − c e₂, up to terms k·l in H; a = b = c = d = 0 is the charged heavy top, b = c = d = 0 the "
+        "twisted top with ε = −a."
+    )
+    pairs = ((K, top.hamiltonian), (G, top.hamiltonian), (K, G))
+    evidence.zero(
+        "I = (2, 2, 1), a = (−1, 0, 0), b = (0, −1, 0), e₁e₁ = κe₁, e₁e₂ = 0, e₂e₂ = κe₁ − κ²: "
+        "{K, H}, {G, H} and {K, G} vanish for every κ",
+        [bracket(f, g) for f, g in pairs],
+        [f"K = {written(K, bracket)}"],
+    )
+    one = lp.System(context.extended(lp.extensions.binary_cubic(0, 1, 0, 1)), top.hamiltonian, name="kappa = 1")
+    functions = [one.hamiltonian, *(f.subs("kappa", 1) for f in (K, G)), *one.bracket.casimirs()]
+    point = [1, 2, 3, 1, 1, -1, 2, -1, 1]
+    evidence.independent("κ = 1: H, K, G and the Casimirs are independent", functions, one.bracket, point)
+    energy = "l1^2/4 + l2^2/4 + l3^2/2 + alpha1 + beta2 + k1*l1 + k2*l2 + k3*l3"
+    general = lp.System(context.extended(lp.extensions.binary_cubic()), energy, symbols=["k1", "k2", "k3"])
+    found = lp.integrability.integrable_families(general, degree=_COCYCLE_DEGREE)
+    cases = {frozenset(map(str, case.conditions)) for case in found.cases}
+    evidence.proof(
+        "search",
+        f"I = (2, 2, 1), a = (1, 0, 0), b = (0, 1, 0), any cocycle, any rotor: integrals of degree ≤ {_COCYCLE_DEGREE} "
+        "beyond the polynomials in H, C₁, C₂, C₃ exist for a = c, b = d, k₁ = k₂ = 0 and in no other case",
+        found.complete and cases == {frozenset(("k1", "k2", "a - c", "b - d"))},
+        [", ".join(f"{show(c)} = 0" for c in case.conditions) for case in found.cases],
     )
 
 
