@@ -565,9 +565,9 @@ def _of_tori(add):
     plane = lp.tori.diagram(leaf, energy_max=2, n_starts=20)
     add("tori.regions", "", found=plane, n_values=50, n_states=5)
     add("tori.critical_states", "", leaf=leaf, n_starts=10)
-    add("tori.molecule", "", leaf=leaf, energy=0)
+    add("tori.molecule", "", leaf=leaf, energy=0, n_starts=20)
     toda = lp.Leaf(lp.catalog.system("toda"), {})
-    add("tori.diagram", "at:v", leaf=toda, at={"P": 0}, energy_max=6, n_starts=5)
+    add("tori.diagram", "at:v", leaf=toda, at={"P": 0}, energy_max=3.2, n_starts=2)
     add("plot.diagram", "found:1 regions:o", found=plane, regions=list(lp.tori.regions(plane, n_values=50, n_states=5)))
     diagram = round_diagram()
     add("tori.lagrange_diagram", "", leaf=diagram.leaf)
@@ -589,6 +589,13 @@ def round_diagram():
 
 
 @cache
+def result_of(key):
+    """What a call of the table returns, made once for all tests that look at it: results do not change."""
+    row = rows()[key]
+    return row.function(**row.arguments)
+
+
+@cache
 def makers():
     """The public functions that make results with numbers, by what they say that they return."""
     found = []
@@ -603,12 +610,17 @@ def makers():
 
 
 @cache
-def made():
-    """The calls of what is repeated from a file, by the kind of the result."""
-    named = {key.partition(".")[2]: row for key, row in rows().items() if not key.startswith("plot.")}
+def keys_made():
+    """The names in the table of the calls of what is repeated from a file, by the kind of the result."""
+    named = {key.partition(".")[2]: key for key in rows() if not key.startswith("plot.")}
     missing = {kind for kind, one in RUNS.items() if one.made_by not in named}
     assert not missing, f"no call in public_calls.py makes {', '.join(missing)}"
     return {kind: named[one.made_by] for kind, one in RUNS.items()}
+
+
+def made():
+    """These calls."""
+    return {kind: rows()[key] for kind, key in keys_made().items()}
 
 
 @cache

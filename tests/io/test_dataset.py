@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,12 +18,18 @@ from public_calls import RUNS, made, public_names
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 
 
+@cache
 def growth(n=7):
     x0 = lp.sample_states(TOP, n, seed=1)
     return lp.finite_time_exponents(TOP, x0, t_end=12, seed=5, first=3, method=lp.Taylor(tol=1e-11))
 
 
-def orbit(**options):
+@cache
+def orbit():
+    return orbit_with()
+
+
+def orbit_with(**options):
     return lp.integrate(TOP, lp.sample_states(TOP, 3, seed=1), times=np.linspace(1, -2, 7), **options)
 
 
@@ -128,14 +135,14 @@ def are_same(found, wanted):
 
 
 @pytest.mark.parametrize("kind", RECORDED)
-def test_a_file_records_every_argument_of_its_run(tmp_path, kind):
+def test_a_file_records_every_argument_of_its_run(saved, kind):
     """An argument that is added later must be given in `public_calls.py`, and recorded."""
     row, arguments = made()[kind], given(kind)
     left_out = {name for name, other in INSTEAD.items() if other in arguments}
     taken = {*inspect.signature(row.function).parameters} - NOT_RECORDED - left_out
     assert taken == arguments.keys(), f"give in public_calls.py what {row.function.__name__} takes"
-    system, result = arguments.pop("system"), run_of(kind)
-    loaded = lp.load(result.save(tmp_path / "run.nc"))
+    system = arguments.pop("system")
+    _, loaded = saved(f"{kind}, as given")
     found = loaded.arguments() | {"time_limit": loaded.time_limit}
     if "surface" in arguments:
         tape = system.function_tape(arguments["surface"], *arguments.get("keep", ()))
@@ -156,11 +163,11 @@ def runs_of_all_kinds():
     hostile[1, 2] = np.inf
     charge = {"times": [0.0, 1.0, 5.0], "method": lp.Taylor(max_steps=3)}
     return {
-        **{kind: lambda kind=kind: run_of(kind) for kind in RECORDED},
+        **{f"{kind}, as given": lambda kind=kind: run_of(kind) for kind in RECORDED},
         "return of one": lambda: lp.sections.first_return(TOP, STATES[0], surface="l3", t_end=50),
         "return of a table": lambda: lp.sections.first_return(TOP, STATES[None], surface="l3", t_end=50),
         "orbit": orbit,
-        "orbit, dense, with tangents": lambda: orbit(dense=True, tangents=np.eye(9)[:2]),
+        "orbit, dense, with tangents": lambda: orbit_with(dense=True, tangents=np.eye(9)[:2]),
         "orbit, components": lambda: lp.integrate(TOP, STATES[:1], times=[0, 1]),
         "orbit, lanes": lambda: lp.integrate(TOP, STATES[:1], times=[0, 1], kernel="lanes"),
         "orbit, failed": lambda: lp.integrate(TOP, hostile, **charge),
@@ -187,12 +194,33 @@ def runs_of_all_kinds():
     }
 
 
+ALL = runs_of_all_kinds()
+
+
+@cache
+def result_of(kind):
+    """A result of all kinds, which does not change: made once for all tests."""
+    return ALL[kind]()
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    """The file of a result of all kinds, and what is loaded from it."""
+    folder = tmp_path_factory.mktemp("saved")
+
+    @cache
+    def file_of(kind):
+        path = result_of(kind).save(folder / f"{kind}.nc")
+        return path, lp.load(path)
+
+    return file_of
+
+
 @pytest.mark.thorough
-@pytest.mark.parametrize("kind", runs_of_all_kinds())
-def test_what_is_loaded_is_what_was_saved_and_what_is_rerun(tmp_path, kind):
-    result = runs_of_all_kinds()[kind]()
-    path = result.save(tmp_path / "run.nc")
-    loaded = lp.load(path)
+@pytest.mark.parametrize("kind", ALL)
+def test_what_is_loaded_is_what_was_saved_and_what_is_rerun(tmp_path, saved, kind):
+    result = result_of(kind)
+    path, loaded = saved(kind)
     assert type(loaded) is type(result)
     assert loaded.dataset.identical(result.dataset)
     assert loaded.dataset.attrs == result.dataset.attrs

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 import warnings
+from functools import cache
 from pathlib import Path
 
 import h5py
@@ -31,9 +32,26 @@ RUNS = {
 }
 
 
+@cache
+def result_of(kind):
+    return RUNS[kind]()
+
+
+@cache
+def content_of(kind):
+    """The file of a result; all its bytes are the same each time."""
+    return bytes(netcdf(result_of(kind).dataset))
+
+
+def saved(kind, folder):
+    path = folder / f"{kind}.nc"
+    path.write_bytes(content_of(kind))
+    return path
+
+
 @pytest.fixture
 def path(tmp_path):
-    return RUNS["growth"]().save(tmp_path / "growth.nc")
+    return saved("growth", tmp_path)
 
 
 def flipped(content, seed, n_flips):
@@ -48,8 +66,8 @@ def flipped(content, seed, n_flips):
 @pytest.mark.thorough
 @pytest.mark.parametrize("kind", RUNS)
 def test_no_flipped_bit_changes_what_is_read(tmp_path, kind):
-    path = RUNS[kind]().save(tmp_path / "run.nc")
-    whole, content = read_dataset(path), path.read_bytes()
+    path = saved(kind, tmp_path)
+    whole, content = read_dataset(path), content_of(kind)
     for bit, damaged in flipped(content, 1, 150):
         path.write_bytes(damaged)
         try:
@@ -62,11 +80,17 @@ def test_no_flipped_bit_changes_what_is_read(tmp_path, kind):
 @pytest.mark.thorough
 @pytest.mark.parametrize("kind", RUNS)
 @pytest.mark.parametrize("n_flips", [25, pytest.param(1000, marks=pytest.mark.slow)])
-def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sentence(tmp_path, kind, n_flips):
-    """Then numbers may be wrong, but no error of another kind comes out."""
-    path = RUNS[kind]().save(tmp_path / "run.nc")
+def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sentence(
+    tmp_path, monkeypatch, kind, n_flips
+):
+    """Then numbers may be wrong, but no error of another kind comes out.
+
+    HDF5 does not come to an end with some of them, which need not take the whole of its limit here.
+    """
+    monkeypatch.setattr("liepoisson.io.netcdf._READING", 2.0)
+    path = saved(kind, tmp_path)
     said, n_read, trial = [], 0, Trial()
-    for _, damaged in flipped(path.read_bytes(), 2, n_flips):
+    for _, damaged in flipped(content_of(kind), 2, n_flips):
         path.write_bytes(damaged)
         try:
             dataset = read_netcdf(path, verify=False, trial=trial)
@@ -152,12 +176,14 @@ def test_a_file_that_was_changed_on_purpose_can_be_read_and_run(path, by):
 @pytest.mark.parametrize("kind", RUNS)
 def test_a_file_without_one_of_its_variables_is_refused(tmp_path, kind):
     """Along a dimension without its variable xarray counts 0, 1, 2, ...: such times would be read as times."""
-    dataset = RUNS[kind]().dataset
+    dataset = result_of(kind).dataset
     for name in dataset.variables:
-        path = tmp_path / f"{name}.nc"
-        path.write_bytes(netcdf(dataset.drop_vars(name)))
         with pytest.raises(DamagedFileError, match=name):
-            lp.load(path)
+            lp.rerun(dataset.drop_vars(name))
+    path = tmp_path / "without.nc"
+    path.write_bytes(netcdf(dataset.drop_vars("time")))
+    with pytest.raises(DamagedFileError, match="time"):
+        lp.load(path)
 
 
 def altered(path, change):
@@ -256,7 +282,7 @@ def test_texts_and_variables_that_claim_one_place_are_refused(path):
 
 @pytest.mark.parametrize("name", ["a\0b", "\ud800"])
 def test_a_name_that_netcdf_cannot_hold_is_refused(name):
-    dataset = RUNS["growth"]().dataset.assign_attrs(system=name)
+    dataset = result_of("growth").dataset.assign_attrs(system=name)
     with pytest.raises(OutputError, match="look at the names"):
         netcdf(dataset)
 

@@ -1,16 +1,20 @@
 """Results as tables: the rows of each kind, no product of unrelated dimensions, files that give the same numbers."""
 
 import csv
+from functools import cache
 
 import numpy as np
 import pytest
-from test_dataset import STATES, TOP, runs_of_all_kinds
+from test_dataset import ALL as RUNS
+from test_dataset import STATES, TOP
+from test_dataset import result_of as result_of_run
 
 import liepoisson as lp
 from liepoisson.errors import OutputError
 from liepoisson.io.result import Result
 
 HENON = lp.catalog.system("henon-heiles")
+SPHERE = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
 
 
 def lists_of_all_kinds():
@@ -27,16 +31,14 @@ def lists_of_all_kinds():
         "integral scan": lambda: lp.integrability.scan_integrals(family, axes={"J": ["1/2", 2]}, degree=4),
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
-        "diagram": lambda: lp.tori.diagram(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})),
+        "diagram": lambda: lp.tori.diagram(SPHERE, n_starts=20),
         "diagram of the twisted Lagrange top": lambda: lp.tori.lagrange_diagram(
             lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
         ),
-        "molecule": lambda: lp.tori.molecule(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), 0),
-        "critical states": lambda: lp.tori.critical_states(
-            lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=10
-        ),
+        "molecule": lambda: lp.tori.molecule(SPHERE, 0, n_starts=20),
+        "critical states": lambda: lp.tori.critical_states(SPHERE, n_starts=10),
         "regions of a diagram": lambda: lp.tori.regions(
-            lp.tori.diagram(lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), energy_max=2),
+            lp.tori.diagram(SPHERE, energy_max=2, n_starts=20),
             n_values=100,
             n_states=5,
         ),
@@ -53,7 +55,12 @@ def lists_of_all_kinds():
     }
 
 
-ALL = {**runs_of_all_kinds(), **lists_of_all_kinds()}
+LISTS = lists_of_all_kinds()
+
+
+@cache
+def result_of(kind):
+    return result_of_run(kind) if kind in RUNS else LISTS[kind]()
 
 
 def rows_of(result):
@@ -72,9 +79,9 @@ def rows_of(result):
     return result.outcome.size
 
 
-@pytest.mark.parametrize("kind", ALL)
+@pytest.mark.parametrize("kind", [*RUNS, *LISTS])
 def test_every_result_is_a_table_and_a_file(tmp_path, kind):
-    result = ALL[kind]()
+    result = result_of(kind)
     frame = result.to_dataframe()
     assert len(frame) == rows_of(result)
     if isinstance(result, lp.results.Result) and hasattr(result, "t_end"):
@@ -146,7 +153,7 @@ def test_no_kind_of_result_is_left_out():
     def kinds(of):
         return {kind for one in of.__subclasses__() for kind in ({one, *kinds(one)})}
 
-    made = {type(make()).__name__ for make in ALL.values()}
+    made = {type(result_of(kind)).__name__ for kind in (*RUNS, *LISTS)}
     defined = {kind.__name__ for kind in kinds(Result) if hasattr(kind, "kind") and kind.__module__.startswith("liep")}
     assert defined <= made
 

@@ -64,12 +64,13 @@ def test_an_equilibrium_off_the_origin_without_reverser():
 
 
 @pytest.mark.parametrize("system", [SYMMETRIC, BROKEN], ids=["with a reverser", "without"])
-def test_a_saddle_focus(system):
+@pytest.mark.parametrize("n_starts", [100, pytest.param(400, marks=pytest.mark.slow)])
+def test_a_saddle_focus(system, n_starts):
     r"""Rates $0.61 \pm 0.79i$; its orbits are solutions of $u'''' + u''/2 + u = u^2$ if nothing is broken."""
     origin = equilibrium(system, [0] * 4)
     assert np.abs(origin.spectrum.imag).min() > 0.5
     assert bool(lp.systems.discrete_symmetries(system).reversers) == (system is SYMMETRIC)
-    found = connecting_orbits(origin, n_starts=400)
+    found = connecting_orbits(origin, n_starts=n_starts)
     assert len(found) > 0
     assert found[0].angles[0] > 1
     for one in found:

@@ -66,7 +66,9 @@ def single(guess, energy, **options):
 
 
 @pytest.mark.thorough
-def test_a_hundred_guesses_lead_to_the_orbits_of_single_calls():
+@pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_hundred_guesses_lead_to_the_orbits_of_single_calls(every):
+    """Of every fifth one it is seen that it is on its own orbit and on no other one."""
     states, periods = hundred()
     assert len(states) == 100
     found = led()
@@ -77,8 +79,9 @@ def test_a_hundred_guesses_lead_to_the_orbits_of_single_calls():
         if one is not None:
             assert found[found.orbit[k]].period == pytest.approx(one.period, rel=1e-11)
     for number, orbit in enumerate(found):
-        near = [one is not None and distance((orbit.start, orbit.period), one.start) < 1e-5 for one in wanted]
-        np.testing.assert_array_equal(near, found.orbit == number)
+        some = wanted[::every]
+        near = [one is not None and distance((orbit.start, orbit.period), one.start) < 1e-5 for one in some]
+        np.testing.assert_array_equal(near, found.orbit[::every] == number)
         first = wanted[first_of(found)[number]]
         np.testing.assert_array_equal(first.start, orbit.start)
         np.testing.assert_array_equal(first.multipliers, orbit.multipliers)

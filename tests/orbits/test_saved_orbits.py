@@ -14,6 +14,7 @@ HENON = lp.catalog.system("henon-heiles")
 TOP = lp.catalog.system("lagrange")
 
 
+@cache
 def straight():
     start = lp.orbits.periodic_orbit(HENON, [0, 0, 0, 0.2], period=6.3, energy="1/10")
     return lp.orbits.orbit_family(HENON, start, until=0.14)

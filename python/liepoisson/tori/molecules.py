@@ -298,12 +298,16 @@ class _Level:
         place = points[int(nearest.argmin())]
         if nearest.min() > linear.norm(points[1:] - points[:-1], axis=1).max():
             return False
-        speed, way = linear.norm(self._velocity(x, weights)), 0.0
+        here, way, enough = x, 0.0, _ON * _size(points)
+        speed = linear.norm(self._velocity(x, weights))
         for _ in range(8):
-            here = self._orbit(x, weights, np.array([way]))[0]
             tangent = self._velocity(here, weights) / speed
-            way += float(((place - here) * tangent).sum() / (tangent * tangent).sum())
-        return bool(linear.norm(self._orbit(x, weights, np.array([way]))[0] - place) < _ON * _size(points))
+            step = float(((place - here) * tangent).sum() / (tangent * tangent).sum())
+            way += step
+            here = self._orbit(x, weights, np.array([way]))[0]
+            if abs(step) < enough:  # what is left is of the order of its square
+                break
+        return bool(linear.norm(here - place) < enough)
 
     def _circle(self, x: Array, weights: Array, value: float, is_elliptic: bool, size: float) -> _Circle:
         """A circle with the states beside it."""

@@ -95,7 +95,8 @@ def test_the_criterion_holds_for_given_second_fields(b):
 @pytest.mark.parametrize(
     ("parameters", "verdict"),
     [
-        ((1, 1, 1, -1), "no obstruction found"),  # D/C = -1, A = B: separable in q1 +- q2
+        # D/C = -1, A = B: separable in q1 +- q2
+        pytest.param((1, 1, 1, -1), "no obstruction found", marks=pytest.mark.slow),
         pytest.param(
             (3, 1, 1, -6), "no obstruction found", marks=pytest.mark.slow
         ),  # D/C = -1/6: a quartic integral for all A and B
@@ -104,7 +105,7 @@ def test_the_criterion_holds_for_given_second_fields(b):
         # the normal equations are those of Lame with n = 3 and 2, solved in closed form: it takes higher variations
         ((2, 1, 1, -1), "no obstruction found"),
         ((1, 4, 1, -16), "not integrable"),  # D/C = -1/16, but B is not 16 A
-        ((1, 1, 1, -3), "not integrable"),
+        pytest.param((1, 1, 1, -3), "not integrable", marks=pytest.mark.slow),
     ],
 )
 def test_the_family_of_henon_and_heiles(parameters, verdict):
