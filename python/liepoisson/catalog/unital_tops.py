@@ -334,12 +334,13 @@ class LagrangeTop:
         """L and M as elements of so(3); L is multiplied by the minimal polynomial of I1 c in z."""
         moment, m = 1 / self.top.rates[0], len(self.minimal) - 1
         polynomial = [f * moment ** (m - i) for i, f in enumerate(self.minimal)]
-        L: list[Any] = [0, 0, sum(f * z**i for i, f in enumerate(polynomial))]
+        entries: list[Any] = [0, 0, sum(f * z**i for i, f in enumerate(polynomial))]
         for i, f in enumerate(polynomial):
             for j in range(i):  # (z^i - b^i)/(z - b) for b = I1 c
-                L = [e + f * z**j * moment ** (i - 1 - j) * x for e, x in zip(L, self.vectors[i - 1 - j], strict=True)]
+                term = f * z**j * moment ** (i - 1 - j)
+                entries = [e + term * x for e, x in zip(entries, self.vectors[i - 1 - j], strict=True)]
         one, two, three = self.top.omega
-        return L, [one, two, three + z / moment]
+        return entries, [one, two, three + z / moment]
 
 
 @dataclass(frozen=True)

@@ -123,7 +123,7 @@ def contraction(
         ShapeError: not one weight, or row, for each.
         TimeLimitError: the time limit has passed.
     """
-    if not isinstance(bracket, Bracket):
+    if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a Bracket", bracket, "bracket", "write for example so(3) @ leibniz(3)")
     t = _read_name(bracket, parameter)
     rows = _read_matrix(bracket, weights, matrix, t)
@@ -217,7 +217,8 @@ class _Group:
 
         self.bracket, self.powers, self.t = bracket, powers, Symbol(t)
         P = Matrix(rows)
-        if P.det().cancel() == 0:
+        determinant: Any = P.det()
+        if determinant.cancel() == 0:
             raise ParameterError(f"matrix must be invertible for {t} != 0; got a determinant of 0. Correct its rows.")
         self.rows, self.inverse = rows, P.inv().applyfunc(lambda value: value.cancel()).tolist()
 

@@ -37,7 +37,7 @@ from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.given import listed
-from liepoisson.inputs.names import check_name
+from liepoisson.inputs.names import check_name, free_name
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.search import modular, random_point, residues_of
@@ -192,8 +192,9 @@ def lenard_chains(first: Bracket, second: Bracket, *, time_limit: float = SEARCH
         TimeLimitError: the time was over.
     """
     with as_deadline(time_limit).running():
-        taken = first.symbols | second.symbols | first.coordinate_names if isinstance(first, Bracket) else set()
-        name = next(name for name in ("t", "t_", "t__") if name not in taken)
+        check_kind(first, Bracket, "first", "a Bracket", "so(3) @ trivial()")
+        check_kind(second, Bracket, "second", "a Bracket", "bracket.frozen([0, 0, 1])")
+        name = free_name("t", first.symbols | second.symbols | first.coordinate_names)
         casimirs = pencil(first, second, name).casimirs()
         return _involution(first, second, casimirs, Symbol(name))
 

@@ -103,6 +103,7 @@ def _functionals(
     columns = [*independent, *targets]
     rows = sorted({m for column in columns for m in column})
     number = {m: k for k, m in enumerate(rows)}
+    dependent = set[int]()
     for skipped in range(_MOST_PRIMES):
         residues = residues_of(field, columns, skipped)
         modular = [{number[m]: residues(c) for m, c in column.items()} for column in columns]

@@ -20,7 +20,7 @@ from liepoisson.algebra.exact_numbers import Exact, product_of, sum_of, to_sympy
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
 from liepoisson.algebra.ideals.polynomial_system import PolynomialSystem
 from liepoisson.algebra.linear_algebra import rank
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -362,7 +362,7 @@ def _conditions(found: Mended, field: Coefficients, names: Sequence[str]) -> tup
             by_place.setdefault(place, {})[sum(monomial), tuple(-k for k in monomial)] = value
     symbols = [Symbol(name) for name in names]
     echelon = Echelon(field, sorted(by_place.values(), key=len))
-    found = [
+    conditions = [
         Add(
             *(
                 Mul(to_sympy(field.write(value)), *(s**-k for s, k in zip(symbols, powers, strict=True)))
@@ -371,7 +371,7 @@ def _conditions(found: Mended, field: Coefficients, names: Sequence[str]) -> tup
         )
         for row in echelon.basis()
     ]
-    return tuple(_without_multiples(found, symbols) if field.is_rational else found)
+    return tuple(_without_multiples(conditions, symbols) if field.is_rational else conditions)
 
 
 def _without_multiples(conditions: Sequence[Expr], symbols: Sequence[Any]) -> Sequence[Expr]:
@@ -410,13 +410,18 @@ def cocycles(given: Bracket | Extension, *, time_limit: float = SEARCH_LIMIT) ->
 
     Raises:
         ParameterError: neither a bracket nor an extension.
-        BracketError: the products are not associative.
+        BracketError: the products are not associative, or the bracket has a constant part.
         TimeLimitError: the time limit has passed.
 
     References: Harrison, Trans. Amer. Math. Soc. 104 (1962) 191; Gerstenhaber, Ann. of Math. 79 (1964) 59.
     """
-    if not isinstance(given, (Bracket, Extension)):
+    if not isinstance(given, (Bracket, Extension)):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a Bracket or an Extension", given, "given", "write for example so(3) @ semidirect(3)")
+    if isinstance(given, Bracket) and given.constant:
+        raise BracketError(
+            f"given: wanted a bracket without constant part; got {given!r}. Twists change the products of its "
+            "extension: give bracket.extension."
+        )
     with as_deadline(time_limit).running():
         found = _cocycles(given)
         assert len(found.basis) == found.dimension  # computed within the limit

@@ -184,7 +184,7 @@ def _other_cocycles(evidence: Evidence, context: Context) -> None:
         [f"K = {written(K, bracket)}"],
     )
     one = lp.System(context.extended(lp.extensions.binary_cubic(0, 1, 0, 1)), top.hamiltonian, name="kappa = 1")
-    functions = [one.hamiltonian, *(f.subs("kappa", 1) for f in (K, G)), *one.bracket.casimirs()]
+    functions = [one.hamiltonian, *(f.subs({"kappa": 1}) for f in (K, G)), *one.bracket.casimirs()]
     point = [1, 2, 3, 1, 1, -1, 2, -1, 1]
     evidence.independent("κ = 1: H, K, G and the Casimirs are independent", functions, one.bracket, point)
     energy = "l1^2/4 + l2^2/4 + l3^2/2 + alpha1 + beta2 + k1*l1 + k2*l2 + k3*l3"
