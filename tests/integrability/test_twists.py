@@ -1,6 +1,7 @@
 """Which twists keep an integral: the answers of docs/twists.md, for all cubics and rotors at once, and beyond."""
 
 from functools import partial
+from itertools import combinations
 
 import pytest
 from sympy import Symbol, sympify
@@ -80,6 +81,32 @@ def test_in_one_field_kovalevskayas_quartic_stays_and_chaplygins_cubic_does_not(
     assert cases(families(make("Kovalevskaya", " + alpha1" + ROTOR), degree=4)) == [{"k1", "k2"}]
     on = ["dot(l, alpha) = 0"]
     assert cases(families(make("Chaplygin", " + alpha1" + ROTOR), degree=3, on=on)) == [{"k1", "k2", "kappa"}]
+
+
+@pytest.mark.slow
+def test_in_one_field_every_inertia_and_centre_is_decided():
+    """On so(4) and so(3, 1), degree 4: spherical, free, Lagrange's and Kovalevskaya's tops, about all three axes."""
+    energy = "l1^2/(2*I1) + l2^2/(2*I2) + l3^2/2 + a1*alpha1 + a2*alpha2 + a3*alpha3"
+    system = lp.System(lp.so(3) @ one_field("kappa"), energy, symbols=["I1", "I2", "a1", "a2", "a3"])
+    found = cases(families(system, degree=4, positive=["I1", "I2"], nonzero=["kappa"]))
+    spherical, free = {"I1 - 1", "I2 - 1"}, {"a1", "a2", "a3"}
+    lagrange = [{"a2", "a3", "I2 - 1"}, {"a1", "a3", "I1 - 1"}, {"a1", "a2", "I1 - I2"}]
+    kovalevskaya = [{"a3", "I1 - 2", "I2 - 2"}, {"a1", "2*I1 - 1", "I2 - 1"}, {"a2", "I1 - 1", "2*I2 - 1"}]
+    assert sorted(map(sorted, found)) == sorted(map(sorted, [spherical, free, *lagrange, *kovalevskaya]))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("form", [(-1, 0, 0, 0), (0, 1, 0, 0), (0, 1, -1, 0), (0, 1, 0, 1)])
+def test_goryachev_and_chaplygins_top_has_no_cubic_on_any_level_of_casimirs(form):
+    """With two centres, and with one that generates the algebra; of the five orbits one cubic each."""
+    for b in ((0, 1, 0), (2, 0, 0)):
+        system = lp.catalog.cubic_top(form, (4, 4, 1), (1, 0, 0), b)
+        casimirs = [f"{c} = 0".replace("**", "^") for c in system.bracket.casimirs()]
+        for n in range(4):
+            for on in combinations(casimirs, n):
+                found = lp.integrability.first_integrals(system, degree=3, on=on)
+                assert found.complete
+                assert not found.independent
 
 
 @pytest.mark.slow
