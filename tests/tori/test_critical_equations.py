@@ -27,7 +27,7 @@ def kovalevskaya(ell):
     return factors(K, K - (H - 2 * ell**2) ** 2, sp.resultant(*ends, S))
 
 
-@pytest.mark.parametrize("constant", [sp.Rational(3, 5), sp.Rational(11, 10), 2])
+@pytest.mark.parametrize("constant", [sp.Rational(3, 5), pytest.param(sp.Rational(11, 10), marks=pytest.mark.slow), 2])
 def test_the_kovalevskaya_top(constant):
     found = equations("kovalevskaya", {"C1": str(constant), "C2": 1})
     assert found == kovalevskaya(constant / sp.Integer(2))

@@ -28,14 +28,3 @@ def test_a_higher_power_is_degenerate(potential):
 @pytest.mark.parametrize(("sign", "kind"), [("", "elliptic"), ("-", "hyperbolic")])
 def test_a_square_is_not(sign, kind, mass):
     assert types_at_rest_of_a(f"{sign}a^2/2", mass) == {kind}
-
-
-def test_a_square_of_an_integral_rests_to_first_order():
-    """Of H and l3^2 only H has a linearised flow where the pendulum hangs or stands."""
-    leaf = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
-    kinds = [
-        lp.tori.diagram(leaf, momentum=lp.tori.momentum_map(leaf.system, [one]), energy_max=2, n_starts=30).rest_types
-        for one in ("l3", "l3^2")
-    ]
-    assert sorted(kinds[0]) == ["elliptic, elliptic", "focus-focus"]
-    assert set(kinds[1]) == {"degenerate"}

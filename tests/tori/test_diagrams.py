@@ -1,5 +1,7 @@
 """Slices of diagrams of three integrals, against closed forms."""
 
+from functools import cache
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -13,6 +15,12 @@ ROUND_OFF = 1e-10  # 3e-14 was measured
 FIRST, SECOND = "(p_x^2 + x^2)/2", "(p_y^2 + 2*y^2)/2"
 OSCILLATORS = lp.System(lp.canonical(names=["x", "y", "z"]), f"{FIRST} + {SECOND} + (p_z^2 + 3*z^2)/2", name="three")
 WELL = lp.System(lp.canonical(names=["x", "y", "z"]), f"{FIRST} + {SECOND} + p_z^2/2 - z^2/2 + z^4/4", name="a well")
+
+
+@cache
+def slice_of_well(first):
+    """The oscillator x has this energy."""
+    return slice_of(WELL, {FIRST: first}, energy_max=1)
 
 
 def slice_of(system, at, **options):
@@ -81,7 +89,7 @@ def test_slices_of_oscillators_are_polygons(held):
 
 
 def test_a_saddle_beside_oscillators_is_hyperbolic_in_a_slice():
-    found = slice_of(WELL, {FIRST: 0.5}, energy_max=1)
+    found = slice_of_well(0.5)
     offsets = {
         "elliptic": [0.25],
         "hyperbolic": [0.5],
@@ -96,7 +104,7 @@ def test_a_saddle_beside_oscillators_is_hyperbolic_in_a_slice():
 
 
 def test_regions_of_a_slice_have_as_many_tori_as_the_well():
-    found = slice_of(WELL, {FIRST: 0.5}, energy_max=1)
+    found = slice_of_well(0.5)
     regions = lp.tori.regions(found, n_values=60, n_states=12)
     for region in regions:
         h, first, second = region.fibre.value
@@ -137,7 +145,7 @@ def test_two_integrals_have_no_slices():
 
 
 def test_slices_are_drawn_in_the_plane_and_in_space():
-    slices = [slice_of(WELL, {FIRST: one}, energy_max=1) for one in (0.2, 0.5)]
+    slices = [slice_of_well(one) for one in (0.2, 0.5)]
     plane = lp.plot.diagram(slices[0])
     words = ["elliptic", "hyperbolic", "relative equilibrium: elliptic, elliptic"]
     words.append("relative equilibrium: elliptic, hyperbolic")
@@ -168,6 +176,7 @@ def test_a_slice_through_a_sleeping_top_has_it_once():
 PENDULUM = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
 
 
+@cache
 def wells(energy_max, n_starts=30, seed=0):
     """Two double wells, with K the energy of the first one, which rests at -1/4 and 0, as the second one does."""
     first = "p1^2/2 - q1^2/2 + q1^4/4"
@@ -191,7 +200,10 @@ def test_families_that_are_short_beside_the_figure_are_found(n_starts, seed):
 
 
 def test_a_square_of_an_integral_has_degenerate_values_without_a_curve():
-    """d(l3^2) = 0 on all of l3 = 0: its values are a line that is no boundary of types."""
+    """d(l3^2) = 0 on all of l3 = 0: its values are a line that is no boundary of types.
+
+    Where the pendulum hangs or stands, only H of H and l3^2 has a linearised flow.
+    """
     momentum = lp.tori.momentum_map(PENDULUM.system, ["l3^2"])
     found = lp.tori.diagram(PENDULUM, momentum=momentum, energy_max=2, n_starts=30)
     assert len(found.degenerate_values)
@@ -201,6 +213,8 @@ def test_a_square_of_an_integral_has_degenerate_values_without_a_curve():
     assert (rows["type"][rows["curve"] == -1] == "degenerate").sum() >= len(found.degenerate_values)
     assert len(rows) == len(found)
     plain = lp.tori.diagram(PENDULUM, energy_max=2, n_starts=30)
+    assert sorted(plain.rest_types) == ["elliptic, elliptic", "focus-focus"]
+    assert set(found.rest_types) == {"degenerate"}
     assert plain.degenerate_values.shape == (0, 2)
     assert "missing" not in repr(plain)
     axes = lp.plot.diagram(found)

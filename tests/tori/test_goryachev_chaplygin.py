@@ -219,7 +219,7 @@ def test_critical_values_are_on_the_curves(n):
 
 @pytest.fixture(scope="module")
 def drawn():
-    return lp.tori.diagram(LEAF, energy_max=3.0)
+    return lp.tori.diagram(LEAF, energy_max=3.0, n_starts=80)
 
 
 @pytest.mark.thorough
@@ -343,7 +343,7 @@ def test_periods_are_integrals_around_the_ovals(value):
 @pytest.mark.parametrize("energy", [1.5, *(pytest.param(h, marks=pytest.mark.slow) for h in (-0.5, 0.9, 1.3, 4.0))])
 def test_graphs_are_those_of_the_diagram(energy):
     """H < 1: a saddle that one torus passes at G = 0.  H > 1: of two tori beside, one ends or begins there."""
-    found = lp.tori.molecule(LEAF, energy)
+    found = lp.tori.molecule(LEAF, energy, n_starts=80)
     outer, inner = ((8 * max(energy + sigma, 0) / 3) ** 1.5 for sigma in (1, -1))
     if energy < 1:
         names, values, families = ["A", "A*", "A"], [-outer, 0, outer], [[0, 1], [1, 2]]

@@ -15,7 +15,7 @@ def molecule_of(second, energy, size=1):
     """Of h1 + h2 with K = h1, in units of energy that are `size` times larger."""
     system = lp.System(lp.canonical(2), f"({WELL} + {second})*{size}")
     momentum = lp.tori.momentum_map(system, [f"({WELL})*{size}"])
-    return lp.tori.molecule(lp.Leaf(system, {}), energy * size, momentum=momentum)
+    return lp.tori.molecule(lp.Leaf(system, {}), energy * size, momentum=momentum, n_starts=60)
 
 
 def shape(found):
@@ -117,7 +117,7 @@ def test_a_level_that_is_not_compact_is_refused():
     free = "p1^2/2 + q1^2/2 - q1^3/3"
     system = lp.System(lp.canonical(2), f"{free} + {ROUND}")
     with pytest.raises(OrbitError, match=r"wanted a regular one of a compact level|wanted one on a torus"):
-        lp.tori.molecule(lp.Leaf(system, {}), 0.3, momentum=lp.tori.momentum_map(system, [free]))
+        lp.tori.molecule(lp.Leaf(system, {}), 0.3, momentum=lp.tori.momentum_map(system, [free]), n_starts=20)
 
 
 def test_one_critical_value_is_no_graph():
