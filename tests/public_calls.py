@@ -548,6 +548,13 @@ def round_diagram():
 
 
 @cache
+def result_of(key):
+    """What a call of the table returns, made once for all tests that look at it: results do not change."""
+    row = rows()[key]
+    return row.function(**row.arguments)
+
+
+@cache
 def makers():
     """The public functions that make results with numbers, by what they say that they return."""
     found = []
@@ -562,12 +569,17 @@ def makers():
 
 
 @cache
-def made():
-    """The calls of what is repeated from a file, by the kind of the result."""
-    named = {key.partition(".")[2]: row for key, row in rows().items() if not key.startswith("plot.")}
+def keys_made():
+    """The names in the table of the calls of what is repeated from a file, by the kind of the result."""
+    named = {key.partition(".")[2]: key for key in rows() if not key.startswith("plot.")}
     missing = {kind for kind, one in RUNS.items() if one.made_by not in named}
     assert not missing, f"no call in public_calls.py makes {', '.join(missing)}"
     return {kind: named[one.made_by] for kind, one in RUNS.items()}
+
+
+def made():
+    """These calls."""
+    return {kind: rows()[key] for kind, key in keys_made().items()}
 
 
 @cache

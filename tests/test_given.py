@@ -20,7 +20,7 @@ import xarray as xr
 
 import liepoisson as lp
 from liepoisson.tori.frequencies import main_frequency
-from public_calls import ByName, rows, several
+from public_calls import ByName, result_of, rows, several
 
 pd = pytest.importorskip("pandas")  # which xarray needs
 
@@ -147,7 +147,9 @@ def forms_by_name(plain, kind):
 def answer(key, names=None):
     """The outcome of a call of the table, with the arguments of these names or with all: several tests ask for it."""
     row = rows()[key]
-    return outcome(row.function, {name: row.arguments[name] for name in names or row.arguments})
+    if names is None:
+        return outcome(result_of, {"key": key})
+    return outcome(row.function, {name: row.arguments[name] for name in names})
 
 
 def outcome(function, arguments):

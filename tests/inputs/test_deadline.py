@@ -116,7 +116,7 @@ HENON_HEILES, DUFFING = lp.catalog.system("henon-heiles"), lp.System(lp.canonica
 PRECESSIONS = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3", name="spherical")
 LINE = lp.System(lp.canonical(1), "cosh(p1) + sin(q1)*exp(-q1^2)", name="no polynomial")
 ON_A_SPHERE = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
-DIAGRAM = lp.tori.diagram(ON_A_SPHERE, energy_max=2, n_starts=40)
+DIAGRAM = lp.tori.diagram(ON_A_SPHERE, energy_max=2, n_starts=5)
 SEARCHES = {
     "periodic orbits": lambda **limit: lp.orbits.symmetric_periodic_orbits(
         HENON_HEILES, {}, energy="1/10", n_starts=20, **limit

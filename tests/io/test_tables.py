@@ -14,6 +14,7 @@ from liepoisson.errors import OutputError
 from liepoisson.io.result import Result
 
 HENON = lp.catalog.system("henon-heiles")
+SPHERE = lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1})
 
 
 def lists_of_all_kinds():
@@ -30,22 +31,14 @@ def lists_of_all_kinds():
         "integral scan": lambda: lp.integrability.scan_integrals(family, axes={"J": ["1/2", 2]}, degree=4),
         "equilibria": lambda: lp.equilibria(HENON, {}),
         "periodic orbits": lambda: lp.orbits.symmetric_periodic_orbits(HENON, {}, energy="1/10", n_starts=10),
-        "diagram": lambda: lp.tori.diagram(
-            lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=20
-        ),
+        "diagram": lambda: lp.tori.diagram(SPHERE, n_starts=20),
         "diagram of the twisted Lagrange top": lambda: lp.tori.lagrange_diagram(
             lp.Leaf(lp.Top.twisted_lagrange(), {"C1": 0.5, "C2": 0.2, "C3": 1})
         ),
-        "molecule": lambda: lp.tori.molecule(
-            lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), 0, n_starts=20
-        ),
-        "critical states": lambda: lp.tori.critical_states(
-            lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), n_starts=10
-        ),
+        "molecule": lambda: lp.tori.molecule(SPHERE, 0, n_starts=20),
+        "critical states": lambda: lp.tori.critical_states(SPHERE, n_starts=10),
         "regions of a diagram": lambda: lp.tori.regions(
-            lp.tori.diagram(
-                lp.Leaf(lp.catalog.system("spherical-pendulum"), {"C1": 0, "C2": 1}), energy_max=2, n_starts=20
-            ),
+            lp.tori.diagram(SPHERE, energy_max=2, n_starts=20),
             n_values=100,
             n_states=5,
         ),

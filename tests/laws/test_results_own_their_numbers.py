@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 import liepoisson as lp
 from liepoisson import _core
 from liepoisson.errors import LiePoissonError
-from public_calls import makers, rows, several
+from public_calls import makers, result_of, rows, several
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 STATES = lp.sample_states(TOP, 3, seed=1)
@@ -175,7 +175,7 @@ def parts_of(value, seen):
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", makers())
 def test_the_arrays_of_a_result_are_read_only(name):
-    found = [row.function(**row.arguments) for key, row in rows().items() if key.partition(":")[0] == name]
+    found = [result_of(key) for key in rows() if key.partition(":")[0] == name]
     parts = [*parts_of(found, set())]
     assert parts, f"no call in public_calls.py makes a result by {name}"
     for result in parts:
@@ -189,9 +189,9 @@ def test_the_arrays_of_a_result_are_read_only(name):
                 if array.ndim and ".leaf" not in path:
                     assert not array.flags.writeable, path
         if isinstance(result, lp.results.Result) and not isinstance(result, lp.results.Sweep):  # which makes means
-            for variable in result.dataset.data_vars:
-                if result.dataset[variable].dtype != object:  # names are copied
-                    assert not result.dataset[variable].to_numpy().flags.writeable, variable
+            for variable, values in result.dataset.data_vars.items():
+                if values.dtype != object:  # names are copied
+                    assert not values.to_numpy().flags.writeable, variable
 
 
 ONE = {

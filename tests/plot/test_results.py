@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import liepoisson as lp
 from liepoisson.plot.results import _FIGURES
-from public_calls import RUNS, made, rows
+from public_calls import RUNS, keys_made, result_of, rows
 
 TOP = lp.Top.kovalevskaya("1/2")
 SYMMETRY = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + J*l3^2 + a*alpha1", symbols=["J", "a"])
@@ -22,7 +22,7 @@ STARTS = lp.sample_states(TOP, 4, seed=1)
 @pytest.mark.thorough
 def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
     before = json.dumps(dict(mpl.rcParams), default=str)
-    shown = {kind: row.function(**row.arguments) for kind, row in made().items()}
+    shown = {kind: result_of(key) for kind, key in keys_made().items()}
     for kind, result in shown.items():
         figure = lp.plot.draw(result)
         assert isinstance(figure, Figure), kind
@@ -44,7 +44,7 @@ def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
 )
 def test_a_kind_without_a_figure_of_its_own_is_drawn_by_its_labels(monkeypatch, kind, drawn):
     monkeypatch.delitem(_FIGURES, kind)
-    result = made()[kind].function(**made()[kind].arguments)
+    result = result_of(keys_made()[kind])
     (axes,) = lp.plot.draw(result).axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == drawn
     values = {"megno": "megno", "frequency drift": "high_power"}[kind]
