@@ -6,6 +6,8 @@ BIN := $(VENV)/bin
 RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 OUT ?= results/twisted-top
 export MPLBACKEND := Agg
+# The tests have a worker on each core: threads of NumPy's small decompositions would wait for one another.
+test-python quick-tests test-as test-slow: export OPENBLAS_NUM_THREADS := 1
 # Otherwise each of some hundred processes of the tests would compile the package again, and each worker all the tests.
 unexport PYTHONDONTWRITEBYTECODE
 
