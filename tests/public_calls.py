@@ -211,7 +211,7 @@ def _of_algebras(add):
         {"weights": ("l", "alpha"), "algebra_weights": ("1", "2", "3")}, bracket=E3, weights=[0, 2],
         algebra_weights=[1, 1, 0], integrals=[E3.variables[0]],
     )  # fmt: skip
-    add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 1], [0, "t"]])
+    add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 0], [0, "t"]])
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
     twists = lp.cocycles(lp.so(3) @ lp.semidirect(3))
     add("extensions.Twists.cocycle", "products:v", twists, products={(1, 1): {2: 1}})

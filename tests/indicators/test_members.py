@@ -20,7 +20,7 @@ ENDS = {"state", "end_state", "time", "end_time", "largest_ratio"}
 INDICATORS = {
     name: partial(row.function, **{key: value for key, value in row.arguments.items() if key not in OWN})
     for name, row in rows().items()
-    if "first" in inspect.signature(row.function).parameters
+    if {"first", "starts"} <= {*inspect.signature(row.function).parameters}
 }
 INDICATORS |= {
     "alignment on the leaf": partial(lp.chaos.alignment, TOP, times=[3], within="leaf"),

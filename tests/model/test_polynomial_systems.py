@@ -22,7 +22,7 @@ from liepoisson.model.tops import Top
 OTHERS = {
     "double-pendulum", "goryachev", "kepler-on-the-sphere", "spring-pendulum", "toda",  # no polynomials
     "reduced-mhd-3", "zeitlin-3", "zeitlin-5",  # irrational structure constants
-    "twisted-top",  # symbols
+    "cubic-top-complex", "cubic-top-double", "cubic-top-split", "twisted-top",  # symbols
 }  # fmt: skip
 READ = tuple(name for name in lp.catalog.names() if name not in OTHERS)
 

@@ -101,6 +101,7 @@ def _crmhd(strength: Exact) -> Extension:
     return Extension.from_products(4, products, "CRMHD", ("omega", "v", "p", "psi"), check=False)
 
 
+@explains_its_arguments
 def binary_cubic(a: Parameter = "a", b: Parameter = "b", c: Parameter = "c", d: Parameter = "d") -> Extension:
     r"""The algebra of dimension 3 of a binary cubic form, $aX^3 + bX^2Y + cXY^2 + dY^3$, with unit $e_0$.
 

@@ -28,7 +28,7 @@ from liepoisson.catalog.unital_tops import KovalevskayaTop, LagrangeTop, unital_
 from liepoisson.errors import LaxPairError, ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import GivenValue, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
-from liepoisson.inputs.refusals import shown
+from liepoisson.inputs.refusals import check_kind, shown
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.completeness import are_in_involution, as_polynomials, fields_rank
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
@@ -291,6 +291,7 @@ def known_lax_pair(system: str | System, *, parameters: Mapping[str, GivenValue]
             "system: wanted the name of a system of the catalog, or a top as catalog.lagrange_top and "
             f"catalog.kovalevskaya_top make them; got {system.name}; look for a pair with search_lax_pairs"
         )
+    check_kind(system, str, "system", "the name of a system of the catalog, or a top", 'write "kovalevskaya"')
     if system not in (*LAX_PAIRS, *MADE):
         what = "has no Lax pair in the package" if system in names() else "is no system of the catalog"
         known = (*LAX_PAIRS, *MADE)

@@ -128,17 +128,12 @@ class Deformation:
         """The bracket of g and the deformed algebra; arguments and errors as for `extension`.
 
         Raises:
-            ParameterError: an extension was given, and no bracket, or one with a constant part.
+            ParameterError: an extension was given, and no bracket.
         """
         if not isinstance(self.given, Bracket):
             raise ParameterError(
                 f"a deformed bracket needs a Lie algebra; got the extension {self.given.name} alone. Ask for the "
                 "cocycles of a bracket, or write so(3) @ deformation.extension()."
-            )
-        if self.given.constant:
-            raise ParameterError(
-                f"a deformed bracket must have no constant part, which need not stay a cocycle; got {self.given!r}. "
-                "Deform the bracket without it, and add one with with_constant."
             )
         return Bracket(self.given.algebra, self.extension(values), self.given.field_names)
 
