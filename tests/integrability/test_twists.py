@@ -56,15 +56,19 @@ SETTLED = {
 }  # fmt: skip
 
 
+# Those of more than 2 s are on the page of twists, which the quick tests run.
+LONG = {"two centres, b off the equator", "two centres, rotors", "one centre off the equator"}
+
+
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", SETTLED)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in SETTLED])
 def test_kovalevskayas_inertia_for_every_cubic_and_rotor(name):
     extension, potential, symbols, wanted = SETTLED[name]
     found = families(top(extension, "Kovalevskaya", potential, symbols), degree=4)
     assert cases(found) == wanted
 
 
-@pytest.mark.thorough
+@pytest.mark.slow  # on the page of twists, too
 def test_the_spherical_top_with_two_centres_keeps_its_integrals_on_no_twist():
     system = top(cubic(), "spherical", " + alpha1 + b2*beta2" + ROTOR, ("b2", *ROTORS))
     assert cases(families(system, degree=4, nonzero=["b2"])) == [{*"abcd", *ROTORS}]

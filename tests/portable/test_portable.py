@@ -63,7 +63,8 @@ DISPLAY = ("plot", "laboratory", "cli", "studies", "integrability/painleve/balan
 # Here @ joins an algebra and an extension.
 OF_ALGEBRAS = {
     "catalog/families.py", "catalog/unital_tops.py", "structure/casimirs.py", "report/motion_facts.py",
-    "model/system_file_reader.py",    "model/top_parameters.py", "structure/trace_casimirs.py", "equilibrium/euler_characteristic.py", "model/tops.py",
+    "model/system_file_reader.py",
+    "model/top_parameters.py", "structure/trace_casimirs.py", "equilibrium/euler_characteristic.py", "model/tops.py",
 }  # fmt: skip
 FORBIDDEN = {
     "einsum", "dot", "vdot", "inner", "matmul", "tensordot", "roots", "poly", "polyfit", "cov", "corrcoef", "convolve",
