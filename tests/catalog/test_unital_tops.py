@@ -242,3 +242,20 @@ def test_without_a_number_for_the_square_there_is_no_integral():
 def test_refusals(call, error, words):
     with pytest.raises(error, match=words):
         call()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: lp.catalog.kovalevskaya_top(lp.leibniz(2), [0, 1], [0, 0], "l3"),
+        lambda: lp.catalog.lagrange_top(lp.leibniz(3), [0, "l3", 0]),
+        lambda: lp.catalog.cubic_top((0, 1, -1, 0), ["l1", 1, 1], [1, 0, 0]),
+        lambda: lp.catalog.heavy_top_on("so(3)", [1, 1, 1], ["alpha1", 0, 1]),
+        lambda: lp.catalog.euler_top_on("so(3)", ["l1", 1, 1]),
+        lambda: lp.catalog.manakov(4, ["M12", 1, 2, 3]),
+        lambda: lp.catalog.su_top(3, [lp.catalog.su_top(3).bracket.coordinate_names_in_order[0], 1, 2]),
+    ],
+)
+def test_parameters_are_not_named_like_coordinates(make):
+    with pytest.raises(BracketError, match="name both coordinates and parameters"):
+        make()

@@ -624,3 +624,33 @@ def test_a_call_ends_soon_after_its_limit():
     with pytest.raises(TimeLimitError, match="time limit"):
         twists(lp.semidirect(7)).deformation(time_limit=0.2)
     assert time.process_time() - began < 2 * 2
+
+
+def test_products_have_no_value_at_a_pole():
+    """The products of this coboundary of R[x]/(x^2) have the denominator t^2 - 1."""
+    f = twists(lp.semidirect(2)).cocycle({(0, 0): {1: 1}, (1, 1): {1: 2}})
+    assert classify(f.extension("1/2")).name == "R[x]/(x^2)"
+    for call in (lambda: f.extension(1), lambda: f.change_of_variables().map(-1)):
+        with pytest.raises(ParameterError, match="got a pole"):
+            call()
+
+
+def test_a_coboundary_is_never_obstructed():
+    """Orders of one power of t each do not mend it; the pull-back by 1 + t g does."""
+    algebra = lp.Extension.from_products(4, {(0, 0): {1: 1}, (2, 2): {3: 1}})
+    f = twists(algebra).cocycle({(0, 2): {3: 1}, (0, 3): {1: 1}, (2, 2): {0: -1, 2: -1}, (2, 3): {3: 1}})
+    assert f.is_coboundary
+    assert f.obstruction() is None
+    assert f.change_of_variables().is_exact
+    deformed = lp.Extension.from_products(4, f.extension("t").products)  # associative: verified anew
+    t = sp.Symbol("t")
+    rates = {
+        pair: {k: sp.sympify(value).diff(t).subs(t, 0) for k, value in row.items()}
+        for pair, row in deformed.products.items()
+    }
+    assert {pair: kept for pair, row in rates.items() if (kept := {k: v for k, v in row.items() if v})} == f.products
+
+
+def test_the_change_of_one_field_is_exact():
+    """e0 -> (1 + t) e0."""
+    assert lp.cocycles(lp.trivial()).cocycle({(0, 0): {0: 1}}).change_of_variables().is_exact

@@ -122,6 +122,8 @@ def test_refusals():
         contraction(TWISTED, [0, 1])
     with pytest.raises(ParameterError, match="wanted integers"):
         contraction(TWISTED, [0, 0.5, 1])
+    with pytest.raises(ParameterError, match="wanted integers from -1000 to 1000"):
+        contraction(TWISTED, [0, 1, 5 * 10**7])
     with pytest.raises(ParameterError, match="wanted the names l, alpha, beta"):
         contraction(TWISTED, {"gamma": 1})
     with pytest.raises(ParameterError, match="weights or a matrix; got both"):

@@ -115,8 +115,12 @@ class AlgebraicNumber:
     def __neg__(self) -> AlgebraicNumber:
         return AlgebraicNumber(-self.polynomial, self.field)
 
-    def __mul__(self, other: AlgebraicNumber) -> AlgebraicNumber:
+    def __mul__(self, other: AlgebraicNumber | int) -> AlgebraicNumber:
+        if isinstance(other, int):
+            return AlgebraicNumber(self.polynomial * other, self.field)
         return AlgebraicNumber(self.polynomial * other.polynomial % self.field.modulus, self.field)
+
+    __rmul__ = __mul__
 
     def __truediv__(self, other: AlgebraicNumber) -> AlgebraicNumber:
         # The modulus is irreducible: 1 = s * other + t * m.

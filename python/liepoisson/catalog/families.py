@@ -66,6 +66,7 @@ def manakov(n: int, J: Sequence[Parameter] | None = None) -> System:
 
     bracket = so(n) @ trivial().rename("M")
     moments = _moments(J, n, "J")
+    check_names(bracket, moments)
     pairs = list(combinations(range(n), 2))
     # The basis of so(3) is that of the cross product: its axes 1, 2, 3 are the planes 23, 13, 12.
     squares = [x**2 for x in (reversed(bracket.variables) if n == 3 else bracket.variables)]
@@ -111,6 +112,7 @@ def su_top(n: int, J: Sequence[Parameter] | None = None) -> System:
 
     bracket = su(n) @ trivial().rename("x")
     moments = _moments(J, n, "J")
+    check_names(bracket, moments)
     pairs = list(combinations(range(n), 2))
     x, m = bracket.variables, len(pairs)
     squares = {pair: x[r] ** 2 + x[m + r] ** 2 for r, pair in enumerate(pairs)}
@@ -530,6 +532,9 @@ def _top(
         )
     moments = read_numbers(inertia, n, "inertia", "I")
     check_divisors(moments, "moments of inertia")
+    check_names(
+        bracket, [*moments, *(c for letter, vector in vectors.items() for c in read_numbers(vector, n, letter))]
+    )
     energy = sum((x**2 / (2 * moment) for x, moment in zip(fields[0], moments, strict=True)), S.Zero)
     for field, (letter, vector) in zip(fields[1:], vectors.items(), strict=False):
         energy += sum((c * x for c, x in zip(read_numbers(vector, n, letter), field, strict=True)), S.Zero)
@@ -572,6 +577,17 @@ def read_numbers(values: Sequence[Parameter], n: int, name: str, letter: str | N
         got = repr(values) if items is None else f"{len(items)} of them"
         raise ShapeError(f"{name} must be {n} numbers, one per component; got {got}. Give {n}.")
     return [to_sympy(read_parameter(value, f"{name}[{k + 1}]")) for k, value in enumerate(items)]
+
+
+def check_names(bracket: Any, values: Sequence[Any]) -> None:
+    """Refuse symbols that are named like a coordinate: they would become one.
+
+    Raises:
+        BracketError: there is such a name.
+    """
+    from liepoisson.algebra.exact_numbers import to_sympy
+
+    bracket.check_parameter_names({str(symbol) for value in values for symbol in to_sympy(value).free_symbols})
 
 
 def check_divisors(values: list[Any], what: str) -> None:

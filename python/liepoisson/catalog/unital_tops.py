@@ -37,7 +37,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.exact_numbers import read_number, to_sympy
-from liepoisson.catalog.families import check_divisors, read_numbers
+from liepoisson.catalog.families import check_divisors, check_names, read_numbers
 from liepoisson.errors import BracketError
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_kind
@@ -197,6 +197,10 @@ class UnitalTop:
     bracket: Bracket
     rates: tuple[Any, Any, Any]
     elements: tuple[Element, Element, Element]
+
+    def __post_init__(self) -> None:
+        """Refuses parameters that are named like coordinates."""
+        check_names(self.bracket, [*self.rates, *(value for element in self.elements for value in element)])
 
     @cached_property
     def algebra(self) -> CommutativeAlgebra:

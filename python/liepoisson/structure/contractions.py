@@ -36,6 +36,9 @@ from liepoisson.structure.bracket import Bracket, read_function
 from liepoisson.structure.extension import Extension, Products
 from liepoisson.structure.lie_algebra import LieAlgebra
 
+_LARGEST_WEIGHT = 1000
+"""Of the powers of t; with 10^7 polynomials in t took seconds that no limit ended."""
+
 if TYPE_CHECKING:
     from sympy import Expr
 
@@ -180,6 +183,11 @@ def _read_weights(weights: Weights | None, names: Sequence[str], what: str) -> l
         if isinstance(value, bool) or not isinstance(value, Integral):
             raise ParameterError(
                 f"{what}: wanted integers, the powers of t; got {value!r:.60}. Multiply all by one number."
+            )
+        if abs(int(value)) > _LARGEST_WEIGHT:
+            raise ParameterError(
+                f"{what}: wanted integers from {-_LARGEST_WEIGHT} to {_LARGEST_WEIGHT}; got {value}. Divide all by "
+                "one number."
             )
     return [int(value) for value in items]
 

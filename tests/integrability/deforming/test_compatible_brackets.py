@@ -115,3 +115,20 @@ def test_extensions_make_pencils():
     found = lp.integrability.pencil(lp.so(3) @ lp.leibniz(3, 2), lp.so(3) @ lp.leibniz(3, 5), "s")
     assert found.extension.products[1, 1][2] == 2 + 5 * s
     assert t not in found.symbols
+
+
+def test_points_and_strengths_that_are_roots():
+    """C = |alpha|^2 and l.alpha, shifted by a = (sqrt(2), 0, 0; 0, 0, 1)."""
+    E3 = lp.so(3) @ lp.semidirect(2)
+    found = lp.integrability.argument_shift(E3, ["sqrt(2)", 0, 0, 0, 0, 1])
+    assert found.is_complete
+    l3, alpha1 = E3.variables[2], E3.variables[3]
+    assert expand(found.functions["F1_1"] - l3 - sympify("sqrt(2)") * alpha1) == 0
+    chains = lp.integrability.lenard_chains(lp.so(3) @ lp.leibniz(3, "sqrt(2)"), lp.so(3) @ lp.semidirect(3))
+    assert any(f.has(sympify("sqrt(2)")) for f in chains.functions.values())
+
+
+def test_a_symbol_of_the_point_is_not_the_parameter_of_the_pencil():
+    E3 = lp.so(3) @ lp.semidirect(2)
+    found = lp.integrability.argument_shift(E3, ["t", 0, 0, 0, 0, 1])
+    assert expand(found.functions["F1_1"] - E3.variables[2] - Symbol("t") * E3.variables[3]) == 0

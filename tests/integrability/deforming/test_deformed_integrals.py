@@ -410,3 +410,13 @@ def test_no_change_of_the_hamiltonian_helps_by_brute_force(start):
         rank_mod([*rows[: len(columns)], *more], len(numbers), p) for more in ([], rows[-2:-1], rows[-1:])
     )
     assert ranks == [without + 1, without]
+
+
+def test_what_is_heavier_than_what_was_looked_at_is_named():
+    """With epsilon^2 l3 in H the weights are doubled: K has 8."""
+    quartic = "(l1^2/4 - l2^2/4 - alpha1)^2 + (l1*l2/2 - alpha2)^2"
+    energy = "l1^2/4 + l2^2/4 + l3^2/2 + alpha1 + epsilon^2*l3"
+    gyrostat = lp.System(lp.so(3) @ lp.semidirect(2), energy, symbols=["epsilon"])
+    assert lp.deformations(gyrostat, integrals={"K": quartic}).left == ("not looked at: K, of weight 8",)
+    (found,) = lp.deformations(gyrostat, integrals={"K": quartic}, weight=8).exact
+    assert found.start == Symbol("K")

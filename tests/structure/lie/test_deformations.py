@@ -177,6 +177,8 @@ def test_refusals_of_deformations():
         lie.deformation(lp.so(4), {("12", "34"): {"12": 1}})
     with pytest.raises(ParameterError, match="parameter: wanted a new name"):
         lie.deformation(lie.bianchi("VI", "a"), {("1", "2"): {"2": 1}}, parameter="a")
+    with pytest.raises(ParameterError, match="got epsilon, a symbol of the cocycle"):
+        lie.deformation(lie.abelian(3), {("e1", "e2"): {"e3": "epsilon"}})
     with pytest.raises(ParameterError, match="order: wanted"):
         lie.deformation(lp.so(3), {("1", "2"): {"3": 1}}, order=0)
 

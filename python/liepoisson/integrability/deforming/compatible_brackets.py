@@ -21,7 +21,7 @@ from typing import Any, cast
 
 from sympy import Expr, Poly, Symbol
 
-from liepoisson.algebra.exact_numbers import to_sympy
+from liepoisson.algebra.exact_numbers import symbols_of, to_sympy
 from liepoisson.algebra.linear_algebra import rank_mod
 from liepoisson.algebra.sparse_polynomials import (
     Polynomial,
@@ -227,7 +227,8 @@ def argument_shift(bracket: Bracket, point: Sequence[Parameter], *, time_limit: 
     frozen = linear.frozen(point if items is None else items)
     components = [read_parameter(item, "point") for item in items or ()]
     with as_deadline(time_limit).running():
-        t = Symbol(next(name for name in ("t", "t_", "t__") if name not in bracket.symbols | bracket.coordinate_names))
+        taken = bracket.symbols | bracket.coordinate_names | {name for a in components for name in symbols_of(a)}
+        t = Symbol(free_name("t", taken))
         shift = dict(zip(bracket.variables, components, strict=True))
         moved: Any = {x: x + t * to_sympy(a) for x, a in shift.items()}
         casimirs = [cast("Any", c).expand(trace=True).subs(moved, simultaneous=True) for c in bracket.casimirs()]

@@ -403,6 +403,12 @@ class _Found:
         family, derivation = self.given, self.given.derivation
         terms = family.hamiltonian_terms
         variables = derivation.variables
+        what = "degree" if asked.weight is None else "weight"
+        heavier = [
+            f"not looked at: {name}, of {what} {size}"
+            for name, f in family.known.items()
+            if name not in family.trivial and (size := family.weight(f)) > asked.value
+        ]
         weights = dict(zip(map(str, variables), family.positive.weights, strict=True)) if family.positive else {}
         return Deformations(
             system=family.system,
@@ -421,5 +427,5 @@ class _Found:
             if terms is None
             else tuple(Mul(*(x**k for x, k in zip(family.system.variables, m, strict=True) if k)) for m in terms[0]),
             n_starts=self.n_starts,
-            left=tuple(self.left),
+            left=(*self.left, *heavier),
         )

@@ -8,7 +8,8 @@ from typing import Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact
-from liepoisson.algebra.matrices import solved
+from liepoisson.algebra.matrices import eliminated
+from liepoisson.errors import ParameterError
 from liepoisson.structure.extension import Products
 
 Rows: TypeAlias = Sequence[Sequence[Exact]]
@@ -26,11 +27,21 @@ def from_basis(products: Mapping[tuple[int, int], Mapping[int, Exact]], rows: Ro
 
 
 def inverse(rows: Rows) -> list[list[Exact]]:
-    """The inverse of a matrix of exact numbers."""
+    """The inverse of a matrix of exact numbers.
+
+    Raises:
+        ParameterError: there is none.
+    """
     field, ((matrix,), _) = _read([rows], {})
     n = range(len(rows))
     identity = [[field.one if i == j else field.zero for j in n] for i in n]
-    return [[field.write(value) for value in row] for row in solved(matrix, identity, field)]
+    found = eliminated(matrix, identity, field)
+    if found.kernel:
+        raise ParameterError(
+            "values: wanted parameters at which the change of fields of a deformation has an inverse; got a pole of "
+            "the products. Take other values."
+        )
+    return [[field.write(value) for value in row] for row in found.particular]
 
 
 def multiplied(first: Rows, second: Rows) -> list[list[Exact]]:

@@ -244,6 +244,8 @@ class Cocycle:
             order: The largest power of the parameter that is looked at where the series does not end before; twice the
                 dimension if left out.
         """
+        if self.is_coboundary:
+            return None
         found = self._mended(self.twists.most(order))
         for (k,), residual in found.residuals.items():
             triple, element = first_residual(self.in_cochains[0], residual)
@@ -345,6 +347,8 @@ class Cocycle:
         if not found.ends and (closed := self.deformation().closed_form) is not None:
             (g,), basis = closed.maps, closed.basis
             return (tuple(map(tuple, multiplied(inverse(basis), multiplied(g, basis)))),), True, True
+        if found.residuals:  # the line in this class is obstructed, though another curve in it is not
+            return (self._written(complex_.reduced(self.in_cochains[1])[1]),), False, False
         terms = {k: term for (k,), term in found.terms.items()}
         maps, is_exact = _undoing(complex_, terms, most)
         if not is_exact and (back := _straightening(complex_, terms, most)):
@@ -417,7 +421,7 @@ def _straightening(complex_: CommutativeComplex, terms: Mapping[int, Cochain], m
     r"""Maps $\phi_k$ such that $1 + \sum t^k \phi_k$ takes deformed products to products, if these end."""
     one, maps = complex_.field.one, dict[int, Map]()
     last, degree = 0, max(terms, default=0)
-    for k in range(1, most + 1):
+    for k in range(1, 2 * most + 2):
         if k > max(2 * last, last + degree):
             return [maps.get(j, {}) for j in range(1, last + 1)]
         total: list[tuple[Any, Cochain]] = []

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon
-from liepoisson.algebra.exact_numbers import Exact, is_zero, sum_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, is_zero, sum_of, symbols_of, to_sympy
 from liepoisson.algebra.matrices import solved
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import as_count, as_deadline
@@ -274,6 +274,10 @@ def deformation(
                 f"parameter: wanted a new name; got {parameter}, a symbol of {algebra.name}; take another"
             )
         first = read_cochain(algebra, read_module(algebra, "adjoint"), 2, cocycle)
+        if parameter in {name for row in first.values.values() for value in row.values() for name in symbols_of(value)}:
+            raise ParameterError(
+                f"parameter: wanted a new name; got {parameter}, a symbol of the cocycle; take another"
+            )
         check_closed(first)
         space = cohomology(algebra, 2, "adjoint", time_limit=time_limit)
         coordinates, potential = space.split(first)
