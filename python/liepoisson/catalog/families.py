@@ -532,12 +532,11 @@ def _top(
         )
     moments = read_numbers(inertia, n, "inertia", "I")
     check_divisors(moments, "moments of inertia")
-    check_names(
-        bracket, [*moments, *(c for letter, vector in vectors.items() for c in read_numbers(vector, n, letter))]
-    )
+    read = {letter: read_numbers(vector, n, letter) for letter, vector in vectors.items()}
+    check_names(bracket, [*moments, *(c for vector in read.values() for c in vector)])
     energy = sum((x**2 / (2 * moment) for x, moment in zip(fields[0], moments, strict=True)), S.Zero)
-    for field, (letter, vector) in zip(fields[1:], vectors.items(), strict=False):
-        energy += sum((c * x for c, x in zip(read_numbers(vector, n, letter), field, strict=True)), S.Zero)
+    for field, vector in zip(fields[1:], read.values(), strict=False):
+        energy += sum((c * x for c, x in zip(vector, field, strict=True)), S.Zero)
     symbols = symbols_in(energy, bracket.coordinate_names)
     return System(bracket, energy, name=name, source=source, symbols=symbols)
 
