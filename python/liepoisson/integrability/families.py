@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from flint import fmpq
-from sympy import Expr, Function, I, Integer, NumberSymbol, Pow, Symbol
+from sympy import Expr, Function, I, Integer, NumberSymbol, Pow, Symbol, primitive
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.number_fields import as_fraction
@@ -176,6 +176,9 @@ class IntegrableFamilies:
     def __str__(self) -> str:
         """The cases, and what is proved."""
         lines = [f"{self.system.name}: a further polynomial integral {self.scope} exists ({self.assumptions})"]
+        if self.general:
+            always = ", ".join(Formula(f).plain for f in self.general)
+            lines[0] += f", besides what there is for all parameters: {always}"
         lines += [f"  if {case}" for case in self.cases] or [
             "  in no case that was decided" if self.left else "  never"
         ]
@@ -343,8 +346,13 @@ def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> di
     for g, polynomial in zip(new, cases.general, strict=True):
         known = [cases.hamiltonian, *cases.casimirs]
         if drawn is None or not cases.integrals.contains(drawn[1], drawn[0], known, polynomial):
-            found[g.name] = search.derivation.expression(g.polynomial)
+            found[g.name] = _without_content(search.derivation.expression(g.polynomial), search.derivation.variables)
     return found
+
+
+def _without_content(function: Expr, variables: Sequence[Symbol]) -> Expr:
+    """An integral for all parameters, without a factor of parameters alone: where this vanishes there still is one."""
+    return cast("Any", primitive)(function, *variables)[1]
 
 
 def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Expr]:

@@ -420,3 +420,21 @@ def test_what_is_heavier_than_what_was_looked_at_is_named():
     assert lp.deformations(gyrostat, integrals={"K": quartic}).left == ("not looked at: K, of weight 8",)
     (found,) = lp.deformations(gyrostat, integrals={"K": quartic}, weight=8).exact
     assert found.start == Symbol("K")
+
+
+def test_corrections_have_the_degree_that_is_asked_for():
+    """In q1 + q2 and q1 - q2 this separates: M + 4 epsilon q1 q2 (q1^2 + q2^2), of degree 4, is an integral."""
+    energy = "(p1^2 + p2^2 + q1^2 + q2^2)/2 + epsilon*(q1^4 + 6*q1^2*q2^2 + q2^4)"
+    pair = lp.System(lp.canonical(2), energy, symbols=["epsilon"])
+    known = {"M": "q1*q2 + p1*p2"}
+    q1, q2, p1, p2 = pair.variables
+    (found,) = lp.deformations(pair, integrals=known, degree=4).exact
+    assert expand(found.function - (q1 * q2 + p1 * p2 + 4 * Symbol("epsilon") * q1 * q2 * (q1**2 + q2**2))) == 0
+    below = lp.deformations(pair, integrals=known, degree=3)
+    assert not below.integrals
+    assert "M: no correction of degree up to 3 of order 1: proved" in str(below)
+    of_two = "(p1^2 + p2^2 + q1^2 + q2^2)/2 + a*(q1^4 + q2^4) + b*q1^2*q2^2"
+    two = lp.System(lp.canonical(2), of_two, symbols=["a", "b"])
+    cases = lp.deformations(two, parameter=["a", "b"], integrals=known, degree=4, order=1).cases
+    a, b = symbols("a b")
+    assert any(6 * a - b in case.conditions for case in cases)

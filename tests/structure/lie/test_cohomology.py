@@ -1,3 +1,4 @@
+import pickle
 from fractions import Fraction
 from itertools import combinations, permutations, product
 from math import comb
@@ -552,3 +553,9 @@ def test_deformations_of_currents_contain_those_of_the_commutative_algebra(n):
                 values[i, j] = {3 * power + (3 - x - y): 1 if (y - x) % 3 == 1 else -1}
         classes.append(found.split(values)[0])
     assert sp.Matrix(classes).rank() == n - 1
+
+
+def test_results_with_symbols_are_pickled():
+    found = lp.algebras.cohomology(lp.algebras.bianchi("VI", "a"), 2)
+    again = pickle.loads(pickle.dumps(found))
+    assert (repr(again), str(again), again.representatives) == (repr(found), str(found), found.representatives)

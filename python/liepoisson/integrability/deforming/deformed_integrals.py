@@ -3,7 +3,7 @@ r"""Which integrals survive a deformation of a bracket or of a Hamiltonian, and 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 from sympy import Add, Expr, Mul, Symbol
@@ -186,11 +186,12 @@ class Deformations:
         size = f"weight {self.weight}" if self.degree is None else f"degree {self.degree}"
         lines = [f"{self.system.name} near {' = '.join(self.parameters)} = 0: integrals up to {size}"]
         lines.append(f"known at 0: {', '.join([*self.trivial, *self.known])}; not counted: {', '.join(self.trivial)}")
+        bound = "" if self.degree is None else f" of degree up to {self.degree}"
         for f in self.integrals:
             state = "an integral for all values" if f.is_exact else f"an integral to order {f.order}"
             lines.append(f"{Formula(f.start).plain} + ... = {Formula(f.function).plain}: {state}")
         for o in self.obstructions:
-            lines.append(f"{Formula(o.start).plain}: no correction of order {o.order}: proved")
+            lines.append(f"{Formula(o.start).plain}: no correction{bound} of order {o.order}: proved")
         for case in self.cases:
             state = "" if case.is_exact else " (not to all orders)"
             values = f"if {where(case.conditions)}" if case.conditions else "for all values"
@@ -198,7 +199,7 @@ class Deformations:
         if len(self.parameters) > 1 and not self.cases:
             lines.append("nothing survives" if not self.left else "nothing that was decided survives")
         if not self.integrals and self.obstructions:
-            lines.append("nothing survives" + self._of_hamiltonian)
+            lines.append(f"nothing survives{bound and f' with corrections{bound}'}{self._of_hamiltonian}")
         return "\n".join([*lines, *self.left])
 
     @property
@@ -225,8 +226,8 @@ def deformations(
     r"""Which integrals at the value 0 of a parameter survive when the parameter is not 0?
 
     For one parameter $F_0 + \epsilon F_1 + \epsilon^2 F_2 + \dots$ is sought, where $F_0$ is any combination of
-    products of integrals at 0, up to a weight or a degree, and $F_1, F_2, \dots$ are any polynomials: for equations
-    that are homogeneous for positive weights of the coordinates of any degree, else of the degree that is asked for.
+    products of integrals at 0, up to a weight or a degree.  With a weight $F_1, F_2, \dots$ are any polynomials; with a
+    degree they are those of at most this degree.
     What has no correction has an obstruction, with a proof.  Polynomials in the Hamiltonian and in limits of Casimirs
     always survive and are not counted.
 
@@ -261,7 +262,7 @@ def deformations(
     with as_deadline(time_limit).running():
         family = family_of(system, parameter, integrals, by_degree=asked.weight is None)
         family.check(asked.value, highest)
-        found = _Found(family, highest)
+        found = _Found(replace(family, largest_degree=asked.value), highest)
         while starts := found.next_block(asked.value):
             found.look_at(starts)
     return found.result(asked)

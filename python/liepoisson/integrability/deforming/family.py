@@ -102,6 +102,7 @@ class Family:
         known: Integrals of the system at 0 by name: H, Casimirs and others.
         trivial: Of these H, and further names for the limits of Casimirs.
         by_degree: Whether sizes are total degrees, because they are asked for or there are no positive weights.
+        largest_degree: The largest degree of corrections, where sizes are degrees.
     """
 
     system: System
@@ -111,6 +112,7 @@ class Family:
     known: dict[str, Polynomial]
     trivial: dict[str, Polynomial]
     by_degree: bool
+    largest_degree: int = 0
 
     @property
     def n(self) -> int:
@@ -208,9 +210,12 @@ class Family:
         return {m: c for m, c in polynomial.items() if sum(m[self.n :]) == order}
 
     def corrections(self, label: Label, weight: int, order: int) -> Iterator[Exponents]:
-        """The monomials in x, none of them 1, whose products with order parameters have the weights of a label."""
+        """The monomials in x, none of them 1, whose products with order parameters have the weights of a label.
+
+        All of them, whatever their degree, where there are positive weights.
+        """
         if self.positive is None:
-            found = up_to_degree(self.n, weight)
+            found = up_to_degree(self.n, self.largest_degree)
         else:
             left = weight - order * self.weight_of_parameter
             found = of_weight(self.positive.weights[: self.n], left) if left > 0 else iter(())

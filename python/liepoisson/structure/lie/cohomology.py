@@ -358,6 +358,10 @@ class Complex:
         self._grading = Grading(algebra, module)
         self._acyclic = Acyclic(algebra, module, self.field)
 
+    def __reduce__(self) -> tuple[type[Complex], tuple[LieAlgebra, LieModule]]:
+        """What is pickled: the definition."""
+        return type(self), (self.algebra, self.module)
+
     @cached_property
     def _exact(self) -> Differential:
         """The differential; over the rationals times the common denominator, in integers."""
