@@ -12,16 +12,14 @@ On a busy machine: weight 8 in 0.08 s and 4.8 s, 60 times; weight 6 in 0.03 s an
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Callable
 from itertools import product
-from typing import Any
 
 import sympy
 from sympy import QQ, Poly
 from sympy.polys.matrices import DomainMatrix
 
 import liepoisson as lp
+from measure import timed
 
 REPEATS = 3
 WEIGHTS = (1, 1, 1, 2, 2, 2, 3, 3, 3)
@@ -37,17 +35,6 @@ def main() -> None:
     assert n_products - n_surviving == len(found.obstructions), "both must find the same"
     print(f"weight {weight}: {found.n_starts} products, {len(found.obstructions)} obstructions")
     print(f"liepoisson {seconds:.2f} s, SymPy {plain:.1f} s, {plain / seconds:.0f} times")
-
-
-def timed(call: Callable[[], Any], repeats: int) -> tuple[Any, float]:
-    """The last result, and the least process time."""
-    times: list[float] = []
-    result = None
-    for _ in range(repeats):
-        began = time.process_time()
-        result = call()
-        times.append(time.process_time() - began)
-    return result, min(times)
 
 
 def by_sympy(most: int) -> tuple[int, int]:

@@ -14,12 +14,11 @@ numbers gains from the same zeros.  Most of the rest of the time here goes into 
 from __future__ import annotations
 
 import sys
-import time
-from collections.abc import Callable
 from itertools import combinations
 from typing import Any
 
 import liepoisson as lp
+from measure import timed
 
 REPEATS = 5
 CASES: dict[str, tuple[Any, bool]] = {
@@ -51,17 +50,6 @@ def main() -> None:
         dimension, plain = timed(lambda: plain_classes(algebra), 1)  # noqa: B023
         assert dimension == found.dimension, "both must find the same dimension"
         print(f"{line}  {plain:8.2f} s  {plain / seconds:6.0f}")
-
-
-def timed(call: Callable[[], Any], repeats: int) -> tuple[Any, float]:
-    """The last result, and the least time of the process."""
-    times: list[float] = []
-    result = None
-    for _ in range(repeats):
-        began = time.process_time()
-        result = call()
-        times.append(time.process_time() - began)
-    return result, min(times)
 
 
 def plain_classes(algebra: Any) -> int:

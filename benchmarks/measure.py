@@ -12,6 +12,7 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -119,3 +120,14 @@ def run_row(row: Row, rounds: int) -> list[Measured]:
             one.seconds.append(wall if row.wall else min(answer["seconds"]))
             one.answers.append(answer)
     return measured
+
+
+def timed(call: Callable[[], Any], repeats: int) -> tuple[Any, float]:
+    """The last result, and the least process time."""
+    times: list[float] = []
+    result = None
+    for _ in range(repeats):
+        began = time.process_time()
+        result = call()
+        times.append(time.process_time() - began)
+    return result, min(times)

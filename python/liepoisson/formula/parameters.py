@@ -9,7 +9,7 @@ symbolic, a square root).  SymPy is imported only for the latter.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -64,6 +64,18 @@ def read_symbol(value: object, name: str) -> str | None:
     if not _NAME.fullmatch(text) or text.lower() in NOT_FINITE or text in CONSTANTS:
         return None
     return check_name(text, f"{name}: the name of a symbol")
+
+
+def read_new_symbol(value: object, name: str, taken: Collection[str]) -> str:
+    """The name of a symbol that has no meaning yet.
+
+    Raises:
+        ParameterError: it is no name, one that a user may not choose, or one of those that are taken.
+    """
+    symbol = read_symbol(value, name)
+    if symbol is None or symbol in taken:
+        raise ParameterError(f"{name}: wanted a name that nothing has yet; got {value!r:.60}. Take another one.")
+    return symbol
 
 
 def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exact, Exact]:

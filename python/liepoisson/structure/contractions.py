@@ -26,7 +26,7 @@ from liepoisson.algebra.exact_numbers import Exact, to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply
 from liepoisson.errors import ContractionError, ParameterError, ShapeError
-from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
+from liepoisson.formula.parameters import Parameter, read_new_symbol, read_parameter
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
@@ -36,15 +36,14 @@ from liepoisson.structure.bracket import Bracket, read_function
 from liepoisson.structure.extension import Extension, Products
 from liepoisson.structure.lie_algebra import LieAlgebra
 
-_LARGEST_WEIGHT = 1000
-"""Of the powers of t; with 10^7 polynomials in t took seconds that no limit ended."""
-
 if TYPE_CHECKING:
     from sympy import Expr
 
 Weights: TypeAlias = "Sequence[int] | Mapping[str, int]"
 """Powers of t, one for each field or basis element, in order or by name; those left out are 0."""
 
+_LARGEST_WEIGHT = 1000
+"""Of the powers of t; with 10^7 polynomials in t took seconds that no limit ended."""
 MAX_RELATION = 8
 """The degree up to which relations between limits are looked for, in the coordinates: four times that of a Casimir."""
 
@@ -128,7 +127,7 @@ def contraction(
     """
     if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a Bracket", bracket, "bracket", "write for example so(3) @ leibniz(3)")
-    t = _read_name(bracket, parameter)
+    t = read_new_symbol(parameter, "parameter", bracket.symbols | bracket.coordinate_names | {*bracket.field_names})
     rows = _read_matrix(bracket, weights, matrix, t)
     powers = _read_weights(algebra_weights, bracket.algebra.basis_names, "algebra_weights")
     given = sequence(integrals, "integrals", "functions of bracket.variables", "[bracket.variables[0]]")
@@ -152,13 +151,6 @@ def contraction(
         found.independent,
         found.independent == found.wanted,
     )
-
-
-def _read_name(bracket: Bracket, parameter: str) -> str:
-    name = read_symbol(parameter, "parameter")
-    if name is None or name in bracket.symbols | bracket.coordinate_names | {*bracket.field_names}:
-        raise ParameterError(f"parameter: wanted a name that nothing has yet; got {parameter!r:.60}. Take another one.")
-    return name
 
 
 def _read_weights(weights: Weights | None, names: Sequence[str], what: str) -> list[int]:
@@ -195,12 +187,12 @@ def _read_weights(weights: Weights | None, names: Sequence[str], what: str) -> l
 def _read_matrix(
     bracket: Bracket, weights: Weights | None, matrix: Sequence[Sequence[Parameter]] | None, t: str
 ) -> list[list[Any]]:
-    from sympy import S, Symbol, cancel, eye
+    from sympy import S, Symbol, cancel
 
     n = bracket.extension.dimension
     if matrix is None:
-        powers, identity = _read_weights(weights, bracket.field_names, "weights"), eye(n).tolist()
-        return [[Symbol(t) ** powers[i] if i == j else S.Zero for j in range(n)] for i, _ in enumerate(identity)]
+        powers = _read_weights(weights, bracket.field_names, "weights")
+        return [[Symbol(t) ** power if i == j else S.Zero for j in range(n)] for i, power in enumerate(powers)]
     if weights is not None:
         raise ParameterError("a contraction takes weights or a matrix; got both. Leave one of them out.")
     rows = [listed(row, "matrix") for row in listed(matrix, "matrix") or []]

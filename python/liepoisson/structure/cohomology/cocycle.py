@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, sum_of, to_sympy
 from liepoisson.errors import CocycleError, ObstructionError, ParameterError
-from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
+from liepoisson.formula.parameters import Parameter, read_new_symbol, read_parameter, read_symbol
 from liepoisson.formula.tensors import Tensor3
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import free_name
@@ -289,12 +289,7 @@ class Cocycle:
         taken = taken_names(self.twists.given) | symbols_in(self.products)
         if parameter is None:
             return free_name("epsilon", taken)
-        name = read_symbol(parameter, "parameter")
-        if name is None or name in taken:
-            raise ParameterError(
-                f"parameter: wanted a name that nothing has yet; got {parameter!r:.60}. Take another one."
-            )
-        return name
+        return read_new_symbol(parameter, "parameter", taken)
 
     def _value(self, parameter: Parameter | None) -> tuple[str, Parameter]:
         """The name of the parameter, and its value."""
