@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.errors import TimeLimitError
+from liepoisson.inputs.deadline import Deadline
 from liepoisson.orbits import closing
 from liepoisson.orbits.closed_orbits import problem_at
+from liepoisson.orbits.guesses import shortest
 
 HENON = lp.catalog.system("henon-heiles")
 SADDLE = lp.System(lp.canonical(2), "p1^2/2 - cos(q1) + (p2^2 + q2^2)/2 + q2*sin(q1)/10")
@@ -34,6 +37,13 @@ def test_the_sum_of_the_multipliers_of_a_loop():
         loop_of(LAGRANGE, lp.sample_states(LAGRANGE, 1, seed=3)[0], 3.093, momenta=["l3"]),
     ):
         assert problem.closing.sums(loop)[0] == pytest.approx(orbit.multipliers.sum().real, rel=1e-9, abs=1e-9)
+
+
+def test_a_limit_that_cuts_the_orbit_of_a_loop_is_told():
+    """No number of turns is read from an orbit that was not followed to its end."""
+    _, problem, loop = loop_of(HENON, [0, 0, 0, 0.2], 6.3)
+    with Deadline(1e-9).running(), pytest.raises(TimeLimitError, match="time limit"):
+        shortest(problem, loop)
 
 
 def test_a_loop_is_followed_no_more_once_it_closes(monkeypatch):

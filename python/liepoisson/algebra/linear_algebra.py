@@ -148,6 +148,7 @@ def _not_annihilating(columns: Mapping[int, Sequence[tuple[int, Any]]], vectors:
     """
     wrong: set[int] = set()
     for vector in vectors:
+        checkpoint("an elimination")
         totals: dict[int, Any] = {}
         for column, x in vector.items():
             for i, value in columns.get(column, ()):
@@ -212,6 +213,7 @@ def _rational_nullspace(rows: list[dict[int, int]], n_columns: int) -> list[dict
     """The null space over Q from those modulo primes, checked exactly; None if its entries are too long for that."""
     best: list[dict[int, int]] | None = None
     lifts: list[Lift] = []
+    columns = _by_column(rows)
     for p in islice(primes(), _MAX_PRIMES):
         found = nullspace_mod(rows, n_columns, p)
         # Modulo an unlucky prime the null space is larger or its free columns come earlier: take the other one.
@@ -226,7 +228,8 @@ def _rational_nullspace(rows: list[dict[int, int]], n_columns: int) -> list[dict
             if (lifted := lift.lifted()) is None:
                 break
             vector = {column: Fraction(int(c.p), int(c.q)) for column, c in lifted.items()}
-            if not _annihilates(rows, vector):
+            scale = lcm(*(value.denominator for value in vector.values()))
+            if _not_annihilating(columns, [{c: int(value * scale) for c, value in vector.items()}]):
                 break
             vectors.append(vector)
         else:
@@ -236,9 +239,3 @@ def _rational_nullspace(rows: list[dict[int, int]], n_columns: int) -> list[dict
 
 def _shape(vectors: list[dict[int, int]]) -> tuple[int, list[int]]:
     return len(vectors), [-max(vector) for vector in vectors]
-
-
-def _annihilates(rows: list[dict[int, int]], vector: dict[int, Fraction]) -> bool:
-    scale = lcm(*(value.denominator for value in vector.values()))
-    integer = {c: int(value * scale) for c, value in vector.items()}
-    return not any(sum(value * integer[c] for c, value in row.items() if c in integer) for row in rows)

@@ -33,7 +33,7 @@ from liepoisson.algebra.number_fields import Element
 from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Polynomial, gradient_at, multiply, value_at
 from liepoisson.errors import ParameterError
-from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.deadline import checkpoint, passed, seconds_left
 from liepoisson.integrability.derivation import (
     Derivation,
     Exponents,
@@ -103,7 +103,9 @@ def modular_nullity(
     order = np.lexsort((columns, rows))
     starts = np.searchsorted(rows[order], np.arange(rows.max() + 2))
     matrix = starts.astype(np.uint64), columns[order].astype(np.uint32), values[order]
-    found = _core.modular_null_space(*matrix, len(monomials), residues.p, None, inf, progress)
+    found = _core.modular_null_space(*matrix, len(monomials), residues.p, None, seconds_left(inf), progress)
+    if not found["complete"]:
+        raise passed("an elimination")
     return len(monomials) - found["rank"]
 
 

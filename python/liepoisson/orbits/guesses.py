@@ -13,6 +13,7 @@ from liepoisson.errors import LeafError, OrbitError, ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_time
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf._checks import as_system
 from liepoisson.model.discrete_symmetries import DiscreteSymmetry
@@ -248,10 +249,14 @@ def _most_parts(problem: Problem, loops: Loops) -> int:
     Its direction moves by no more than $|Df\,f|/|f|$, of which the mean over some states is taken twice.  Up to a
     rotation, by half a turn at most, $\pi$ is enough.
 
+    Raises:
+        TimeLimitError: the deadline of the call has passed.
+
     References: [fenchel1929].
     """
     system, m, T = problem.system, loops.state.shape[1], float(loops.time[0])
     _, between = problem.closing.flow.survey(loops.state[0], T / m, -(-SIZES // m))
+    checkpoint("the shortest time after which an orbit closes")
     states = between[:, :-1].reshape(-1, between.shape[2])
     rates = system.vector_field(states)
     turning = linear.einsum("nij,nj->ni", system.functions.jacobian(states), rates)

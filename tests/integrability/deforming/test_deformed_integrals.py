@@ -286,6 +286,14 @@ REFUSED = {
         lambda: lp.deformations(kovalevskaya(TWISTED), parameter="epsilon", integrals={"K": "l1^2"}),
         "wanted integrals of Kovalevskaya at epsilon = 0; got K = l1",
     ),
+    "a name that is taken": (
+        lambda: lp.deformations(kovalevskaya(TWISTED), integrals={"H": "dot(l, alpha)"}),
+        "names that nothing else has; got 'H' for alpha1",
+    ),
+    "the name of a parameter": (
+        lambda: lp.deformations(kovalevskaya(TWISTED), integrals={"epsilon": "dot(l, alpha)"}),
+        "got 'epsilon'",
+    ),
     "nothing known": (lambda: lp.deformations(kovalevskaya(TWISTED), integrals={}), "none is known"),
     "too large": (
         lambda: lp.deformations(kovalevskaya(TWISTED), weight=16, order=2),

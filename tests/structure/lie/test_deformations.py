@@ -175,9 +175,9 @@ def test_a_sign_decides_whether_a_deformation_closes():
 def test_refusals_of_deformations():
     with pytest.raises(CochainError, match="2-cochain of so"):
         lie.deformation(lp.so(4), {("12", "34"): {"12": 1}})
-    with pytest.raises(ParameterError, match="parameter: wanted a new name"):
+    with pytest.raises(ParameterError, match="parameter: wanted a name that nothing has yet; got 'a'"):
         lie.deformation(lie.bianchi("VI", "a"), {("1", "2"): {"2": 1}}, parameter="a")
-    with pytest.raises(ParameterError, match="got epsilon, a symbol of the cocycle"):
+    with pytest.raises(ParameterError, match="parameter: wanted a name that nothing has yet; got 'epsilon'"):
         lie.deformation(lie.abelian(3), {("e1", "e2"): {"e3": "epsilon"}})
     with pytest.raises(ParameterError, match="order: wanted"):
         lie.deformation(lp.so(3), {("1", "2"): {"3": 1}}, order=0)

@@ -32,12 +32,12 @@ from liepoisson.algebra.sparse_polynomials import (
     multiply,
 )
 from liepoisson.errors import CompatibilityError, ParameterError
-from liepoisson.formula.parameters import Parameter, read_parameter
+from liepoisson.formula.parameters import Parameter, read_new_symbol, read_parameter
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.given import listed
-from liepoisson.inputs.names import check_name, free_name
+from liepoisson.inputs.names import free_name
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.search import modular, random_point, residues_of
@@ -118,15 +118,13 @@ def pencil(first: Bracket, second: Bracket, parameter: str = "t") -> Bracket:
     """
     check_kind(first, Bracket, "first", "a Bracket", "so(3) @ trivial()")
     check_kind(second, Bracket, "second", "a Bracket", "bracket.frozen([0, 0, 1])")
-    name = check_name(parameter, "parameter")
+    taken = first.symbols | second.symbols | first.coordinate_names
     if first.coordinate_names_in_order != second.coordinate_names_in_order:
         names = [", ".join(b.coordinate_names_in_order) for b in (first, second)]
         raise ParameterError(
             f"second: wanted a bracket of the coordinates {names[0]:.80}; got {names[1]:.80}. Rename its fields"
         )
-    if name in first.symbols | second.symbols | first.coordinate_names:
-        raise ParameterError(f"parameter: wanted a new name; got {name!r}, which has a meaning in the brackets")
-    t = Symbol(name)
+    t = Symbol(read_new_symbol(parameter, "parameter", taken))
     algebra, extension = first.algebra, first.extension
     if extension.products == second.extension.products or not second.algebra.brackets:
         sums = _sum(first.algebra.brackets, second.algebra.brackets, t)

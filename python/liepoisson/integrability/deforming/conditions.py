@@ -29,6 +29,7 @@ from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.algebra.sparse_polynomials import Polynomial, of_exponents
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
+from liepoisson.inputs.names import free_name
 from liepoisson.integrability.deforming.family import Family, Starts
 from liepoisson.integrability.derivation import Exponents
 
@@ -125,8 +126,8 @@ class ParametricEquations:
         coefficients = [f"c{k}" for k in range(1, len(starts.others) + 1)] if len(starts.others) > 1 else []
         further = [f"n{k}_{j}" for k, new in enumerate(self.new, start=1) for j in range(1, len(new) + 1)]
         taken = {*map(str, family.derivation.variables)}
-        self.coefficients = [_free(name, taken) for name in coefficients]
-        self.further = [_free(name, taken) for name in further]
+        self.coefficients = [free_name(name, taken) for name in coefficients]
+        self.further = [free_name(name, taken) for name in further]
         self.names = (*map(str, family.parameters), *self.coefficients, *self.further)
         self.context = rational_context(self.names)
         self.generators = dict(zip(self.names, self.context.gens(), strict=True))
@@ -235,10 +236,3 @@ def _different(polynomials: Any) -> tuple[Any, ...]:
     """Some polynomials up to factors, each once."""
     found = {str(q): q for p in polynomials if p for q in (p / p.leading_coefficient(),)}
     return tuple(sorted(found.values(), key=lambda q: (q.total_degree(), str(q))))
-
-
-def _free(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    taken.add(name)
-    return name

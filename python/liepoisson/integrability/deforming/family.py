@@ -326,8 +326,15 @@ def family_of(
         constant = {name: f for name, f in own.items() if start.is_constant(f)}
         given |= {name: f for name, f in {**start.invariants, **constant}.items() if name not in given}
     else:
-        read = functions_by_name(integrals, "integrals").items()
-        given |= {name: cast("Any", system.expression(f)).xreplace(zero) for name, f in read}
+        taken = {*given, *map(str, system.variables), *system.bracket.symbols, *map(str, symbols)}
+        for name, f in functions_by_name(integrals, "integrals").items():
+            function: Any = system.expression(f)
+            if name in taken and name != str(function):
+                raise ParameterError(
+                    f"integrals: wanted names that nothing else has; got {name!r:.60} for {shown(function)}. Call the "
+                    "function by another name"
+                )
+            given[name] = function.xreplace(zero)
     limits = {f"C{k}": limit for k, c in enumerate(system.bracket.casimirs(), start=1) if (limit := _limit(c, symbols))}
     everything = (*given.values(), *limits.values())
     functions: list[Any] = [f.expand(trace=True) for f in cast("Any", everything)]

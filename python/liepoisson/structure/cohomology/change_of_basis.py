@@ -38,8 +38,8 @@ def inverse(rows: Rows) -> list[list[Exact]]:
     found = eliminated(matrix, identity, field)
     if found.kernel:
         raise ParameterError(
-            "values: wanted parameters at which the change of fields of a deformation has an inverse; got a pole of "
-            "the products. Take other values."
+            "wanted a change of fields that has an inverse; got one that has none, as at a pole of the products of a "
+            "deformation. Take other values of its parameters."
         )
     return [[field.write(value) for value in row] for row in found.particular]
 

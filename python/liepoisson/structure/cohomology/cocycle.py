@@ -119,7 +119,7 @@ class ChangeOfVariables:
 class Cocycle:
     r"""A symmetric cochain f with $a f(b, c) - f(ab, c) + f(a, bc) - f(a, b) c = 0$.
 
-    Combinations are written `2*f - g`.
+    Combinations are written `2*f - g`, `f/2`, `sum(twists.basis)`.  Cocycles are equal if they have the same values.
 
     Example:
         >>> f, *_ = lp.cocycles(lp.so(3) @ lp.semidirect(3)).basis
@@ -144,9 +144,22 @@ class Cocycle:
             for k in range(n)
         )
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same values, in one algebra."""
+        if not isinstance(other, Cocycle):
+            return NotImplemented
+        return self.products == other.products and self.twists.extension.products == other.twists.extension.products
+
+    def __hash__(self) -> int:
+        return hash(tuple((pair, *sorted(row.items())) for pair, row in sorted(self.products.items())))
+
     def __add__(self, other: Cocycle) -> Cocycle:
         """The sum of two cocycles of one algebra."""
         return self._plus(other, Fraction(1))
+
+    def __radd__(self, other: object) -> Cocycle:
+        """The sum with nothing, with which `sum` begins."""
+        return self if isinstance(other, int) and other == 0 else self._plus(cast("Any", other), Fraction(1))
 
     def __sub__(self, other: Cocycle) -> Cocycle:
         """The difference."""
@@ -163,6 +176,13 @@ class Cocycle:
         return Cocycle(self.twists, _without_zeros(scaled))
 
     __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Parameter) -> Cocycle:
+        """A fraction, by a number or a name."""
+        d = read_parameter(divisor, "a divisor of a cocycle")
+        if is_zero(d):
+            raise ParameterError("a divisor of a cocycle must not be 0; got 0. Divide by another number.")
+        return self * (1 / d)
 
     def _plus(self, other: Cocycle, sign: Fraction) -> Cocycle:
         check_kind(other, Cocycle, "+", "a cocycle", "add cocycles of one algebra, as in 2*f - g")

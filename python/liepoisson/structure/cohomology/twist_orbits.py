@@ -106,9 +106,8 @@ class TwistForm:
 
     Example:
         >>> f = lp.cocycles(lp.so(3) @ lp.semidirect(3)).combination([2, 0, 0, 0])
-        >>> form = f.normal_form()
-        >>> form.orbit.name, form.text
-        ('R[x]/(x^3)', 'beta -> 2*beta')
+        >>> f.normal_form()
+        <TwistForm a triple root, R[x]/(x^3): beta -> 2*beta>
 
     Attributes:
         orbit: The orbit.
@@ -122,6 +121,9 @@ class TwistForm:
     automorphism: Automorphism | None
     field_extension: str
     text: str
+
+    def __repr__(self) -> str:
+        return f"<TwistForm {self.orbit.condition}, {self.orbit.name}: {self.text}>"
 
 
 UNKNOWN = "not decided: known where each local factor is R[x]/(x^n), C[x]/(x^n) or R[x,y]/(x,y)^2, or has no class"

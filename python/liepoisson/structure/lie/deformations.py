@@ -23,13 +23,13 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.exact_numbers import Exact, is_zero, sum_of, symbols_of, to_sympy
 from liepoisson.algebra.matrices import solved
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ShapeError
+from liepoisson.formula.parameters import read_new_symbol
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.formula.tensors import read_names
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.given import is_named, listed
-from liepoisson.inputs.names import check_name
 from liepoisson.structure.lie.cochains import (
     Cochain,
     Indices,
@@ -269,15 +269,9 @@ def deformation(
     """
     with as_deadline(time_limit).running():
         algebra, most = read_algebra(given), as_count(order, "order", least=1)
-        if check_name(parameter, "parameter") in algebra.symbols:
-            raise ParameterError(
-                f"parameter: wanted a new name; got {parameter}, a symbol of {algebra.name}; take another"
-            )
         first = read_cochain(algebra, read_module(algebra, "adjoint"), 2, cocycle)
-        if parameter in {name for row in first.values.values() for value in row.values() for name in symbols_of(value)}:
-            raise ParameterError(
-                f"parameter: wanted a new name; got {parameter}, a symbol of the cocycle; take another"
-            )
+        own = {name for row in first.values.values() for value in row.values() for name in symbols_of(value)}
+        parameter = read_new_symbol(parameter, "parameter", own | set(algebra.symbols))
         check_closed(first)
         space = cohomology(algebra, 2, "adjoint", time_limit=time_limit)
         coordinates, potential = space.split(first)
