@@ -446,3 +446,14 @@ def test_corrections_have_the_degree_that_is_asked_for():
     cases = lp.deformations(two, parameter=["a", "b"], integrals=known, degree=4, order=1).cases
     a, b = symbols("a b")
     assert any(6 * a - b in case.conditions for case in cases)
+
+
+def test_parameters_of_negative_weight_have_cases_without_unknown_numbers():
+    """alpha1^2 + alpha2^2 turns with the axis; squares of l3 and products with H say nothing new."""
+    energy = "dot(l, inv(I)*l)/2 + alpha3 + a*alpha1^2 + b*alpha1*alpha2 + c*alpha2^2"
+    top = lp.System(lp.so(3) @ lp.semidirect(2), energy, KOVALEVSKAYA, symbols=["a", "b", "c"])
+    found = lp.deformations(top, parameter=["a", "b", "c"], integrals={"l3": "l3"}, weight=2)
+    assert found.weights["a"] == -2
+    (case,) = found.cases
+    assert (str(case.start), str(case.function), case.is_exact, case.dimension) == ("l3", "l3", True, 1)
+    assert {str(c) for c in case.conditions} == {"a - c", "b"}

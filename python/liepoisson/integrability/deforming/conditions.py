@@ -39,6 +39,9 @@ _MOST_COLUMNS = 2500
 Parametric = dict[Exponents, Any]
 """A polynomial in the coordinates whose coefficients are FLINT's polynomials in the parameters."""
 
+OnParameters = dict[Exponents, Any]
+"""A polynomial in the parameters: rational coefficients by exponents."""
+
 
 class Reduction:
     """The derivation at 0 on the monomials of one order: normal forms modulo its image, preimages, null space."""
@@ -222,6 +225,27 @@ class ParametricEquations:
                 function = {m: part.basis.remainder(f) for m, f in conditions.function.items()}
                 found.append((part, {m: f for m, f in function.items() if f}))
         return found
+
+    def plainest(self, part: Component, function: Parametric) -> tuple[Parametric, int]:
+        """F with 0 for the coefficients of integrals in corrections that a part leaves free, and how many it does."""
+        first = len(self.names) - len(self.further)
+        if any(any(m[first:]) for p in part.equations for m in p.monoms()):
+            return function, 0
+        terms = {
+            m: self.context.from_dict({k: c for k, c in p.terms() if not any(k[first:])}) for m, p in function.items()
+        }
+        return {m: p for m, p in terms.items() if p}, len(self.further)
+
+    def contains(self, part: Component, conditions: Sequence[OnParameters]) -> bool:
+        """Whether some conditions on the parameters hold in a part."""
+        rest = (0,) * (len(self.names) - len(self.family.parameters))
+        polynomials = [self.context.from_dict({(*m, *rest): c for m, c in one.items()}) for one in conditions]
+        return not any(part.basis.remainder(p) for p in polynomials)
+
+    def on_parameters(self, part: Component) -> list[OnParameters]:
+        """The equations of a part, which have no other unknowns."""
+        n = len(self.family.parameters)
+        return [{tuple(map(int, m[:n])): c for m, c in p.terms()} for p in part.equations]
 
     def holds(self, function: Parametric, part: Component) -> bool:
         """Whether a function is an integral wherever the parameters are in a part: computed anew, to all orders."""

@@ -16,7 +16,7 @@ from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.refusals import counted
-from liepoisson.integrability.deforming.conditions import Parametric, ParametricEquations
+from liepoisson.integrability.deforming.conditions import OnParameters, Parametric, ParametricEquations
 from liepoisson.integrability.deforming.family import Family, Start, Starts, family_of
 from liepoisson.integrability.deforming.orders import Functional, OrderEquations, Solved
 from liepoisson.integrability.search_problem import SizeAsked, where
@@ -277,6 +277,7 @@ class _Found:
         self.integrals: list[DeformedIntegral] = []
         self.obstructions: list[Obstruction] = []
         self.cases: list[DeformationCase] = []
+        self.survivors: list[tuple[str, list[OnParameters]]] = []
         self.conditions: list[tuple[Expr, ...]] = []
         self.left: list[str] = []
         self.n_starts = 0
@@ -379,19 +380,28 @@ class _Found:
         symbols = [Symbol(name) for name in conditions.names]
         for part in conditions.by_order:
             self.conditions.append(tuple(whole_expression(p.terms(), symbols) for p in part))
-        for component, function in equations.cases(conditions):
-            is_exact = conditions.ends and equations.holds(function, component)
-            if is_exact and not component.equations and not equations.further:
-                self._survives(starts.others[0].polynomial)
-            vector = {k: s.name for k, s in enumerate(starts.others)}
-            coefficients = [Symbol(name) for name in equations.coefficients] or [1]
+        coefficients = [Symbol(name) for name in equations.coefficients] or [1]
+        start = Add(*(Mul(c, s.name) for c, s in zip(coefficients, starts.others, strict=True)))
+        names = {str(s) for one in starts.others for s in one.name.free_symbols} - self.family.trivial.keys()
+        for component, given in equations.cases(conditions):
+            if all(
+                any(name == other and equations.contains(component, there) for other, there in self.survivors)
+                for name in names
+            ):
+                continue  # a polynomial in integrals that survive there
+            function, n_free = equations.plainest(component, given)
+            is_exact = equations.holds(function, component)
+            if is_exact and isinstance(start, Symbol) and n_free == len(equations.further):
+                self.survivors.append((str(start), equations.on_parameters(component)))
+                if not component.equations:
+                    self._survives(starts.others[0].polynomial)
             self.cases.append(
                 DeformationCase(
-                    Add(*(Mul(c, vector[k]) for k, c in enumerate(coefficients))),
+                    start,
                     tuple(whole_expression(p.terms(), symbols) for p in component.equations),
                     self._expression(function, symbols),
                     is_exact,
-                    component.dimension,
+                    component.dimension - n_free,
                 )
             )
 
