@@ -64,6 +64,9 @@ def test_no_cocycle_no_central_extension():
         lie.central_extension(lie.abelian(2), {(0, 1): 1}, central_names=["a", "b"])
     with pytest.raises(ShapeError, match="at least one cocycle"):
         lie.central_extension(lie.abelian(2), [])
+    for name in ("2", "e2"):
+        with pytest.raises(ParameterError, match=f"no basis element of abelian.2. has; got '{name}'"):
+            lie.central_extension(lie.abelian(2), {(0, 1): 1}, central_names=[name])
 
 
 @pytest.mark.parametrize(

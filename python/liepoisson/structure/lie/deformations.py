@@ -23,7 +23,7 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.exact_numbers import Exact, is_zero, sum_of, symbols_of, to_sympy
 from liepoisson.algebra.matrices import solved
-from liepoisson.errors import ShapeError
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import read_new_symbol
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.formula.tensors import read_names
@@ -80,7 +80,7 @@ def central_extension(
         CochainError: one of them is no cocycle; the error names the triple and the residual.
         BracketError: an unknown basis element, or one pair twice.
         ShapeError: not one name per cocycle, or a cochain of another algebra, degree or module.
-        ParameterError: an entry is not exact.
+        ParameterError: an entry is not exact, or a name is that of a basis element.
     """
     algebra = read_algebra(given)
     n, module = algebra.dimension, read_module(algebra, "trivial")
@@ -93,6 +93,11 @@ def central_extension(
     names = read_names(central_names, "central_names", default)
     if len(names) != len(forms):
         raise ShapeError(f"central_names must be {len(forms)} names; got {len(names)}. Give one per cocycle.")
+    own = {*algebra.basis_names, *(f"e{name}" for name in algebra.basis_names)}  # e1 is another way to write "1"
+    if central_names is not None and (clash := sorted(own & {*names})):
+        raise ParameterError(
+            f"central_names: wanted names that no basis element of {algebra.name} has; got {clash[0]!r}. Take another."
+        )
     brackets = {pair: dict(row) for pair, row in algebra.brackets.items()}
     for r, form in enumerate(forms):
         check_closed(form)
