@@ -283,7 +283,7 @@ def random_leaves(n):
         yield Fraction(float(c1 * unit**4)), Fraction(float(c2 * unit**5)), Fraction(c3)
 
 
-@pytest.mark.parametrize("n", [1000, pytest.param(100_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [1000, pytest.param(100_000, marks=[pytest.mark.slow, pytest.mark.timeout(1200)])])
 def test_leaf_classes_are_those_of_exact_roots(n):
     seen = set()
     old, flint.ctx.prec = flint.ctx.prec, 200
