@@ -182,3 +182,9 @@ def test_casimirs_of_special_parameters_do_not_count():
     inside = lp.System(bracket, f"({x[0]}^2 + {x[1]}^2 + J*{x[2]}^2)/2 + {x[5]} + 2*{x[8]}", symbols=["epsilon", "J"])
     found = integrable_families(inside, degree=1)
     assert [str(f) for f in found.general] == [x[2]]
+
+
+def test_integrals_for_all_parameters_have_no_denominators():
+    """b l2/a + l1 is none at a = 0; a l1 + b l2 is."""
+    top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + a*l1 + b*l2", symbols=["a", "b"])
+    assert [str(f) for f in lp.integrability.integrable_families(top, degree=1).general] == ["a*l1 + b*l2"]

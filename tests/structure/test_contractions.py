@@ -1,12 +1,14 @@
 """Contractions: limits of brackets, of their Casimirs and of integrals."""
 
 import re
+import time
+from random import Random
 
 import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.errors import ContractionError, ParameterError, ShapeError
+from liepoisson.errors import ContractionError, ParameterError, ShapeError, TimeLimitError
 
 contraction = lp.brackets.contraction
 TWISTED = lp.so(3) @ lp.leibniz(3)
@@ -136,5 +138,22 @@ def test_refusals():
         contraction(SPHERES, matrix=[[1, 1], [0, "sqrt(t)"]])
     with pytest.raises(ParameterError, match="wanted a name that nothing has yet"):
         contraction(TWISTED, [0, 1, 1], parameter="l1")
+    with pytest.raises(ParameterError, match="got alpha, a coordinate or field"):
+        contraction(SPHERES, matrix=[[1, 1], [0, "alpha*t"]])
     with pytest.raises(ParameterError, match="wanted polynomials in the coordinates"):
         contraction(TWISTED, [0, 1, 1], integrals=[1 / TWISTED.variables[0]])
+
+
+def test_a_contraction_by_a_dense_matrix_keeps_its_limit():
+    """Entries of degree two in t, eight fields: the inverse has entries of degree fourteen, with long coefficients."""
+    draw = Random(1)
+    rows = [[sum(draw.randint(-3, 3) * sp.Symbol("t") ** k for k in range(3)) for _ in range(8)] for _ in range(8)]
+    began = time.process_time()
+    with pytest.raises(TimeLimitError):
+        contraction(lp.so(3) @ lp.leibniz(8), matrix=rows, time_limit=0.5)
+    assert time.process_time() - began < 2.2
+
+
+def test_a_matrix_of_sympy_is_a_matrix():
+    rows = [[1, 1], [0, sp.Symbol("t")]]
+    assert contraction(SPHERES, matrix=sp.Matrix(rows)).casimirs == contraction(SPHERES, matrix=rows).casimirs

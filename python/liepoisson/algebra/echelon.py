@@ -49,7 +49,6 @@ class Echelon:
         """
         left = dict(vector)
         while left:
-            checkpoint("an elimination")
             lead = min(left)
             if lead not in self.rows:
                 self.pivots.append(left[lead])
@@ -70,7 +69,6 @@ class Echelon:
     def basis(self) -> list[Vector]:
         """The reduced rows, by their leading keys."""
         for lead in sorted(self.rows, reverse=True):
-            checkpoint("an elimination")
             row = self.rows[lead]
             for other in [k for k in row if k != lead and k in self.rows]:
                 self.subtract(row, row[other], self.rows[other])
@@ -81,7 +79,12 @@ class Echelon:
         return null_vectors(self.basis(), n, self.field.one)
 
     def subtract(self, target: Vector, factor: Element, row: Row) -> None:
-        """Target -= factor * row, in place, dropping what vanishes."""
+        """Target -= factor * row, in place, dropping what vanishes.
+
+        Raises:
+            TimeLimitError: the deadline of the call has passed.
+        """
+        checkpoint("an elimination")
         vanishes = self.field.vanishes
         for k, value in row.items():
             difference = target[k] - factor * value if k in target else -(factor * value)
@@ -104,7 +107,6 @@ def eliminated(
     """
     left, echelon = [dict(row) for row in rows], Echelon(field)
     for column in range(n):
-        checkpoint("an elimination")
         candidates = [k for k, row in enumerate(left) if column in row]
         if not candidates:
             continue

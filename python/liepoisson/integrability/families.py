@@ -351,8 +351,12 @@ def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> di
 
 
 def _without_content(function: Expr, variables: Sequence[Symbol]) -> Expr:
-    """An integral for all parameters, without a factor of parameters alone: where this vanishes there still is one."""
-    return cast("Any", primitive)(function, *variables)[1]
+    """An integral for all parameters, without a factor or a denominator of parameters alone.
+
+    Where the factor vanishes, and where the denominator does, there still is one.
+    """
+    above = cast("Any", function).together().as_numer_denom()[0]
+    return cast("Any", primitive)(above.expand(), *variables)[1]
 
 
 def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Expr]:

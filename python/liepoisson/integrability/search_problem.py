@@ -172,8 +172,16 @@ class SizeAsked:
 
 
 def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
-    """Functions of the state by name."""
-    return by_name(known, what, "functions", '{"K": "l3"}')
+    """Functions of the state by name.
+
+    Raises:
+        ParameterError: they have no names, a name is no text, or one comes twice.
+    """
+    found = by_name(known, what, "functions", '{"K": "l3"}')
+    for name in found:
+        if not isinstance(name, str):
+            raise not_a("names of functions", name, what, 'write {"K": "l3"}')
+    return found
 
 
 def known_functions(system: System) -> dict[str, Expr]:

@@ -57,6 +57,10 @@ class Automorphism:
             for i, row in enumerate(rows)
         )
 
+    def __repr__(self) -> str:
+        rows = ", ".join(f"[{', '.join(map(str, row))}]" for row in self.matrix)
+        return f"Automorphism([{rows}])"
+
     def is_poisson(self, source: Bracket, target: Bracket | None = None) -> bool:
         """Whether this takes the bracket of the source to that of the target, decided entry by entry of W.
 

@@ -17,12 +17,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations_with_replacement
+from functools import cached_property
 from numbers import Integral
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, is_sympy, to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply
 from liepoisson.errors import ContractionError, ParameterError, ShapeError
@@ -33,6 +33,7 @@ from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
 from liepoisson.inputs.given import is_named, listed, named, sequence
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket, read_function
+from liepoisson.structure.cohomology.change_of_basis import in_basis, inverse
 from liepoisson.structure.extension import Extension, Products
 from liepoisson.structure.lie_algebra import LieAlgebra
 
@@ -195,15 +196,21 @@ def _read_matrix(
         return [[Symbol(t) ** power if i == j else S.Zero for j in range(n)] for i, power in enumerate(powers)]
     if weights is not None:
         raise ParameterError("a contraction takes weights or a matrix; got both. Leave one of them out.")
-    rows = [listed(row, "matrix") for row in listed(matrix, "matrix") or []]
+    given: Any = cast("Any", matrix).tolist() if is_sympy(matrix) and hasattr(matrix, "tolist") else matrix
+    rows = [listed(row, "matrix") for row in listed(given, "matrix") or []]
     if len(rows) != n or any(row is None or len(row) != n for row in rows):
         raise ShapeError(f"matrix must have shape ({n}, {n}), one row per field; got {matrix!r:.60}.")
     read: list[list[Any]] = [
         [cancel(to_sympy(read_parameter(value, f"matrix[{i}][{j}]"))) for j, value in enumerate(row or [])]
         for i, row in enumerate(rows)
     ]
+    taken = bracket.coordinate_names | {*bracket.field_names}
     for row in read:
         for value in row:
+            if wrong := sorted({str(s) for s in value.free_symbols} & taken):
+                raise ParameterError(
+                    f"matrix: wanted functions of {t} and of symbols; got {wrong[0]}, a coordinate or field. Rename it."
+                )
             if not value.is_rational_function(Symbol(t)):
                 raise ParameterError(f"matrix: wanted rational functions of {t}; got {value}. Write powers of {t}.")
     return read
@@ -213,33 +220,24 @@ class _Group:
     """The change of variables with the parameter t, and what it makes of the bracket."""
 
     def __init__(self, bracket: Bracket, t: str, rows: list[list[Any]], powers: list[int]) -> None:
-        from sympy import Matrix, Symbol
+        from sympy import Symbol
 
         self.bracket, self.powers, self.t = bracket, powers, Symbol(t)
-        P = Matrix(rows)
-        determinant: Any = P.det()
-        if determinant.cancel() == 0:
-            raise ParameterError(f"matrix must be invertible for {t} != 0; got a determinant of 0. Correct its rows.")
-        self.rows, self.inverse = rows, P.inv().applyfunc(lambda value: value.cancel()).tolist()
+        self.rows = rows
+        self._exact = [[read_parameter(value, "matrix") for value in row] for row in rows]
+        try:
+            inverted = inverse(self._exact)
+        except ParameterError:
+            raise ParameterError(
+                f"matrix must be invertible for {t} != 0; got a determinant of 0. Correct its rows."
+            ) from None
+        self.inverse = [[to_sympy(value) for value in row] for row in inverted]
 
+    @cached_property
     def products(self) -> dict[tuple[int, int, int], Any]:
         """W(t), its entries that are not zero."""
-        n, W = range(len(self.rows)), self.bracket.extension.products
-        found: dict[tuple[int, int, int], Any] = {}
-        for i, j in combinations_with_replacement(n, 2):
-            checkpoint("a contraction")
-            total: list[Any] = [0] * len(self.rows)
-            for (a, b), row in W.items():
-                weight = self.rows[i][a] * self.rows[j][b]
-                if a != b:
-                    weight += self.rows[i][b] * self.rows[j][a]
-                for k, value in row.items() if weight != 0 else ():
-                    total[k] += weight * to_sympy(value)
-            for k in n:
-                value: Any = sum((total[m] * self.inverse[m][k] for m in n), to_sympy(Fraction(0))).cancel()
-                if value != 0:
-                    found[i, j, k] = value
-        return found
+        moved = in_basis(self.bracket.extension.products, self._exact)
+        return {(i, j, k): to_sympy(value) for (i, j), row in moved.items() for k, value in row.items()}
 
     def brackets(self) -> dict[tuple[int, int, int], tuple[Exact, int]]:
         """The structure constants of g, each with the power of t that it is multiplied by."""
@@ -268,7 +266,7 @@ class _Group:
     def family(self) -> Bracket:
         """The bracket in the new variables."""
         rows: dict[tuple[int, int], dict[int, Any]] = {}
-        for (i, j, k), value in self.products().items():
+        for (i, j, k), value in self.products.items():
             rows.setdefault((i, j), {})[k] = value
         brackets: dict[tuple[int, int], dict[int, Any]] = {}
         for (i, j, k), (value, power) in self.brackets().items():
@@ -294,7 +292,7 @@ class _Group:
         """
         from sympy import Mul
 
-        W = {key: _leading(value, self.t) for key, value in self.products().items()}
+        W = {key: _leading(value, self.t) for key, value in self.products.items()}
         c = self.brackets()
         first = min((power for _, power in W.values()), default=0)
         second = min((power for _, power in c.values()), default=0)

@@ -46,6 +46,8 @@ _DOUBLE = 1e-5
 """A double root is nearer than this: Newton's method ends at residuals of 1e-12, whose root is 1e-6."""
 _NEW = 0.02
 """Where half of a family is known, the rest is new if it is longer than this, relative to the figure."""
+_SAME_HEIGHT = 1e-3
+"""Families begin up to 1e-4 of the median height of random states beside the equilibria that they leave (catalog)."""
 _REST = 1e-3
 """Fields that are dependent but for this length, relative to typical ones, are near to lower rank."""
 
@@ -182,7 +184,8 @@ def diagram(
         leaf: A leaf of dimension 4, or of dimension 6 with `at`.
         at: One of three integrals by its name, with the value that it keeps.
         momentum: The momentum map; by default that of the known integrals of the system.
-        energy_max: Families are followed up to this energy; by default the highest one of the random states.
+        energy_max: Families are followed up to this energy; by default twice as high above the lowest equilibrium, or
+            minimum of a family, as the highest of these is, but not beyond the random states.
         n_starts: Number of starts.
         spread: Standard deviation of the random states, in units of the leaf.
         seed: Draws the random states.
@@ -221,8 +224,12 @@ def diagram(
             several = search.each_once(np.concatenate([rest, more]))
             if len(several) > len(rest):
                 rest, families = several, search.families(several, *critical_starts)
-        families = search.above(rest, families)
+        if highest is None and "H" not in held:
+            top = search.interesting(rest, families, energies)
+        families = search.between(rest, families, np.inf if "H" in held else top)
         degenerate = search.on_none(families, search.values(rest))
+        if "H" not in held:
+            degenerate = degenerate[degenerate[:, 0] <= top]
     states = rest * critical.units
     return Diagram(
         momentum,
@@ -335,21 +342,34 @@ class _Families:
             values = values[~are_on(values / size, family.values / size)]
         return values[apart(values[:, None] / size, rest / size, rest / size).min(axis=1, initial=np.inf) > _DOUBLE]
 
-    def above(self, rest: Array, found: list[CriticalFamily]) -> list[CriticalFamily]:
-        """The families, those that came to the lowest energy cut as far below the others as the highest is above."""
+    def interesting(self, rest: Array, found: list[CriticalFamily], energies: Array) -> float:
+        """The energy up to which there is something to see, given those of random states.
+
+        Where a potential has a pole these reach far beyond all equilibria.  Where nothing but the lowest energy is
+        told from others, it is that of half of the random states.
+        """
+        lowest = self._lowest(rest, found)
+        if not lowest:
+            return self.energy_max
+        low = min(lowest)
+        middle = float(np.median(energies)) - low
+        height = 2 * (max(lowest) - low)
+        return min(self.energy_max, low + (height if height > _SAME_HEIGHT * middle else max(middle, 0.0)))
+
+    def _lowest(self, rest: Array, found: list[CriticalFamily]) -> list[float]:
+        """The energies of equilibria, and the lowest ones of families that have one."""
         energies = [float(one.values[:, 0].min()) for one in found]
-        bounded = [energy for energy in energies if energy >= self.energy_min]
-        bounded += self.critical.momentum(rest * self.critical.units)[:, 0].tolist()
-        if not bounded or len(bounded) == len(found) + len(rest):
-            return found
-        bound = 2 * min(bounded) - self.energy_max
+        equilibria = self.critical.momentum(rest * self.critical.units)[:, 0].tolist()
+        return [energy for energy in energies if energy >= self.energy_min] + equilibria
+
+    def between(self, rest: Array, found: list[CriticalFamily], top: float) -> list[CriticalFamily]:
+        """The families up to an energy; those without a lowest one as far below the others as this is above."""
+        lowest = self._lowest(rest, found)
+        bound = 2 * min(lowest) - top if lowest else -np.inf
         result = list[CriticalFamily]()
-        for one, energy in zip(found, energies, strict=True):
-            if energy >= self.energy_min:
-                result.append(one)
-                continue
-            above = np.pad(one.values[:, 0] >= bound, 1)
-            keep = np.flatnonzero(above[:-2] | above[1:-1] | above[2:])  # to the first point beyond
+        for one in found:
+            inside = np.pad((one.values[:, 0] >= bound) & (one.values[:, 0] <= top), 1)
+            keep = np.flatnonzero(inside[:-2] | inside[1:-1] | inside[2:])  # to the first point beyond
             for part in np.split(keep, np.flatnonzero(np.diff(keep) > 1) + 1):
                 if len(part) > 1:
                     result.append(CriticalFamily(one.type, one.values[part], one.states[part]))

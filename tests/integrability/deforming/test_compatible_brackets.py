@@ -105,6 +105,8 @@ def test_brackets_that_are_not_compatible_are_refused_with_the_triple():
 def test_what_has_other_coordinates_is_refused():
     with pytest.raises(ParameterError, match="coordinates"):
         lp.integrability.pencil(lp.so(3) @ lp.trivial(), lp.so(3) @ lp.semidirect(2))
+    with pytest.raises(ParameterError, match="a name that nothing has yet; got 'alpha'"):
+        lp.integrability.pencil(lp.so(3) @ lp.semidirect(2), lp.so(3) @ lp.semidirect(2), "alpha")
     with pytest.raises(ShapeError, match="9 numbers"):
         lp.integrability.argument_shift(lp.so(3) @ lp.leibniz(3), [1, 2, 3])
 

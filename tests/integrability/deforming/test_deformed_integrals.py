@@ -1,5 +1,7 @@
 """Integrals that survive a deformation, against tops whose integrals are known, and proofs that others do not."""
 
+import time
+
 import pytest
 import sympy
 from sympy import Symbol, expand, symbols
@@ -290,6 +292,10 @@ REFUSED = {
         lambda: lp.deformations(kovalevskaya(TWISTED), integrals={"H": "dot(l, alpha)"}),
         "names that nothing else has; got 'H' for alpha1",
     ),
+    "no name": (
+        lambda: lp.deformations(kovalevskaya(TWISTED), integrals={5: "dot(l, alpha)"}),
+        "wanted names of functions; got 5",
+    ),
     "the name of a parameter": (
         lambda: lp.deformations(kovalevskaya(TWISTED), integrals={"epsilon": "dot(l, alpha)"}),
         "got 'epsilon'",
@@ -370,8 +376,9 @@ def test_integrals_at_0_may_be_needed_in_corrections():
     found = lp.deformations(top, parameter=["b", "k1"], weight=3, integrals={"l3": "l3", "P": "dot(l, alpha)"})
     (case,) = (c for c in found.cases if c.is_exact and all(k1 not in p.free_symbols for p in c.conditions))
     assert case.dimension == 2
-    (further,) = case.function.free_symbols - {*top.variables, b, k1}
-    assert is_integral(top, case.function.subs(further, b))
+    assert case.function.free_symbols <= {*top.variables, b, k1}  # the number of times l3^2 is determined
+    assert is_integral(top, case.function)
+    assert case.function.coeff(b) != 0
 
 
 @pytest.mark.thorough
@@ -457,3 +464,51 @@ def test_parameters_of_negative_weight_have_cases_without_unknown_numbers():
     (case,) = found.cases
     assert (str(case.start), str(case.function), case.is_exact, case.dimension) == ("l3", "l3", True, 1)
     assert {str(c) for c in case.conditions} == {"a - c", "b"}
+
+
+SEXTIC = "p1^2 + q1^2 + p2^2 + q2^2"
+
+
+def test_a_limit_of_the_degree_counts_for_the_hamiltonian_too():
+    """H + epsilon q1^6 has the integral H - A of degree two, which needs no correction; A needs one of degree six."""
+    system = lp.System(lp.canonical(2), f"{SEXTIC} + epsilon*q1^6", symbols=["epsilon"])
+    known = {"A": "p1^2 + q1^2"}
+    (rest,) = lp.deformations(system, integrals=known, degree=4).exact
+    assert (str(rest.start), str(rest.function)) == ("A - H", "-p2**2 - q2**2")
+    (whole,) = lp.deformations(system, integrals=known, degree=6).exact
+    assert is_integral(system, whole.function)
+    top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha3 + epsilon*alpha3^3", symbols=["epsilon"])
+    (axis,) = lp.deformations(top, integrals={"F": "2*l3^2 - dot(l, l) - 2*alpha3"}, degree=2).exact
+    assert str(axis.function) == "2*l3**2"
+
+
+def test_a_limit_of_the_degree_counts_for_several_parameters():
+    system = lp.System(lp.canonical(2), f"{SEXTIC} + a*q1^6 + b*q2^6", symbols=["a", "b"])
+    below, whole = (
+        lp.deformations(system, parameter=["a", "b"], integrals={"A": "p1^2 + q1^2"}, degree=degree, order=1).cases
+        for degree in (2, 6)
+    )
+    assert [[str(c) for c in case.conditions] for case in below] == [["b"], ["a"]]
+    assert all(case.is_exact for case in below)
+    (case,) = whole
+    assert case.is_exact
+    assert case.conditions == ()
+    assert is_integral(system, case.function)
+
+
+def test_obstructions_have_coefficients_in_any_field():
+    top = lp.System(HEAVY, "(l1^2 + l2^2)/4 + l3^2/2 + alpha3 + sqrt(2)*k1*l1", symbols=["k1"])
+    (axis,) = lp.deformations(top, parameter="k1", integrals={"l3": "l3"}, weight=1).obstructions
+    assert axis.order == 1
+    turned = lp.System(HEAVY, "(l1^2 + l2^2)/4 + l3^2/2 + alpha3 + sqrt(2)*k1*l3", symbols=["k1"])
+    found = lp.deformations(turned, parameter="k1", integrals={"m": "sqrt(2)*l3"}, weight=3)
+    assert [str(f.start) for f in found.exact] == ["m"]
+    assert list(found.known) == ["m"]  # the Casimirs are among the limits
+
+
+@pytest.mark.parametrize("weight", [10**4, 10**9])
+def test_a_search_that_is_too_large_is_refused_at_once(weight):
+    began = time.process_time()
+    with pytest.raises(ParameterError, match=r"Take weight=\d+"):
+        lp.deformations(kovalevskaya(TWISTED), weight=weight)
+    assert time.process_time() - began < 2

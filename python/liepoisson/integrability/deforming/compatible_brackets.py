@@ -118,7 +118,7 @@ def pencil(first: Bracket, second: Bracket, parameter: str = "t") -> Bracket:
     """
     check_kind(first, Bracket, "first", "a Bracket", "so(3) @ trivial()")
     check_kind(second, Bracket, "second", "a Bracket", "bracket.frozen([0, 0, 1])")
-    taken = first.symbols | second.symbols | first.coordinate_names
+    taken = first.symbols | second.symbols | first.coordinate_names | {*first.field_names}
     if first.coordinate_names_in_order != second.coordinate_names_in_order:
         names = [", ".join(b.coordinate_names_in_order) for b in (first, second)]
         raise ParameterError(

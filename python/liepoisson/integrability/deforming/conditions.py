@@ -5,8 +5,8 @@ of degree k in the parameters.  With $R_k = \sum_{j\ge1} D_j F_{k-j}$ it solves 
 is one matrix over $\mathbb Q$.  Elimination, which does not look at the parameters, writes each polynomial in x as
 $D_0$ of another one and a normal form.  The normal form of $R_k$ must vanish: its coefficients are polynomials in the
 parameters, and these are the conditions of order k.  $F_k$ is determined up to integrals at 0.  Of these the
-polynomials in $H_0$ and in limits of Casimirs have corrections of all orders and need not be looked at; each of the
-others gets an unknown coefficient, which counts like a parameter.
+polynomials in $H_0$ and in limits of Casimirs have corrections of all orders and need not be looked at, unless degrees
+are limited; each of the others gets an unknown coefficient, which counts like a parameter.
 
 If the coordinates have positive weights and the parameters, too, then $F_k = 0$ from some k on: after finitely many
 orders all conditions are known, and F is an integral for all parameters that satisfy them.
@@ -92,7 +92,8 @@ class Conditions:
     """What the parameters satisfy if a start has corrections.
 
     Attributes:
-        names: The parameters, and further unknown coefficients: of the starts, and of integrals at 0 in corrections.
+        names: The parameters, and further unknown coefficients: of the starts, and of integrals at 0 in these and in
+            corrections.
         context: FLINT's context of these.
         by_order: The conditions of each order, from 1.
         function: F, a polynomial in the coordinates and the names.
@@ -118,7 +119,7 @@ class ParametricEquations:
                 f"{', '.join(map(str, family.derivation.field.parameters)) or 'roots'}. Give values, or add the symbols"
             )
         self.family, self.starts = family, starts
-        weight = max(s.weight for s in (*starts.others, *starts.trivial))
+        weight = max(s.weight for s in starts.everything)
         last = family.last_order(starts)
         self.is_cut = last is None or last > highest
         self.reductions = [
@@ -127,7 +128,9 @@ class ParametricEquations:
         ]
         self.new = [self._new_integrals(k, reduction) for k, reduction in enumerate(self.reductions, start=1)]
         coefficients = [f"c{k}" for k in range(1, len(starts.others) + 1)] if len(starts.others) > 1 else []
-        further = [f"n{k}_{j}" for k, new in enumerate(self.new, start=1) for j in range(1, len(new) + 1)]
+        self.added = [one.polynomial for one in starts.trivial] if family.by_degree else []
+        numbers = [len(self.added), *map(len, self.new)]
+        further = [f"n{k}_{j}" for k, n in enumerate(numbers) for j in range(1, n + 1)]
         taken = {*map(str, family.derivation.variables)}
         self.coefficients = [free_name(name, taken) for name in coefficients]
         self.further = [free_name(name, taken) for name in further]
@@ -138,12 +141,12 @@ class ParametricEquations:
         self.highest_rate = max((k for rate in self.rates for k in rate), default=0)
 
     def _new_integrals(self, order: int, reduction: Reduction) -> list[Polynomial]:
-        """The integrals at 0 among the corrections of an order that are not trivial."""
+        """The integrals at 0 among the corrections of an order that are not trivial; all where degrees are limited."""
         starts = self.starts
-        if not reduction.null:
-            return []
+        if self.family.by_degree or not reduction.null:
+            return reduction.null
         span = Echelon(Coefficients())
-        weight = max(s.weight for s in (*starts.others, *starts.trivial))
+        weight = max(s.weight for s in starts.everything)
         if self.family.positive is not None:
             weight -= order * self.family.weight_of_parameter
         for group in self.family.starts(weight) if weight > 0 else []:
@@ -177,14 +180,13 @@ class ParametricEquations:
     def solve(self) -> Conditions:
         """The conditions of all orders that there are corrections for, and those after them."""
         start: Parametric = {}
-        for k, one in enumerate(self.starts.others):
-            factor = self.generators[self.coefficients[k]] if self.coefficients else self.context.constant(1)
-            for m, c in one.polynomial.items():
-                value = factor * as_fmpq(c)
-                key = m[: self.family.n]
-                start[key] = start[key] + value if key in start else value
-        parts, by_order = [start], list[tuple[Any, ...]]()
         names = iter(self.further)
+        own = self.coefficients or [None]
+        given = [(one.polynomial, name) for one, name in zip(self.starts.others, own, strict=True)]
+        for polynomial, name in [*given, *((one, next(names)) for one in self.added)]:
+            factor = self.context.constant(1) if name is None else self.generators[name]
+            _subtract(start, {m[: self.family.n]: as_fmpq(c) for m, c in polynomial.items()}, -factor)
+        parts, by_order = [start], list[tuple[Any, ...]]()
         last = len(self.reductions) + (0 if self.is_cut else self.highest_rate)
         for order in range(1, last + 1):
             total: Parametric = {}
@@ -226,15 +228,28 @@ class ParametricEquations:
                 found.append((part, {m: f for m, f in function.items() if f}))
         return found
 
-    def plainest(self, part: Component, function: Parametric) -> tuple[Parametric, int]:
-        """F with 0 for the coefficients of integrals in corrections that a part leaves free, and how many it does."""
-        first = len(self.names) - len(self.further)
-        if any(any(m[first:]) for p in part.equations for m in p.monoms()):
-            return function, 0
-        terms = {
-            m: self.context.from_dict({k: c for k, c in p.terms() if not any(k[first:])}) for m, p in function.items()
-        }
-        return {m: p for m, p in terms.items() if p}, len(self.further)
+    def plain(self, part: Component, function: Parametric) -> tuple[list[Any], Parametric, int]:
+        """The equations of a part and F without the coefficients of integrals that are determined or free.
+
+        Those that an equation gives as polynomials in others are replaced, and 0 is put for the others, unless further
+        equations bind them.
+
+        Returns:
+            Equations, the function, and how many dimensions of the part the free ones are.
+        """
+        first, generators = len(self.names) - len(self.further), list(self.context.gens())
+        equations, determined = list(part.equations), 0
+        while (found := next(((p, k, c) for p in equations for k, c in _determined(p, first)), None)) is not None:
+            p, k, c = found
+            images = [*generators[:k], generators[k] - p / c, *generators[k + 1 :]]
+            equations = [q for one in equations if (q := one.compose(*images))]
+            function = {m: q for m, one in function.items() if (q := one.compose(*images))}
+            determined += 1
+        if any(any(m[first:]) for p in equations for m in p.monoms()):
+            return equations, function, 0
+        images = [*generators[:first], *[self.context.constant(0)] * len(self.further)]
+        function = {m: q for m, one in function.items() if (q := one.compose(*images))}
+        return list(_different(equations)), function, len(self.further) - determined
 
     def contains(self, part: Component, conditions: Sequence[OnParameters]) -> bool:
         """Whether some conditions on the parameters hold in a part."""
@@ -242,10 +257,12 @@ class ParametricEquations:
         polynomials = [self.context.from_dict({(*m, *rest): c for m, c in one.items()}) for one in conditions]
         return not any(part.basis.remainder(p) for p in polynomials)
 
-    def on_parameters(self, part: Component) -> list[OnParameters]:
-        """The equations of a part, which have no other unknowns."""
+    def on_parameters(self, equations: Sequence[Any]) -> list[OnParameters] | None:
+        """Equations as conditions on the parameters; None if they have other unknowns."""
         n = len(self.family.parameters)
-        return [{tuple(map(int, m[:n])): c for m, c in p.terms()} for p in part.equations]
+        if any(any(m[n:]) for p in equations for m in p.monoms()):
+            return None
+        return [{tuple(map(int, m[:n])): c for m, c in p.terms()} for p in equations]
 
     def holds(self, function: Parametric, part: Component) -> bool:
         """Whether a function is an integral wherever the parameters are in a part: computed anew, to all orders."""
@@ -254,6 +271,13 @@ class ParametricEquations:
             for m, c in self._derivative(function, order).items():
                 total[m] = total[m] + c if m in total else c
         return not any(part.basis.remainder(c) for c in total.values())
+
+
+def _determined(p: Any, first: int) -> list[tuple[int, Any]]:
+    """The unknowns from some number on of which a polynomial is linear with a constant coefficient, and this."""
+    terms = [(tuple(map(int, m)), c) for m, c in p.terms()]
+    alone = [(m.index(1), c) for m, c in terms if sum(m) == 1 and m.index(1) >= first]
+    return [(k, c) for k, c in alone if sum(m[k] > 0 for m, _ in terms) == 1]
 
 
 def _different(polynomials: Any) -> tuple[Any, ...]:

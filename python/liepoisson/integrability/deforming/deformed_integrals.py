@@ -8,16 +8,17 @@ from typing import Any, cast
 
 from sympy import Add, Expr, Mul, Symbol
 
+from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.ideals.limits import NotDecidedError
+from liepoisson.algebra.sparse_polynomials import Polynomial, rational_to_sympy, whole_expression
 from liepoisson.algebra.sparse_polynomials import expression as expression_of
-from liepoisson.algebra.sparse_polynomials import rational_to_sympy, whole_expression
 from liepoisson.errors import TimeLimitError
 from liepoisson.formula.scalars import as_count, as_deadline
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.refusals import counted
 from liepoisson.integrability.deforming.conditions import OnParameters, Parametric, ParametricEquations
-from liepoisson.integrability.deforming.family import Family, Start, Starts, family_of
+from liepoisson.integrability.deforming.family import Family, Starts, family_of
 from liepoisson.integrability.deforming.orders import Functional, OrderEquations, Solved
 from liepoisson.integrability.search_problem import SizeAsked, where
 from liepoisson.model.system import System
@@ -56,7 +57,9 @@ class DeformedIntegral:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Obstruction:
-    r"""A proof that an integral at 0 has no correction of an order, whatever polynomials $F_1, F_2, \dots$ are.
+    r"""A proof that an integral at 0 has no correction of an order, also if polynomials in H and in Casimirs are added.
+
+    $F_1, F_2, \dots$ are any polynomials, or where a degree was given, those of at most this degree.
 
     Example:
         >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3 + k*alpha1", {"I": [2, 2, 1]},
@@ -70,8 +73,8 @@ class Obstruction:
         function: $F_0$ in the coordinates.
         weights: The weights of $F_0$ in the gradings of the equations.
         order: The first order in which there is none.
-        functional: A number for each monomial in the coordinates and the parameter: it maps the derivative of every
-            correction of these weights to 0.
+        functional: A number for each monomial in the coordinates and the parameter: it maps the derivatives of every
+            correction of these weights, and of polynomials in H and in Casimirs, to 0.
         value: What it maps the derivative of $F_0$ to, not 0.
         n_corrections: How many monomials corrections have.
     """
@@ -229,7 +232,7 @@ def deformations(
     products of integrals at 0, up to a weight or a degree.  With a weight $F_1, F_2, \dots$ are any polynomials; with a
     degree they are those of at most this degree.
     What has no correction has an obstruction, with a proof.  Polynomials in the Hamiltonian and in limits of Casimirs
-    always survive and are not counted.
+    survive, but for a limit of the degree, and are not counted; they may be added to $F_0$.
 
     For several parameters the corrections are polynomials in them, and the answer is for which values there are some:
     `cases`, to all orders where the weights of coordinates and parameters are positive.  A change of the Hamiltonian is
@@ -330,11 +333,18 @@ class _Found:
             self._obstruct(starts, exact, last + 1, stopped)
         closed = {max(vector) for vector, _ in exact.solutions}
         for vector, function in exact.solutions:
-            self.integrals.append(self._deformed(starts, vector, function, None))
-            self._survives(self.family.of_order(function, 0))
+            if not self._is_trivial(starts, beginning := self.family.of_order(function, 0)):
+                self.integrals.append(self._deformed(starts, vector, function, None))
+                self._survives(beginning)
         for vector, function in solved.solutions:
             if max(vector) not in closed and max(vector) not in stopped:
                 self.integrals.append(self._deformed(starts, vector, function, highest))
+
+    def _is_trivial(self, starts: Starts, polynomial: Polynomial) -> bool:
+        """Whether a start of a block is a polynomial in what survives."""
+        blocks = self._starts(max(s.weight for s in starts.everything))
+        known = (s.polynomial for block in blocks if block.label == starts.label for s in block.trivial)
+        return not Echelon(self.family.derivation.field, known).insert(polynomial)
 
     def _deformed(
         self, starts: Starts, vector: dict[int, Any], function: dict[Any, Any], order: int | None
@@ -347,7 +357,7 @@ class _Found:
         )
 
     def _named(self, starts: Starts, vector: Mapping[int, Any]) -> Expr:
-        given: list[Start] = [*starts.others, *starts.trivial]
+        given = starts.everything
         to_sympy = self.family.derivation.field.to_sympy
         return Add(*(Mul(to_sympy(c), given[k].name) for k, c in vector.items()))
 
@@ -359,8 +369,8 @@ class _Found:
             stopped.add(k)
             self.obstructions.append(
                 Obstruction(
-                    starts.others[k].name,
-                    derivation.expression(starts.others[k].polynomial),
+                    starts.everything[k].name,
+                    derivation.expression(starts.everything[k].polynomial),
                     starts.label,
                     order,
                     self._written(functional),
@@ -383,22 +393,22 @@ class _Found:
         coefficients = [Symbol(name) for name in equations.coefficients] or [1]
         start = Add(*(Mul(c, s.name) for c, s in zip(coefficients, starts.others, strict=True)))
         names = {str(s) for one in starts.others for s in one.name.free_symbols} - self.family.trivial.keys()
-        for component, given in equations.cases(conditions):
+        found = [(part, *equations.plain(part, function)) for part, function in equations.cases(conditions)]
+        for component, equal, function, n_free in sorted(found, key=lambda one: len(one[1])):
             if all(
                 any(name == other and equations.contains(component, there) for other, there in self.survivors)
                 for name in names
             ):
                 continue  # a polynomial in integrals that survive there
-            function, n_free = equations.plainest(component, given)
             is_exact = equations.holds(function, component)
-            if is_exact and isinstance(start, Symbol) and n_free == len(equations.further):
-                self.survivors.append((str(start), equations.on_parameters(component)))
-                if not component.equations:
+            if is_exact and isinstance(start, Symbol) and (there := equations.on_parameters(equal)) is not None:
+                self.survivors.append((str(start), there))
+                if not there:
                     self._survives(starts.others[0].polynomial)
             self.cases.append(
                 DeformationCase(
                     start,
-                    tuple(whole_expression(p.terms(), symbols) for p in component.equations),
+                    tuple(whole_expression(p.terms(), symbols) for p in equal),
                     self._expression(function, symbols),
                     is_exact,
                     component.dimension - n_free,

@@ -35,6 +35,7 @@ from liepoisson.algebra.echelon import Echelon
 from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.algebra.sparse_polynomials import Polynomial
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import texts
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.derivation import (
@@ -88,6 +89,11 @@ class Starts:
     label: Label
     others: tuple[Start, ...]
     trivial: tuple[Start, ...]
+
+    @property
+    def everything(self) -> tuple[Start, ...]:
+        """All of them, the trivial ones first: what has corrections may have these added."""
+        return (*self.trivial, *self.others)
 
 
 @dataclass(frozen=True)
@@ -160,9 +166,14 @@ class Family:
                 "integrals that are; these are not; give a degree instead"
             )
         if (size := self._size(most, order)) > MOST_MONOMIALS:
-            what, fits = ("degree" if self.positive is None else "weight"), most
-            while fits > 1 and self._size(fits, order) > MOST_MONOMIALS:
-                fits -= 1
+            what, fits, too_many = ("degree" if self.positive is None else "weight"), 1, most
+            while too_many - fits > 1:
+                middle = (fits + too_many) // 2
+                checkpoint("the size of a search")
+                if self._size(middle, order) > MOST_MONOMIALS:
+                    too_many = middle
+                else:
+                    fits = middle
             raise ParameterError(
                 f"{what}: wanted corrections of at most {MOST_MONOMIALS:,} monomials; got {most}, with {size:,} up to "
                 f"order {order}. Take {what}={fits}, or a lower order"
@@ -188,7 +199,7 @@ class Family:
         """The order above which no correction has a term, by positive weights; None if there are no such weights."""
         if self._bounding is None:
             return None
-        one = (*starts.others, *starts.trivial)[0].polynomial
+        one = starts.everything[0].polynomial
         return (self._bounding.of(next(iter(one))) - 1) // self._bounding.weights[-1]
 
     @property
@@ -346,7 +357,7 @@ def family_of(
     trivial = {"H": known.pop("H")} | dict(zip(limits, read_functions[len(given) :], strict=True))
     trivial = {name: f for name, f in trivial.items() if any(map(any, f))}
     known = {
-        f"{name}_0" if name in trivial else name: f
+        f"{name}_0" if name in trivial else name: {m: c for m, c in f.items() if any(m)}
         for name, f in known.items()
         if any(map(any, f)) and not any(_are_proportional(f, g) for g in trivial.values())
     }
@@ -369,7 +380,9 @@ def family_of(
 def _are_proportional(first: Polynomial, second: Polynomial) -> bool:
     """Whether two polynomials that are not 0 are multiples of each other."""
     lead = next(iter(first))
-    return first.keys() == second.keys() and all(c * second[lead] == second[m] * first[lead] for m, c in first.items())
+    return first.keys() == second.keys() and not any(
+        c * second[lead] - second[m] * first[lead] for m, c in first.items()
+    )
 
 
 def parameters_of(system: System, parameter: str | Sequence[str]) -> tuple[Symbol, ...]:

@@ -16,7 +16,7 @@ from typing import Any
 
 from liepoisson.algebra.echelon import transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, solve
-from liepoisson.algebra.number_fields import Element
+from liepoisson.algebra.number_fields import Element, NumberField
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.integrability.deforming.family import Family, Starts
@@ -32,14 +32,15 @@ Functional = dict[Exponents, Element]
 
 @dataclass(frozen=True)
 class Solved:
-    """What of the starts of one block has corrections to some order.
+    """What of the starts of one block has corrections to some order; they are numbered as in `Starts.everything`.
 
     Attributes:
-        solutions: Pairs of the coefficients of the start, by its number among the others, and of the function.
-        missing: The numbers of those that have none, not even with others added.
+        solutions: Pairs of the coefficients of the start, by numbers, the last of which is none of a trivial one, and
+            of the function.
+        missing: The numbers of those that have none, not even with others and trivial ones added.
         n_corrections: The number of unknown coefficients of the corrections.
-        functionals: One for each number that is missing: 1 on it, 0 on the others that are missing and on all
-            corrections.
+        functionals: One for each number that is missing: 1 on it, 0 on the others that are missing, on the trivial
+            ones and on all corrections.
     """
 
     solutions: tuple[tuple[dict[int, Element], Polynomial], ...]
@@ -61,7 +62,7 @@ class OrderEquations:
             for m in family.corrections(starts.label, weight, order):
                 self._add({(*m, order): one})
             self.ends.append(len(self.columns))
-        for start in (*starts.others, *starts.trivial):
+        for start in starts.everything:
             self._add(start.polynomial)
 
     def _add(self, polynomial: Polynomial) -> None:
@@ -75,20 +76,20 @@ class OrderEquations:
         n = n_all if order is None else self.ends[order]
         chosen = [*range(n), *range(n_all, len(self.columns))]
         images = [self._up_to(self.images[k], order) for k in chosen]
-        field, n_others = self.family.derivation.field, len(self.starts.others)
+        field, n_trivial = self.family.derivation.field, len(self.starts.trivial)
         null = nullspace(transposed(images), len(chosen), field).vectors
         solutions: list[tuple[dict[int, Element], Polynomial]] = []
         ends = {max(v) for v in null}
         for vector in null:
-            if n <= max(vector) < n + n_others:
+            if max(vector) >= n + n_trivial:
                 total: Polynomial = {}
                 for k, c in vector.items():
                     add_multiple(total, self.columns[chosen[k]], c)
                 solutions.append(({k - n: c for k, c in vector.items() if k >= n}, total))
-        missing = tuple(k for k in range(n_others) if n + k not in ends)
-        independent = [images[k] for k in range(n) if k not in ends]
+        missing = tuple(k for k in range(n_trivial, len(self.starts.everything)) if n + k not in ends)
+        independent = [images[k] for k in range(n + n_trivial) if k not in ends]
         targets = [images[n + k] for k in missing]
-        found = _functionals(independent, targets, images[:n], self) if missing else []
+        found = _functionals(independent, targets, images[: n + n_trivial], self) if missing else []
         return Solved(tuple(solutions), missing, n, tuple(found))
 
     def _up_to(self, polynomial: Polynomial, order: int | None) -> Polynomial:
@@ -117,15 +118,16 @@ def _functionals(
         weights = solve(in_rows, {len(independent) + k: field.one}, field)
         assert weights is not None, "rows of full rank"
         functional = {m: w for m, w in zip(kept, weights, strict=True) if w}
-        assert not any(applied(functional, correction) for correction in corrections)
-        assert not any(applied(functional, t) - (field.one if j == k else 0) for j, t in enumerate(targets))
+        assert not any(applied(functional, correction, field) for correction in corrections)
+        wanted = [field.one if j == k else field.zero for j in range(len(targets))]
+        assert not any(applied(functional, t, field) - w for t, w in zip(targets, wanted, strict=True))
         found.append(functional)
     return found
 
 
-def applied(functional: Functional, polynomial: Polynomial) -> Any:
+def applied(functional: Functional, polynomial: Polynomial, field: NumberField) -> Element:
     """The value of a functional; 0 if no coefficient counts."""
-    total: Any = 0
+    total = field.zero
     for m, c in polynomial.items():
         if m in functional:
             total = total + functional[m] * c

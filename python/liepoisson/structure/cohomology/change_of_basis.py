@@ -10,6 +10,7 @@ from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.algebra.matrices import eliminated
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.extension import Products
 
 Rows: TypeAlias = Sequence[Sequence[Exact]]
@@ -62,6 +63,7 @@ def _moved(products: Mapping[tuple[int, int], Mapping[int, Exact]], rows: Rows, 
     n, found = len(rows), Products()
     for i in range(n):
         for j in range(i, n):
+            checkpoint("a change of basis")
             total = [field.zero] * n
             for (a, b), row in table.items():
                 weight = P[i][a] * P[j][b] + (P[i][b] * P[j][a] if a != b else field.zero)
