@@ -1,6 +1,8 @@
 //! Any smooth field: a tape of instructions, run as rules for power series.
 
 mod branch;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod compiled;
 mod convolution;
 mod drive;
 mod elementary;
@@ -63,6 +65,8 @@ pub struct Tape {
     program: Program,
     /// The highest order of a zero of what it is made of.
     degree: f64,
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    compiled: std::sync::Arc<compiled::Compiled>,
 }
 
 impl Tape {
@@ -77,7 +81,15 @@ impl Tape {
             return Err(Error::Outputs { wanted: n_components, got: outputs.len() });
         }
         let graph = Graph::new(n_components, &instructions, &outputs);
-        Ok(Tape { n_components, instructions, outputs, program: Program::new(&graph), degree: graph.degree() })
+        Ok(Tape {
+            n_components,
+            instructions,
+            outputs,
+            program: Program::new(&graph),
+            degree: graph.degree(),
+            #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+            compiled: std::sync::Arc::default(),
+        })
     }
 
     /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
@@ -161,5 +173,17 @@ impl Field for Tape {
         let frame = Frame::new(&self.program, rows.len(), row, n_tangents, k);
         let (components, work) = rows.split_at_mut(frame.n_orders * row);
         drive::write_outputs(&self.program, &frame, &mut components[(k + 1) * row..][..row], work);
+    }
+
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        if self.compiled.expand(self, rows, n_tangents, order) {
+            return;
+        }
+        for k in 0..order {
+            self.derive_work(rows, n_tangents, k);
+            self.extend(rows, n_tangents, k);
+        }
     }
 }
