@@ -315,3 +315,133 @@ fn high_bits(b: Place) -> u8 {
         Place::Constant(_) => 0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use Place::{Constant, Memory, Register, Varying};
+
+    /// The forms with each kind of operand, and what an assembler makes of them: `as -o forms.o forms.s`
+    /// and `objdump -d forms.o`, GNU Binutils 2.40, of a file with `.intel_syntax noprefix` and these lines.
+    fn forms() -> Vec<(Instructions, &'static str, fn(&mut Assembler), &'static str)> {
+        let (v, e) = (Instructions::Vex, Instructions::Evex);
+        vec![
+            (v, "{vex3} vaddpd ymm1, ymm10, ymm3", |a| a.operate(ADD, 1, 10, Register(3)), "c4e12d58cb"),
+            (e, "vaddpd zmm1, zmm26, zmm3", |a| a.operate(ADD, 1, 26, Register(3)), "62f1ad4058cb"),
+            (v, "{vex3} vmulpd ymm1, ymm10, ymm3", |a| a.operate(MUL, 1, 10, Register(3)), "c4e12d59cb"),
+            (e, "vmulpd zmm1, zmm26, zmm3", |a| a.operate(MUL, 1, 26, Register(3)), "62f1ad4059cb"),
+            (v, "{vex3} vsubpd ymm1, ymm10, ymm3", |a| a.operate(SUB, 1, 10, Register(3)), "c4e12d5ccb"),
+            (e, "vsubpd zmm1, zmm26, zmm3", |a| a.operate(SUB, 1, 26, Register(3)), "62f1ad405ccb"),
+            (v, "{vex3} vdivpd ymm1, ymm10, ymm3", |a| a.operate(DIV, 1, 10, Register(3)), "c4e12d5ecb"),
+            (e, "vdivpd zmm1, zmm26, zmm3", |a| a.operate(DIV, 1, 26, Register(3)), "62f1ad405ecb"),
+            (v, "{vex3} vfmadd132pd ymm1, ymm10, ymm3", |a| a.operate(MUL_ADD_132, 1, 10, Register(3)), "c4e2ad98cb"),
+            (e, "vfmadd132pd zmm1, zmm26, zmm3", |a| a.operate(MUL_ADD_132, 1, 26, Register(3)), "62f2ad4098cb"),
+            (v, "{vex3} vfmadd213pd ymm1, ymm10, ymm3", |a| a.operate(MUL_ADD_213, 1, 10, Register(3)), "c4e2ada8cb"),
+            (e, "vfmadd213pd zmm1, zmm26, zmm3", |a| a.operate(MUL_ADD_213, 1, 26, Register(3)), "62f2ad40a8cb"),
+            (v, "{vex3} vfmadd231pd ymm1, ymm10, ymm3", |a| a.operate(MUL_ADD_231, 1, 10, Register(3)), "c4e2adb8cb"),
+            (e, "vfmadd231pd zmm1, zmm26, zmm3", |a| a.operate(MUL_ADD_231, 1, 26, Register(3)), "62f2ad40b8cb"),
+            (v, "{vex3} vfnmadd132pd ymm1, ymm10, ymm3", |a| a.operate(NEG_MUL_ADD_132, 1, 10, Register(3)), "c4e2ad9ccb"),
+            (e, "vfnmadd132pd zmm1, zmm26, zmm3", |a| a.operate(NEG_MUL_ADD_132, 1, 26, Register(3)), "62f2ad409ccb"),
+            (v, "{vex3} vfnmadd213pd ymm1, ymm10, ymm3", |a| a.operate(NEG_MUL_ADD_213, 1, 10, Register(3)), "c4e2adaccb"),
+            (e, "vfnmadd213pd zmm1, zmm26, zmm3", |a| a.operate(NEG_MUL_ADD_213, 1, 26, Register(3)), "62f2ad40accb"),
+            (v, "{vex3} vfnmadd231pd ymm1, ymm10, ymm3", |a| a.operate(NEG_MUL_ADD_231, 1, 10, Register(3)), "c4e2adbccb"),
+            (e, "vfnmadd231pd zmm1, zmm26, zmm3", |a| a.operate(NEG_MUL_ADD_231, 1, 26, Register(3)), "62f2ad40bccb"),
+            (v, "{vex3} vmulpd ymm9, ymm2, ymm11", |a| a.operate(MUL, 9, 2, Register(11)), "c4416d59cb"),
+            (v, "{vex3} vmulpd ymm15, ymm14, ymm8", |a| a.operate(MUL, 15, 14, Register(8)), "c4410d59f8"),
+            (v, "{vex3} vmulpd ymm7, ymm0, ymm15", |a| a.operate(MUL, 7, 0, Register(15)), "c4c17d59ff"),
+            (e, "vmulpd zmm9, zmm2, zmm31", |a| a.operate(MUL, 9, 2, Register(31)), "6211ed4859cf"),
+            (e, "vmulpd zmm31, zmm16, zmm8", |a| a.operate(MUL, 31, 16, Register(8)), "6241fd4059f8"),
+            (e, "vmulpd zmm23, zmm8, zmm15", |a| a.operate(MUL, 23, 8, Register(15)), "62c1bd4859ff"),
+            (e, "vmulpd zmm0, zmm31, zmm16", |a| a.operate(MUL, 0, 31, Register(16)), "62b1854059c0"),
+            (e, "vmulpd zmm16, zmm15, zmm24", |a| a.operate(MUL, 16, 15, Register(24)), "6281854859c0"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [rdi+96]", |a| a.operate(SUB, 12, 3, Memory(RDI, 96)), "c461655c6760"),
+            (e, "vsubpd zmm28, zmm19, [rdi+192]", |a| a.operate(SUB, 28, 19, Memory(RDI, 192)), "6261e5405c6703"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [rsi+96]", |a| a.operate(SUB, 12, 3, Memory(RSI, 96)), "c461655c6660"),
+            (e, "vsubpd zmm28, zmm19, [rsi+192]", |a| a.operate(SUB, 28, 19, Memory(RSI, 192)), "6261e5405c6603"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [rdx+96]", |a| a.operate(SUB, 12, 3, Memory(RDX, 96)), "c461655c6260"),
+            (e, "vsubpd zmm28, zmm19, [rdx+192]", |a| a.operate(SUB, 28, 19, Memory(RDX, 192)), "6261e5405c6203"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [r8+96]", |a| a.operate(SUB, 12, 3, Memory(R8, 96)), "c441655c6060"),
+            (e, "vsubpd zmm28, zmm19, [r8+192]", |a| a.operate(SUB, 28, 19, Memory(R8, 192)), "6241e5405c6003"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [r9+96]", |a| a.operate(SUB, 12, 3, Memory(R9, 96)), "c441655c6160"),
+            (e, "vsubpd zmm28, zmm19, [r9+192]", |a| a.operate(SUB, 28, 19, Memory(R9, 192)), "6241e5405c6103"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [r10+96]", |a| a.operate(SUB, 12, 3, Memory(R10, 96)), "c441655c6260"),
+            (e, "vsubpd zmm28, zmm19, [r10+192]", |a| a.operate(SUB, 28, 19, Memory(R10, 192)), "6241e5405c6203"),
+            (v, "{vex3} vsubpd ymm12, ymm3, [r11+96]", |a| a.operate(SUB, 12, 3, Memory(R11, 96)), "c441655c6360"),
+            (e, "vsubpd zmm28, zmm19, [r11+192]", |a| a.operate(SUB, 28, 19, Memory(R11, 192)), "6241e5405c6303"),
+            (v, "{vex3} vaddpd ymm1, ymm2, [rsi+127]", |a| a.operate(ADD, 1, 2, Memory(RSI, 127)), "c4e16d584e7f"),
+            (v, "{vex3} vaddpd ymm1, ymm2, [rsi+128]", |a| a.operate(ADD, 1, 2, Memory(RSI, 128)), "c4e16d588e80000000"),
+            (v, "{vex3} vaddpd ymm1, ymm2, [rsi-128]", |a| a.operate(ADD, 1, 2, Memory(RSI, -128)), "c4e16d584e80"),
+            (v, "{vex3} vaddpd ymm1, ymm2, [rsi-129]", |a| a.operate(ADD, 1, 2, Memory(RSI, -129)), "c4e16d588e7fffffff"),
+            (v, "{vex3} vaddpd ymm1, ymm2, [rsi+4096]", |a| a.operate(ADD, 1, 2, Memory(RSI, 4096)), "c4e16d588e00100000"),
+            (v, "{vex3} {disp8} vaddpd ymm1, ymm2, [rsi+0]", |a| a.operate(ADD, 1, 2, Memory(RSI, 0)), "c4e16d584e00"),
+            (e, "vaddpd zmm1, zmm2, [rsi+8128]", |a| a.operate(ADD, 1, 2, Memory(RSI, 8128)), "62f1ed48584e7f"),
+            (e, "vaddpd zmm1, zmm2, [rsi+8192]", |a| a.operate(ADD, 1, 2, Memory(RSI, 8192)), "62f1ed48588e00200000"),
+            (e, "vaddpd zmm1, zmm2, [rsi-8192]", |a| a.operate(ADD, 1, 2, Memory(RSI, -8192)), "62f1ed48584e80"),
+            (e, "vaddpd zmm1, zmm2, [rsi-8256]", |a| a.operate(ADD, 1, 2, Memory(RSI, -8256)), "62f1ed48588ec0dfffff"),
+            (e, "vaddpd zmm1, zmm2, [rsi+32]", |a| a.operate(ADD, 1, 2, Memory(RSI, 32)), "62f1ed48588e20000000"),
+            (e, "vaddpd zmm1, zmm2, [rsi+6400000]", |a| a.operate(ADD, 1, 2, Memory(RSI, 6400000)), "62f1ed48588e00a86100"),
+            (e, "vaddpd zmm17, zmm2, [rcx+1016]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, 1016)), "62e1ed5858497f"),
+            (e, "vaddpd zmm17, zmm2, [rcx+1024]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, 1024)), "62e1ed58588900040000"),
+            (e, "vaddpd zmm17, zmm2, [rcx-1024]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, -1024)), "62e1ed58584980"),
+            (e, "vaddpd zmm17, zmm2, [rcx-1032]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, -1032)), "62e1ed585889f8fbffff"),
+            (v, "{vex3} vaddpd ymm13, ymm2, [rcx+64]", |a| a.operate(ADD, 13, 2, Varying(RCX, 64)), "c4616d586940"),
+            (v, "{vex3} vdivpd ymm1, ymm2, [rip-73]", |a| a.operate(DIV, 1, 2, Constant(-64)), "c4e16d5e0db7ffffff"),
+            (e, "vdivpd zmm1, zmm2, [rip-74]{1to8}", |a| a.operate(DIV, 1, 2, Constant(-64)), "62f1ed585e0db6ffffff"),
+            (v, "{vex3} vsqrtpd ymm9, [r9+64]", |a| a.square_root(9, Memory(R9, 64)), "c4417d514940"),
+            (e, "vsqrtpd zmm29, zmm30", |a| a.square_root(29, Register(30)), "6201fd4851ee"),
+            (v, "{vex3} vmovapd ymm9, ymm10", |a| a.load(9, Register(10)), "c4417d28ca"),
+            (e, "vmovapd zmm9, zmm30", |a| a.load(9, Register(30)), "6211fd4828ce"),
+            (v, "{vex3} vmovapd ymm9, [rdi-32]", |a| a.load(9, Memory(RDI, -32)), "c4617d284fe0"),
+            (e, "vmovapd zmm19, [rdi-64]", |a| a.load(19, Memory(RDI, -64)), "62e1fd48285fff"),
+            (v, "{vex3} vmovapd ymm9, [rcx+32]", |a| a.load(9, Varying(RCX, 32)), "c4617d284920"),
+            (v, "{vex3} vmovapd ymm9, [rip-41]", |a| a.load(9, Constant(-32)), "c4617d280dd7ffffff"),
+            (e, "vbroadcastsd zmm19, qword ptr [rcx+1016]", |a| a.load(19, Varying(RCX, 1016)), "62e2fd4819597f"),
+            (e, "vbroadcastsd zmm19, qword ptr [rip-18]", |a| a.load(19, Constant(-8)), "62e2fd48191deeffffff"),
+            (v, "{vex3} vmovapd [r8+32], ymm14", |a| a.store(14, Memory(R8, 32)), "c4417d297020"),
+            (e, "vmovapd [r8+64], zmm30", |a| a.store(30, Memory(R8, 64)), "6241fd48297001"),
+            (v, "{vex3} vxorpd ymm11, ymm11, ymm11", |a| a.zero(11), "c4412557db"),
+            (e, "vpxorq zmm27, zmm27, zmm27", |a| a.zero(27), "6201a540efdb"),
+            (v, "{vex3} vcmppd ymm1, ymm12, [rip-42], 4; {vex3} vandpd ymm1, ymm9, ymm1", |a| a.where_not_zero(1, 9, 12, Constant(-32)), "c4e11dc20dd6ffffff04c4e13554c9"),
+            (e, "vcmppd k1, zmm22, [rip-19]{1to8}, 4; vmovapd zmm21{k1}{z}, zmm19", |a| a.where_not_zero(21, 19, 22, Constant(-8)), "62f1cd50c20dedffffff0462a1fdc928eb"),
+            (v, "mov rdi, [rbx+8]", |a| a.get(RDI, RBX, 8), "488b7b08"),
+            (v, "mov r9, [rbx+200]", |a| a.get(R9, RBX, 200), "4c8b8bc8000000"),
+            (v, "{disp8} lea r10, [rdi+0]", |a| a.address(R10, RDI, 0), "4c8d5700"),
+            (v, "lea r11, [r8+64]", |a| a.address(R11, R8, 64), "4d8d5840"),
+            (v, "lea rsi, [rip-39]", |a| a.address_of_constant(RSI, -32), "488d35d9ffffff"),
+            (v, "add r10, 64", |a| a.add_to(R10, 64), "4983c240"),
+            (v, "add rax, -2", |a| a.add_to(RAX, -2), "4883c0fe"),
+            (v, "{load} sub r11, 256", |a| a.subtract_from(R11, 256), "4981eb00010000"),
+            (v, "cmp rax, -1", |a| a.compare(RAX, -1), "4883f8ff"),
+            (v, "movabs rax, 0x123456789abcdef0", |a| a.set_rax(0x1234_5678_9ABC_DEF0), "48b8f0debc9a78563412"),
+            (v, "call rax", |a| a.call_rax(), "ffd0"),
+            (v, "push rbx", |a| a.push_rbx(), "53"),
+            (v, "vzeroupper; pop rbx; ret", |a| a.leave(), "c5f8775bc3"),
+        ]
+    }
+
+    fn hexadecimal(bytes: &[u8]) -> String {
+        bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    #[test]
+    fn instructions_have_the_bytes_of_an_assembler() {
+        for (instructions, text, emit, bytes) in forms() {
+            let mut assembler = Assembler::new(instructions);
+            emit(&mut assembler);
+            assert_eq!(hexadecimal(&assembler.code), bytes, "{text}");
+        }
+    }
+
+    #[test]
+    fn jumps_go_where_they_land() {
+        let mut assembler = Assembler::new(Instructions::Vex);
+        let jump = assembler.jump_if(Condition::Equal);
+        assembler.align();
+        let here = assembler.code.len();
+        assembler.jump_back_if(Condition::NotBelow, here);
+        assembler.land(jump);
+        assert_eq!(hexadecimal(&assembler.code[..6]), format!("0f84{}", hexadecimal(&32_i32.to_le_bytes())));
+        assert_eq!((here, hexadecimal(&assembler.code[32..])), (32, "0f83faffffff".to_owned()));
+    }
+}

@@ -128,6 +128,8 @@ impl<'a> Emitter<'a> {
 
     fn place(&self, Relative { base, more }: Relative) -> Option<Place> {
         let bytes = i32::try_from(more).ok()?.checked_mul(self.width)?;
+        // with room for the terms of a loop
+        (bytes.abs() < i32::MAX / 2).then_some(())?;
         Some(Place::Memory(BASES[base], bytes))
     }
 
@@ -148,9 +150,20 @@ impl<'a> Emitter<'a> {
         for at in 0..self.shape.operations.len() {
             self.operation(at)?;
             self.is_pinned.fill(false);
+            self.pass(at);
         }
-        for store in self.shape.stores.iter().filter(|store| store.is_late) {
-            let register = self.register(store.value, self.shape.operations.len());
+        let (shape, end) = (self.shape, self.shape.operations.len());
+        for store in shape.stores.iter().filter(|store| store.is_late) {
+            // where it is now may be overwritten by another such store
+            if matches!(shape.operations[store.value as usize], Operation::Memory(_)) {
+                let (register, place) = (self.register(store.value, end), self.spill_place());
+                self.assembler.store(register, place);
+                self.home[store.value as usize] = Some(place);
+                self.is_pinned.fill(false);
+            }
+        }
+        for store in shape.stores.iter().filter(|store| store.is_late) {
+            let register = self.register(store.value, end);
             let to = self.place(store.address())?;
             self.assembler.store(register, to);
             self.is_pinned.fill(false);
@@ -227,7 +240,9 @@ impl<'a> Emitter<'a> {
                 if self.home[value as usize].is_some() { next } else { next / 2 }
             };
             let register = candidates.max_by_key(distance).expect("more registers than one operation needs");
-            self.spill(register as Register);
+            if self.contents[register].is_some_and(|value| self.next_use(value, at).is_some()) {
+                self.spill(register as Register);
+            }
             self.forget(register as Register);
             register
         });
@@ -302,6 +317,24 @@ impl<'a> Emitter<'a> {
                 self.is_pinned[register as usize] = false;
             }
         }
+    }
+
+    /// Forgets the uses by this operation.
+    fn pass(&mut self, at: usize) {
+        let shape = self.shape;
+        let mut pass = |value: Value| {
+            let uses = &mut self.uses[value as usize];
+            while uses.last().is_some_and(|&last| last <= at) {
+                uses.pop();
+            }
+            value
+        };
+        if let Operation::Loop(one) = shape.operations[at] {
+            shape.loops[one].sums.iter().for_each(|&sum| {
+                pass(sum);
+            });
+        }
+        shape.operations[at].map(pass);
     }
 
     fn give_up_unused(&mut self, value: Value) {

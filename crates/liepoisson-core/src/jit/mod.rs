@@ -21,7 +21,7 @@ use assembler::Assembler;
 use constants::Constants;
 use emit::{Arguments, emit};
 use memory::{PAGE, Pages, caller};
-use shape::{Order, Shape, count_bases};
+use shape::{Order, Shape, count_bases, reads};
 
 /// What is recorded for one order of a series, or for a function.
 pub(crate) struct Source {
@@ -53,17 +53,21 @@ struct Entry {
 }
 
 impl Code {
-    /// Code for registers `V` that does, order by order, what was recorded with memory of so many registers, of which it writes those
-    /// that `is_kept` names. None where it cannot be compiled, or where the system refuses memory for it.
+    /// Code for registers `V` that does, order by order, what was recorded with memory of so many registers. What it leaves there is
+    /// what another order reads or `is_wanted` names. None where it cannot be compiled, or where the system refuses memory for it.
     pub(crate) fn new<V: Lane, F: Functions>(
         registers: usize,
-        sources: impl Iterator<Item = Source>,
-        is_kept: impl Fn(usize) -> bool,
+        sources: &[Source],
+        is_wanted: impl Fn(usize) -> bool,
     ) -> Option<Code> {
         let instructions = V::INSTRUCTIONS?;
+        let mut is_kept: Vec<bool> = (0..registers).map(is_wanted).collect();
+        for source in sources {
+            is_kept.iter_mut().zip(reads(&source.recording)?).for_each(|(is_kept, is_read)| *is_kept |= is_read);
+        }
         let mut shapes: Vec<Shape> = vec![];
-        for Source { recording, k, bases: [a, b, c] } in sources {
-            let mut shape = Some(Shape::new(&recording, Order { k, bases: [0, a, b, c] }, &is_kept)?);
+        for &Source { ref recording, k, bases: [a, b, c] } in sources {
+            let mut shape = Some(Shape::new(recording, Order { k, bases: [0, a, b, c] }, &is_kept)?);
             // the last shapes are the likely ones
             for known in shapes.iter_mut().rev() {
                 shape = shape.and_then(|shape| known.merge(shape).err());
@@ -105,6 +109,109 @@ impl Code {
             // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
             // compared all addresses of this order with the number of registers.
             unsafe { self.pages.run::<V>(entry.at, &mut arguments) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::recorded::Recorded;
+    use crate::lanes::{Simd, Task, Wide, as_scalars, as_scalars_mut, dispatch};
+
+    const REGISTERS: usize = 2000;
+
+    /// No function.
+    struct Nothing;
+
+    impl Functions for Nothing {
+        fn compute<V: Lane>(_: [u64; 2], x: V) -> [V; 2] {
+            [x; 2]
+        }
+    }
+
+    /// Addresses about those at which displacements become longer, from a fixed base and from moving ones, and more values at a time
+    /// than there are registers.
+    fn code<V: Lane>(memory: &mut [V], k: usize) {
+        let at = |base: usize, more: isize| base.checked_add_signed(more).unwrap();
+        let borders = [-130, -129, -128, -127, -126, -33, -32, -5, -4, -3, -1, 1, 3, 4, 5, 31, 32, 126, 127, 128, 129, 130];
+        let mut sum = V::splat(k as f64);
+        for more in borders {
+            sum = memory[at(k, more)].mul_add(memory[at(k / 2 + 1000, more)], sum.mul(V::splat(0.5)));
+        }
+        for fixed in [0, 1, 3, 4, 5, 126, 127, 128, 129, 255, 256] {
+            sum = sum.sub(memory[fixed].div(memory[at(3 * k, 3)]));
+        }
+        let products: Vec<V> = (0..50).map(|i| memory[i].mul(memory[i + 1])).collect();
+        for i in 0..50 {
+            memory[1700 + i] = products[i].add(products[49 - i].sqrt()).where_not_zero(products[i]);
+        }
+        memory[k] = sum;
+        // what is read and then written, and what is moved
+        let first = memory[1800];
+        memory[1800] = memory[1801];
+        memory[1801] = first;
+    }
+
+    struct Compare;
+
+    impl Task for Compare {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            if V::INSTRUCTIONS.is_none() {
+                return;
+            }
+            let orders = [500, 502, 503, 505];
+            let sources = orders.map(|k| Source {
+                recording: Recorded::record(REGISTERS, |memory| code(memory, k)),
+                k,
+                bases: [k, k / 2, 3 * k],
+            });
+            let mut memory = vec![V::splat(0.0); REGISTERS];
+            for (i, number) in as_scalars_mut(&mut memory).iter_mut().enumerate() {
+                *number = if i % 7 == 0 && i < 50 * V::WIDTH { 0.0 } else { (i as f64 * 0.618).fract() + 0.25 };
+            }
+            let mut compiled = memory.clone();
+            orders.iter().for_each(|&k| code(&mut memory, k));
+            let made = Code::new::<V, Nothing>(REGISTERS, &sources, |_| true).unwrap();
+            assert!(made.orders.iter().all(|entry| entry.at == made.orders[0].at), "one piece of code");
+            made.run(&mut compiled);
+            for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
+                assert!(x.to_bits() == y.to_bits(), "{x} {y} in register {}", i / V::WIDTH);
+            }
+            // other memory is refused
+            assert!(std::panic::catch_unwind(|| made.run(&mut vec![V::splat(0.0); REGISTERS - 1])).is_err());
+        }
+    }
+
+    #[test]
+    fn compiled_code_does_what_was_recorded() {
+        for simd in [Simd::Avx2, Simd::Avx512] {
+            dispatch(simd, Compare);
+        }
+    }
+
+    #[test]
+    fn a_loop_that_leaves_the_memory_is_not_compiled() {
+        struct Compile(usize);
+        impl Task for Compile {
+            type Output = ();
+            fn run<V: Wide>(self) {
+                let recording = Recorded::record(20, |memory| {
+                    let mut sums = [Recorded::splat(0.0); 2];
+                    Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], false, self.0);
+                    memory[0] = sums[0];
+                    memory[19] = sums[1];
+                });
+                let source = Source { recording, k: 9, bases: [9, 4, 9] };
+                let is_compiled = Code::new::<V, Nothing>(20, &[source], |_| true).is_some();
+                assert_eq!(is_compiled, V::INSTRUCTIONS.is_some() && self.0 <= 9);
+            }
+        }
+        // one more reads the register 0, which is read and written: it is late; two more leave the memory
+        for count in [1, 8, 9, 10, 11] {
+            dispatch(Simd::widest(), Compile(count));
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Recordings of several orders as one piece of code, wherever they differ only in how far the series have come.
 
 use crate::lanes::recorded::{Loop, Operation, Recording, Value};
-use std::collections::HashSet;
 
 /// Bases of addresses, each some registers after the start of the memory: a number for each order.
 pub(super) const BASES: usize = 4;
@@ -21,20 +20,34 @@ pub(super) struct Relative {
     pub(super) more: isize,
 }
 
-/// All that a number may mean, as far as the orders seen tell.
-#[derive(Clone, Debug, PartialEq)]
-struct Candidates(Vec<Relative>);
+/// All that a number may mean, as far as the orders seen tell: relative to which bases, and how much more it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Candidates {
+    more: [isize; BASES],
+    are_possible: [bool; BASES],
+}
 
 impl Candidates {
     fn of(number: usize, bases: &[usize]) -> Candidates {
-        let relative = |(base, &at)| Relative { base, more: number as isize - at as isize };
-        Candidates(bases.iter().enumerate().map(relative).collect())
+        let mut candidates = Candidates { more: [0; BASES], are_possible: [false; BASES] };
+        for (base, &at) in bases.iter().enumerate() {
+            candidates.more[base] = number as isize - at as isize;
+            candidates.are_possible[base] = true;
+        }
+        candidates
     }
 
     /// What both may mean; none if nothing.
-    fn common(&self, other: &Candidates) -> Option<Candidates> {
-        let common: Vec<Relative> = self.0.iter().copied().filter(|one| other.0.contains(one)).collect();
-        (!common.is_empty()).then_some(Candidates(common))
+    fn common(mut self, other: Candidates) -> Option<Candidates> {
+        for base in 0..BASES {
+            self.are_possible[base] &= other.are_possible[base] && self.more[base] == other.more[base];
+        }
+        self.are_possible.contains(&true).then_some(self)
+    }
+
+    fn first(self) -> Relative {
+        let base = self.are_possible.iter().position(|&is| is).expect("a number means something");
+        Relative { base, more: self.more[base] }
     }
 }
 
@@ -49,7 +62,7 @@ pub(super) struct Store {
 
 impl Store {
     pub(super) fn address(&self) -> Relative {
-        self.address.0[0]
+        self.address.first()
     }
 }
 
@@ -69,11 +82,10 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// What one order does, without what leaves no trace in the registers of the memory that `is_kept` names. None if the loops read
-    /// what is written.
-    pub(super) fn new(recording: &Recording, order: Order, is_kept: impl Fn(usize) -> bool) -> Option<Shape> {
+    /// What one order does, without what leaves no trace in the registers of the memory that are kept. None if it cannot be compiled.
+    pub(super) fn new(recording: &Recording, order: Order, is_kept: &[bool]) -> Option<Shape> {
         let kept = recording.memory.iter().enumerate().filter(|&(register, &value)| {
-            is_kept(register) && recording.operations[value as usize] != Operation::Memory(register)
+            is_kept[register] && recording.operations[value as usize] != Operation::Memory(register)
         });
         let kept: Vec<(usize, Value)> = kept.map(|(register, &value)| (register, value)).collect();
         let is_live = live(recording, &kept);
@@ -87,12 +99,11 @@ impl Shape {
             stores: vec![],
         };
         let mut numbers = vec![Value::MAX; recording.operations.len()];
-        let mut read = HashSet::new();
+        let read = reads(recording)?;
         for (old, &operation) in recording.operations.iter().enumerate().filter(|&(old, _)| is_live[old]) {
             let new = operation.map(|value| numbers[value as usize]);
             let new = match new {
                 Operation::Memory(register) => {
-                    read.insert(register);
                     shape.addresses.push(Candidates::of(register, &order.bases));
                     Operation::Memory(shape.addresses.len() - 1)
                 }
@@ -102,18 +113,6 @@ impl Shape {
                 }
                 Operation::Loop(number) => {
                     let one = &recording.loops[number];
-                    let of = |register: &Value| match recording.operations[*register as usize] {
-                        Operation::Memory(register) => Some(register),
-                        _ => None,
-                    };
-                    for register in &one.left {
-                        let first = of(register)?;
-                        read.extend(first..first + one.count);
-                    }
-                    for register in &one.right {
-                        let first = of(register)?;
-                        read.extend(first.checked_sub(one.count)?..first);
-                    }
                     let known = |values: &[Value]| values.iter().map(|&value| numbers[value as usize]).collect();
                     shape.loops.push(Loop {
                         sums: known(&one.sums),
@@ -133,7 +132,7 @@ impl Shape {
             shape.stores.push(Store {
                 address: Candidates::of(register, &order.bases),
                 value: numbers[value as usize],
-                is_late: read.contains(&register),
+                is_late: read[register],
             });
         }
         Some(shape)
@@ -147,10 +146,10 @@ impl Shape {
             && self.stores.len() == other.stores.len()
             && self.stores.iter().zip(&other.stores).all(|(a, b)| a.value == b.value);
         let common = |a: &[Candidates], b: &[Candidates]| -> Option<Vec<Candidates>> {
-            a.iter().zip(b).map(|(a, b)| a.common(b)).collect()
+            a.iter().zip(b).map(|(a, &b)| a.common(b)).collect()
         };
-        let of_counts = |shape: &Shape| shape.counts.iter().map(|(_, means)| means.clone()).collect::<Vec<_>>();
-        let of_stores = |shape: &Shape| shape.stores.iter().map(|store| store.address.clone()).collect::<Vec<_>>();
+        let of_counts = |shape: &Shape| shape.counts.iter().map(|&(_, means)| means).collect::<Vec<_>>();
+        let of_stores = |shape: &Shape| shape.stores.iter().map(|store| store.address).collect::<Vec<_>>();
         if !is_alike {
             return Err(other);
         }
@@ -176,13 +175,13 @@ impl Shape {
     }
 
     pub(super) fn address(&self, number: usize) -> Relative {
-        self.addresses[number].0[0]
+        self.addresses[number].first()
     }
 
     /// How often a loop runs at each order, and as a number relative to those of [`count_bases`].
     pub(super) fn count(&self, number: usize) -> (&[usize], Relative) {
         let (runs, means) = &self.counts[number];
-        (runs, means.0[0])
+        (runs, means.first())
     }
 
     /// Whether all registers that the code reads and writes are in a memory of so many, at each order.
@@ -197,9 +196,9 @@ impl Shape {
                 Operation::Memory(number) => self.address(number),
                 _ => unreachable!("a loop reads memory"),
             };
-            single.map(|candidates| candidates.0[0]).all(|address| is_inside(order, address, 0, 0))
+            single.map(|candidates| candidates.first()).all(|address| is_inside(order, address, 0, 0))
                 && self.loops.iter().zip(&self.counts).all(|(one, (runs, means))| {
-                    let Relative { base, more } = means.0[0];
+                    let Relative { base, more } = means.first();
                     count_bases(order.k)[base] as isize + more == runs[i] as isize
                         && one.left.iter().all(|value| is_inside(order, of(value), 0, runs[i] - 1))
                         && one.right.iter().all(|value| is_inside(order, of(value), runs[i], 0))
@@ -211,6 +210,42 @@ impl Shape {
 /// What the lengths of loops are counted from: nothing, the order, and half of it.
 pub(super) fn count_bases(k: usize) -> [usize; 3] {
     [0, k, k / 2]
+}
+
+/// The registers of the memory of which a recording reads what they held before; none if a loop reads what was written.
+pub(super) fn reads(recording: &Recording) -> Option<Vec<bool>> {
+    let mut read = vec![false; recording.memory.len()];
+    let register = |value: Value| match recording.operations[value as usize] {
+        Operation::Memory(register) => Some(register),
+        _ => None,
+    };
+    for &operation in &recording.operations {
+        if let Operation::Loop(one) = operation {
+            let Loop { sums, left, right, count, .. } = &recording.loops[one];
+            sums.iter().filter_map(|&sum| register(sum)).for_each(|sum| read[sum] = true);
+            for &value in left {
+                let first = register(value)?;
+                read.get_mut(first..first + count)?.fill(true);
+            }
+            for &value in right {
+                let first = register(value)?;
+                read[first.checked_sub(*count)?..=first].fill(true);
+            }
+        }
+        operation.map(|value| {
+            if let Some(register) = register(value) {
+                read[register] = true;
+            }
+            value
+        });
+    }
+    // what is moved from one register to another
+    for (to, &value) in recording.memory.iter().enumerate() {
+        if let Some(from) = register(value).filter(|&from| from != to) {
+            read[from] = true;
+        }
+    }
+    Some(read)
 }
 
 /// Which operations something that is kept depends on.

@@ -12,6 +12,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Expansions after which they are compiled.
 const WORTH_IT: u64 = 100;
 
+/// Instructions of a tape, for the state and each tangent vector and order, that are compiled at most: what is recorded of them takes some
+/// 100 MB.
+const MOST_WORK: usize = 1 << 17;
+
 /// Code of a tape for each kind of registers, number of tangent vectors and order that it is expanded to.
 #[derive(Debug, Default)]
 pub(super) struct Compiled(OnceLock<Box<Plan>>);
@@ -43,6 +47,14 @@ impl Compiled {
         }
     }
 
+    /// Whether there is code for these instructions.
+    pub(super) fn has_code(&self, instructions: Instructions) -> bool {
+        self.0.get().is_some_and(|plan| {
+            let is_compiled = plan.code.get().is_some_and(Option::is_some);
+            (plan.instructions == instructions && is_compiled) || plan.next.has_code(instructions)
+        })
+    }
+
     fn plan(&self, instructions: Instructions, n_tangents: usize, order: usize, registers: usize) -> &Plan {
         let make = || {
             let (runs, code, next) = (AtomicU64::new(0), OnceLock::new(), Compiled::default());
@@ -63,12 +75,15 @@ impl Plan {
     #[inline(never)]
     fn count<V: Lane>(&self, tape: &Tape) {
         if self.runs.fetch_add(1, Ordering::Relaxed) == WORTH_IT {
-            self.code.get_or_init(|| self.compile::<V>(tape));
+            self.code.get_or_init(|| if is_wanted() { self.compile::<V>(tape) } else { None });
         }
     }
 
     fn compile<V: Lane>(&self, tape: &Tape) -> Option<Code> {
         let Plan { n_tangents, order, registers, .. } = *self;
+        if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
+            return None;
+        }
         let row = tape.row(n_tangents);
         let source = |k: usize| Source {
             recording: Recorded::record(registers, |rows| {
@@ -78,8 +93,19 @@ impl Plan {
             k,
             bases: [k, k / 2, k * row],
         };
-        Code::new::<V, Elementary>(registers, (0..order).map(source), |_| true)
+        // the rest of the memory matters as far as a later order reads it
+        let (n_orders, work) = (order + 1, row * (order + 1));
+        let in_branches = |register: usize| {
+            register >= work && tape.program.branches.iter().any(|series| (register - work) / n_orders == *series)
+        };
+        let sources: Vec<Source> = (0..order).map(source).collect();
+        Code::new::<V, Elementary>(registers, &sources, |register| register < work || in_branches(register))
     }
+}
+
+/// Whether the environment variable `LIEPOISSON_JIT` is anything but `0`.
+fn is_wanted() -> bool {
+    std::env::var_os("LIEPOISSON_JIT").is_none_or(|value| value != "0")
 }
 
 /// The elementary functions of tapes.
@@ -127,7 +153,13 @@ mod tests {
             let plan = own.plan(instructions, n_tangents, order, registers);
             let code = plan.compile::<V>(tape).expect("a tape that can be compiled");
             code.run(&mut compiled);
-            for (i, (x, y)) in as_scalars(&rows).iter().zip(as_scalars(&compiled)).enumerate() {
+            let numbers = as_scalars(&rows).iter().zip(as_scalars(&compiled));
+            let n_orders = order + 1;
+            for (i, (x, y)) in numbers.enumerate() {
+                let work = (i / V::WIDTH).checked_sub(n_orders * row);
+                if work.is_some_and(|at| !tape.program.branches.contains(&(at / n_orders)) || at % n_orders == order) {
+                    continue;
+                }
                 let at = (i / V::WIDTH / row, i / V::WIDTH % row, i % V::WIDTH, i / V::WIDTH < (order + 1) * row);
                 assert!(x.to_bits() == y.to_bits() || x.is_nan() && y.is_nan(), "{x} {y} at {at:?}");
             }

@@ -23,7 +23,9 @@ pub use instruction::Instruction;
 
 use super::{Bounds, Field, Majorant, Space, Terms};
 use crate::error::Error;
-use crate::lanes::Lane;
+use crate::lanes::{Body, Lane, Simd};
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+use crate::lanes::Instructions;
 use enclosure::enclose;
 use frame::Frame;
 use graph::Graph;
@@ -90,6 +92,17 @@ impl Tape {
             #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
             compiled: std::sync::Arc::default(),
         })
+    }
+
+    /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
+    pub fn kernel(&self, simd: Simd) -> &'static str {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        match simd {
+            Simd::Avx512 if self.compiled.has_code(Instructions::Evex) => return "avx512, compiled",
+            Simd::Avx2 if self.compiled.has_code(Instructions::Vex) => return "avx2, compiled",
+            _ => {}
+        }
+        simd.name()
     }
 
     /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
@@ -185,5 +198,30 @@ impl Field for Tape {
             self.derive_work(rows, n_tangents, k);
             self.extend(rows, n_tangents, k);
         }
+    }
+
+    #[inline(always)]
+    fn rates<V: Lane>(&self, x: &[V], n_tangents: usize, work: &mut [V], rates: &mut [V]) {
+        V::outline(Rates { tape: self, x, n_tangents, work, rates });
+    }
+}
+
+/// The vector field as the expansion up to order 1, which can be compiled.
+struct Rates<'a, V> {
+    tape: &'a Tape,
+    x: &'a [V],
+    n_tangents: usize,
+    work: &'a mut [V],
+    rates: &'a mut [V],
+}
+
+impl<V: Lane> Body for Rates<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Rates { tape, x, n_tangents, work, rates } = self;
+        let row = x.len();
+        work[..row].copy_from_slice(x);
+        tape.expand(work, n_tangents, 1);
+        rates.copy_from_slice(&work[row..2 * row]);
     }
 }
