@@ -43,7 +43,7 @@ pub(super) const SUB: Opcode = Opcode(1, false, 0x5C);
 pub(super) const DIV: Opcode = Opcode(1, false, 0x5E);
 /// `d = sqrt b`
 pub(super) const SQRT: Opcode = Opcode(1, false, 0x51);
-const AND: Opcode = Opcode(1, false, 0x54);
+pub(super) const AND: Opcode = Opcode(1, false, 0x54);
 const XOR: Opcode = Opcode(1, false, 0x57);
 const XOR_OF_INTEGERS: Opcode = Opcode(1, false, 0xEF);
 const LOAD: Opcode = Opcode(1, false, 0x28);
@@ -63,6 +63,10 @@ pub(super) const NEG_MUL_ADD_213: Opcode = Opcode(2, true, 0xAC);
 /// `d = d - a b`
 pub(super) const NEG_MUL_ADD_231: Opcode = Opcode(2, true, 0xBC);
 
+const SIGNS: Opcode = Opcode(1, false, 0x50);
+
+/// The predicate "larger, and none is NaN".
+const LARGER: u8 = 30;
 /// The predicate "not equal, or one is NaN".
 const NOT_EQUAL: u8 = 4;
 
@@ -75,6 +79,7 @@ pub(super) struct Jump(usize);
 pub(super) enum Condition {
     NotBelow = 3,
     Equal = 4,
+    NotEqual = 5,
     /// Of numbers with a sign.
     Less = 12,
 }
@@ -137,6 +142,24 @@ impl Assembler {
                 self.evex_with(LOAD, d, 0, Place::Register(value), 0, (1, false, 64));
             }
         }
+    }
+
+    /// A jump that is taken if `value` is larger than `limit` in any lane.
+    pub(super) fn jump_if_any_is_larger(&mut self, scratch: u8, value: u8, limit: Place) -> Jump {
+        match self.instructions {
+            Instructions::Vex => {
+                self.vex(COMPARE, scratch, value, limit, 1);
+                self.code.push(LARGER);
+                self.vex(SIGNS, RAX, 0, Place::Register(scratch), 0);
+                self.code.extend([0x85, 0xC0]); // test eax, eax
+            }
+            Instructions::Evex => {
+                self.evex(COMPARE, 1, value, limit, 1, 0);
+                self.code.push(LARGER);
+                self.code.extend([0xC5, 0xF9, 0x98, 0xC9]); // kortestb k1, k1
+            }
+        }
+        self.jump_if(Condition::NotEqual)
     }
 
     /// Three bytes of prefix; `n_after` bytes follow the operand.
@@ -260,8 +283,9 @@ impl Assembler {
         self.code.push(0x53);
     }
 
-    /// Clears the upper halves of the vector registers, gives `rbx` back, and returns.
-    pub(super) fn leave(&mut self) {
+    /// Clears the upper halves of the vector registers, gives `rbx` back, and returns whether the code is left before its end.
+    pub(super) fn leave(&mut self, is_early: bool) {
+        self.code.extend([0xB8, u8::from(is_early), 0, 0, 0]); // mov eax, is_early
         self.clear_upper_halves();
         self.code.extend([0x5B, 0xC3]);
     }
@@ -341,11 +365,26 @@ mod tests {
             (e, "vfmadd213pd zmm1, zmm26, zmm3", |a| a.operate(MUL_ADD_213, 1, 26, Register(3)), "62f2ad40a8cb"),
             (v, "{vex3} vfmadd231pd ymm1, ymm10, ymm3", |a| a.operate(MUL_ADD_231, 1, 10, Register(3)), "c4e2adb8cb"),
             (e, "vfmadd231pd zmm1, zmm26, zmm3", |a| a.operate(MUL_ADD_231, 1, 26, Register(3)), "62f2ad40b8cb"),
-            (v, "{vex3} vfnmadd132pd ymm1, ymm10, ymm3", |a| a.operate(NEG_MUL_ADD_132, 1, 10, Register(3)), "c4e2ad9ccb"),
+            (
+                v,
+                "{vex3} vfnmadd132pd ymm1, ymm10, ymm3",
+                |a| a.operate(NEG_MUL_ADD_132, 1, 10, Register(3)),
+                "c4e2ad9ccb",
+            ),
             (e, "vfnmadd132pd zmm1, zmm26, zmm3", |a| a.operate(NEG_MUL_ADD_132, 1, 26, Register(3)), "62f2ad409ccb"),
-            (v, "{vex3} vfnmadd213pd ymm1, ymm10, ymm3", |a| a.operate(NEG_MUL_ADD_213, 1, 10, Register(3)), "c4e2adaccb"),
+            (
+                v,
+                "{vex3} vfnmadd213pd ymm1, ymm10, ymm3",
+                |a| a.operate(NEG_MUL_ADD_213, 1, 10, Register(3)),
+                "c4e2adaccb",
+            ),
             (e, "vfnmadd213pd zmm1, zmm26, zmm3", |a| a.operate(NEG_MUL_ADD_213, 1, 26, Register(3)), "62f2ad40accb"),
-            (v, "{vex3} vfnmadd231pd ymm1, ymm10, ymm3", |a| a.operate(NEG_MUL_ADD_231, 1, 10, Register(3)), "c4e2adbccb"),
+            (
+                v,
+                "{vex3} vfnmadd231pd ymm1, ymm10, ymm3",
+                |a| a.operate(NEG_MUL_ADD_231, 1, 10, Register(3)),
+                "c4e2adbccb",
+            ),
             (e, "vfnmadd231pd zmm1, zmm26, zmm3", |a| a.operate(NEG_MUL_ADD_231, 1, 26, Register(3)), "62f2ad40bccb"),
             (v, "{vex3} vmulpd ymm9, ymm2, ymm11", |a| a.operate(MUL, 9, 2, Register(11)), "c4416d59cb"),
             (v, "{vex3} vmulpd ymm15, ymm14, ymm8", |a| a.operate(MUL, 15, 14, Register(8)), "c4410d59f8"),
@@ -370,21 +409,61 @@ mod tests {
             (v, "{vex3} vsubpd ymm12, ymm3, [r11+96]", |a| a.operate(SUB, 12, 3, Memory(R11, 96)), "c441655c6360"),
             (e, "vsubpd zmm28, zmm19, [r11+192]", |a| a.operate(SUB, 28, 19, Memory(R11, 192)), "6241e5405c6303"),
             (v, "{vex3} vaddpd ymm1, ymm2, [rsi+127]", |a| a.operate(ADD, 1, 2, Memory(RSI, 127)), "c4e16d584e7f"),
-            (v, "{vex3} vaddpd ymm1, ymm2, [rsi+128]", |a| a.operate(ADD, 1, 2, Memory(RSI, 128)), "c4e16d588e80000000"),
+            (
+                v,
+                "{vex3} vaddpd ymm1, ymm2, [rsi+128]",
+                |a| a.operate(ADD, 1, 2, Memory(RSI, 128)),
+                "c4e16d588e80000000",
+            ),
             (v, "{vex3} vaddpd ymm1, ymm2, [rsi-128]", |a| a.operate(ADD, 1, 2, Memory(RSI, -128)), "c4e16d584e80"),
-            (v, "{vex3} vaddpd ymm1, ymm2, [rsi-129]", |a| a.operate(ADD, 1, 2, Memory(RSI, -129)), "c4e16d588e7fffffff"),
-            (v, "{vex3} vaddpd ymm1, ymm2, [rsi+4096]", |a| a.operate(ADD, 1, 2, Memory(RSI, 4096)), "c4e16d588e00100000"),
+            (
+                v,
+                "{vex3} vaddpd ymm1, ymm2, [rsi-129]",
+                |a| a.operate(ADD, 1, 2, Memory(RSI, -129)),
+                "c4e16d588e7fffffff",
+            ),
+            (
+                v,
+                "{vex3} vaddpd ymm1, ymm2, [rsi+4096]",
+                |a| a.operate(ADD, 1, 2, Memory(RSI, 4096)),
+                "c4e16d588e00100000",
+            ),
             (v, "{vex3} {disp8} vaddpd ymm1, ymm2, [rsi+0]", |a| a.operate(ADD, 1, 2, Memory(RSI, 0)), "c4e16d584e00"),
             (e, "vaddpd zmm1, zmm2, [rsi+8128]", |a| a.operate(ADD, 1, 2, Memory(RSI, 8128)), "62f1ed48584e7f"),
             (e, "vaddpd zmm1, zmm2, [rsi+8192]", |a| a.operate(ADD, 1, 2, Memory(RSI, 8192)), "62f1ed48588e00200000"),
             (e, "vaddpd zmm1, zmm2, [rsi-8192]", |a| a.operate(ADD, 1, 2, Memory(RSI, -8192)), "62f1ed48584e80"),
             (e, "vaddpd zmm1, zmm2, [rsi-8256]", |a| a.operate(ADD, 1, 2, Memory(RSI, -8256)), "62f1ed48588ec0dfffff"),
             (e, "vaddpd zmm1, zmm2, [rsi+32]", |a| a.operate(ADD, 1, 2, Memory(RSI, 32)), "62f1ed48588e20000000"),
-            (e, "vaddpd zmm1, zmm2, [rsi+6400000]", |a| a.operate(ADD, 1, 2, Memory(RSI, 6400000)), "62f1ed48588e00a86100"),
-            (e, "vaddpd zmm17, zmm2, [rcx+1016]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, 1016)), "62e1ed5858497f"),
-            (e, "vaddpd zmm17, zmm2, [rcx+1024]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, 1024)), "62e1ed58588900040000"),
-            (e, "vaddpd zmm17, zmm2, [rcx-1024]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, -1024)), "62e1ed58584980"),
-            (e, "vaddpd zmm17, zmm2, [rcx-1032]{1to8}", |a| a.operate(ADD, 17, 2, Varying(RCX, -1032)), "62e1ed585889f8fbffff"),
+            (
+                e,
+                "vaddpd zmm1, zmm2, [rsi+6400000]",
+                |a| a.operate(ADD, 1, 2, Memory(RSI, 6400000)),
+                "62f1ed48588e00a86100",
+            ),
+            (
+                e,
+                "vaddpd zmm17, zmm2, [rcx+1016]{1to8}",
+                |a| a.operate(ADD, 17, 2, Varying(RCX, 1016)),
+                "62e1ed5858497f",
+            ),
+            (
+                e,
+                "vaddpd zmm17, zmm2, [rcx+1024]{1to8}",
+                |a| a.operate(ADD, 17, 2, Varying(RCX, 1024)),
+                "62e1ed58588900040000",
+            ),
+            (
+                e,
+                "vaddpd zmm17, zmm2, [rcx-1024]{1to8}",
+                |a| a.operate(ADD, 17, 2, Varying(RCX, -1024)),
+                "62e1ed58584980",
+            ),
+            (
+                e,
+                "vaddpd zmm17, zmm2, [rcx-1032]{1to8}",
+                |a| a.operate(ADD, 17, 2, Varying(RCX, -1032)),
+                "62e1ed585889f8fbffff",
+            ),
             (v, "{vex3} vaddpd ymm13, ymm2, [rcx+64]", |a| a.operate(ADD, 13, 2, Varying(RCX, 64)), "c4616d586940"),
             (v, "{vex3} vdivpd ymm1, ymm2, [rip-73]", |a| a.operate(DIV, 1, 2, Constant(-64)), "c4e16d5e0db7ffffff"),
             (e, "vdivpd zmm1, zmm2, [rip-74]{1to8}", |a| a.operate(DIV, 1, 2, Constant(-64)), "62f1ed585e0db6ffffff"),
@@ -402,8 +481,18 @@ mod tests {
             (e, "vmovapd [r8+64], zmm30", |a| a.store(30, Memory(R8, 64)), "6241fd48297001"),
             (v, "{vex3} vxorpd ymm11, ymm11, ymm11", |a| a.zero(11), "c4412557db"),
             (e, "vpxorq zmm27, zmm27, zmm27", |a| a.zero(27), "6201a540efdb"),
-            (v, "{vex3} vcmppd ymm1, ymm12, [rip-42], 4; {vex3} vandpd ymm1, ymm9, ymm1", |a| a.where_not_zero(1, 9, 12, Constant(-32)), "c4e11dc20dd6ffffff04c4e13554c9"),
-            (e, "vcmppd k1, zmm22, [rip-19]{1to8}, 4; vmovapd zmm21{k1}{z}, zmm19", |a| a.where_not_zero(21, 19, 22, Constant(-8)), "62f1cd50c20dedffffff0462a1fdc928eb"),
+            (
+                v,
+                "{vex3} vcmppd ymm1, ymm12, [rip-42], 4; {vex3} vandpd ymm1, ymm9, ymm1",
+                |a| a.where_not_zero(1, 9, 12, Constant(-32)),
+                "c4e11dc20dd6ffffff04c4e13554c9",
+            ),
+            (
+                e,
+                "vcmppd k1, zmm22, [rip-19]{1to8}, 4; vmovapd zmm21{k1}{z}, zmm19",
+                |a| a.where_not_zero(21, 19, 22, Constant(-8)),
+                "62f1cd50c20dedffffff0462a1fdc928eb",
+            ),
             (v, "mov rdi, [rbx+8]", |a| a.get(RDI, RBX, 8), "488b7b08"),
             (v, "mov r9, [rbx+200]", |a| a.get(R9, RBX, 200), "4c8b8bc8000000"),
             (v, "{disp8} lea r10, [rdi+0]", |a| a.address(R10, RDI, 0), "4c8d5700"),
@@ -416,7 +505,20 @@ mod tests {
             (v, "movabs rax, 0x123456789abcdef0", |a| a.set_rax(0x1234_5678_9ABC_DEF0), "48b8f0debc9a78563412"),
             (v, "call rax", |a| a.call_rax(), "ffd0"),
             (v, "push rbx", |a| a.push_rbx(), "53"),
-            (v, "vzeroupper; pop rbx; ret", |a| a.leave(), "c5f8775bc3"),
+            (v, "mov eax, 0; vzeroupper; pop rbx; ret", |a| a.leave(false), "b800000000c5f8775bc3"),
+            (e, "vandpd zmm9, zmm19, [rip-18]{1to8}", |a| a.operate(AND, 9, 19, Constant(-8)), "6271e550540deeffffff"),
+            (
+                v,
+                "{vex3} vcmppd ymm9, ymm12, [rip-42], 30; {vex3} vmovmskpd eax, ymm9; test eax, eax; .byte 0x0f, 0x85, 0, 0, 0, 0",
+                |a| _ = a.jump_if_any_is_larger(9, 12, Constant(-32)),
+                "c4611dc20dd6ffffff1ec4c17d50c185c00f8500000000",
+            ),
+            (
+                e,
+                "vcmppd k1, zmm22, [rip-19]{1to8}, 30; kortestb k1, k1; .byte 0x0f, 0x85, 0, 0, 0, 0",
+                |a| _ = a.jump_if_any_is_larger(9, 22, Constant(-8)),
+                "62f1cd50c20dedffffff1ec5f998c90f8500000000",
+            ),
         ]
     }
 

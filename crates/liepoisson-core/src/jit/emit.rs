@@ -64,6 +64,8 @@ struct Emitter<'a> {
     results: Vec<Vec<(usize, Value)>>,
     /// The stores of each value that are made at once.
     stores: Vec<Vec<Place>>,
+    /// Jumps to where the code is left.
+    exits: Vec<Jump>,
 }
 
 impl<'a> Emitter<'a> {
@@ -92,6 +94,7 @@ impl<'a> Emitter<'a> {
             n_spilled: 0,
             results: vec![vec![]; n],
             stores: vec![vec![]; n],
+            exits: vec![],
         };
         for store in shape.stores.iter().rev().filter(|store| store.is_late) {
             emitter.uses[store.value as usize].push(n);
@@ -168,7 +171,13 @@ impl<'a> Emitter<'a> {
             self.assembler.store(register, to);
             self.is_pinned.fill(false);
         }
-        self.assembler.leave();
+        self.assembler.leave(false);
+        if !self.exits.is_empty() {
+            for exit in std::mem::take(&mut self.exits) {
+                self.assembler.land(exit);
+            }
+            self.assembler.leave(true);
+        }
         Some(())
     }
 
@@ -192,6 +201,20 @@ impl<'a> Emitter<'a> {
                 let from = self.operand(a, at);
                 let to = self.result(value, &[a], at);
                 self.assembler.square_root(to, from);
+            }
+            Operation::Abs(a) => {
+                let mask = self.constants.place(&[i64::MAX as u64], CONSTANTS);
+                let from = self.register(a, at);
+                let to = self.result(value, &[a], at);
+                self.assembler.operate(AND, to, from, mask);
+            }
+            Operation::Limit(a, b) => {
+                let size = self.register(a, at);
+                let limit = self.operand(b, at);
+                let scratch = self.free_register(at);
+                let exit = self.assembler.jump_if_any_is_larger(scratch, size, limit);
+                self.exits.push(exit);
+                self.finish(&[a, b], at);
             }
             Operation::MulAdd(a, b, c) => {
                 self.multiply_add([MUL_ADD_132, MUL_ADD_213, MUL_ADD_231], at, [a, b, c]);

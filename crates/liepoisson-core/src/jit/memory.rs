@@ -64,19 +64,19 @@ impl Pages {
         self.start as usize + 8 * number
     }
 
-    /// Runs the code from this byte on, with memory for what it spills.
+    /// Runs the code from this byte on, with memory for what it spills; whether up to its end.
     ///
     /// # Safety
     /// The byte is the first of a piece that was compiled for registers `V`, which this processor has, and the arguments are
     /// addresses from which all that it reads and writes is inside of memory that the caller may write.
-    pub(super) unsafe fn run<V: Lane>(&self, at: usize, arguments: &mut Arguments) {
+    pub(super) unsafe fn run<V: Lane>(&self, at: usize, arguments: &mut Arguments) -> bool {
         let mut spilled = MaybeUninit::<[V; MOST_SPILLED]>::uninit();
         arguments.spilled = spilled.as_mut_ptr() as usize;
         // SAFETY: the caller has said so; a piece reads what it has spilled, and spills at most so many registers.
         unsafe {
-            let code: unsafe extern "sysv64" fn(*const Arguments) =
+            let code: unsafe extern "sysv64" fn(*const Arguments) -> u32 =
                 std::mem::transmute(self.start.byte_add(self.n_constants + at));
-            code(arguments);
+            code(arguments) == 0
         }
     }
 }

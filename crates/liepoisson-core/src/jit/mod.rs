@@ -91,15 +91,15 @@ impl Code {
         Some(Code { instructions, registers, pages, orders })
     }
 
-    /// Runs all orders in turn.
+    /// Runs all orders in turn. False, and nothing that can be relied on, if a number is beyond the limits that the code is made for.
     ///
     /// # Panics
     /// Registers of another kind, or another number of them, than the code was compiled for.
     #[inline]
-    pub(crate) fn run<V: Lane>(&self, memory: &mut [V]) {
+    pub(crate) fn run<V: Lane>(&self, memory: &mut [V]) -> bool {
         assert!(V::INSTRUCTIONS == Some(self.instructions) && memory.len() == self.registers, "code for other memory");
         let start = memory.as_mut_ptr();
-        for entry in &self.orders {
+        self.orders.iter().all(|entry| {
             let mut arguments = Arguments {
                 bases: entry.order.bases.map(|base| start as usize + base * size_of::<V>()),
                 constants: self.pages.constant(entry.constants),
@@ -108,8 +108,8 @@ impl Code {
             };
             // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
             // compared all addresses of this order with the number of registers.
-            unsafe { self.pages.run::<V>(entry.at, &mut arguments) };
-        }
+            unsafe { self.pages.run::<V>(entry.at, &mut arguments) }
+        })
     }
 }
 
@@ -134,7 +134,8 @@ mod tests {
     /// than there are registers.
     fn code<V: Lane>(memory: &mut [V], k: usize) {
         let at = |base: usize, more: isize| base.checked_add_signed(more).unwrap();
-        let borders = [-130, -129, -128, -127, -126, -33, -32, -5, -4, -3, -1, 1, 3, 4, 5, 31, 32, 126, 127, 128, 129, 130];
+        let borders =
+            [-130, -129, -128, -127, -126, -33, -32, -5, -4, -3, -1, 1, 3, 4, 5, 31, 32, 126, 127, 128, 129, 130];
         let mut sum = V::splat(k as f64);
         for more in borders {
             sum = memory[at(k, more)].mul_add(memory[at(k / 2 + 1000, more)], sum.mul(V::splat(0.5)));
@@ -176,7 +177,7 @@ mod tests {
             orders.iter().for_each(|&k| code(&mut memory, k));
             let made = Code::new::<V, Nothing>(REGISTERS, &sources, |_| true).unwrap();
             assert!(made.orders.iter().all(|entry| entry.at == made.orders[0].at), "one piece of code");
-            made.run(&mut compiled);
+            assert!(made.run(&mut compiled));
             for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
                 assert!(x.to_bits() == y.to_bits(), "{x} {y} in register {}", i / V::WIDTH);
             }

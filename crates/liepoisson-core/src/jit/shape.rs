@@ -159,7 +159,8 @@ impl Shape {
         let (Some(addresses), Some(counts), Some(stores)) = (addresses, counts, stores) else { return Err(other) };
         self.orders.extend(other.orders);
         self.addresses = addresses;
-        for ((runs, means), (more, common)) in self.counts.iter_mut().zip(other.counts.into_iter().map(|c| c.0).zip(counts))
+        for ((runs, means), (more, common)) in
+            self.counts.iter_mut().zip(other.counts.into_iter().map(|c| c.0).zip(counts))
         {
             runs.extend(more);
             *means = common;
@@ -252,6 +253,9 @@ pub(super) fn reads(recording: &Recording) -> Option<Vec<bool>> {
 fn live(recording: &Recording, kept: &[(usize, Value)]) -> Vec<bool> {
     let mut is_live = vec![false; recording.operations.len()];
     kept.iter().for_each(|&(_, value)| is_live[value as usize] = true);
+    for (is_live, operation) in is_live.iter_mut().zip(&recording.operations) {
+        *is_live |= matches!(operation, Operation::Limit(..));
+    }
     for number in (0..recording.operations.len()).rev() {
         if !is_live[number] {
             continue;

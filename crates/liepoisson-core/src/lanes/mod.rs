@@ -201,6 +201,12 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
         None
     }
 
+    /// Records that the code is to be left where a lane is larger than `limit` in size. False: to be looked at.
+    #[inline(always)]
+    fn record_limit(self, _limit: f64) -> bool {
+        false
+    }
+
     /// Records a loop over `count` terms. Term `i` adds to the sums `[s][a][b]`, two numbers each, `s` being `i` modulo the number of
     /// those, the products of the left series `a`, whose first coefficients are given, with two of the right series `b`:
     /// `left[a]_i right[b]_(-1-i)` and `left[a]_i right[b]_(-i)`. `skips` leaves `a = b = 1` out. False: to be computed.

@@ -19,6 +19,9 @@ pub(crate) enum Operation {
     Mul(Value, Value),
     Div(Value, Value),
     Sqrt(Value),
+    Abs(Value),
+    /// The code is left where the first is larger than the second in any lane.
+    Limit(Value, Value),
     /// `a b + c`
     MulAdd(Value, Value, Value),
     /// `c - a b`
@@ -43,6 +46,8 @@ impl Operation {
             Operation::Mul(a, b) => Operation::Mul(to(a), to(b)),
             Operation::Div(a, b) => Operation::Div(to(a), to(b)),
             Operation::Sqrt(a) => Operation::Sqrt(to(a)),
+            Operation::Abs(a) => Operation::Abs(to(a)),
+            Operation::Limit(a, b) => Operation::Limit(to(a), to(b)),
             Operation::MulAdd(a, b, c) => Operation::MulAdd(to(a), to(b), to(c)),
             Operation::NegMulAdd(a, b, c) => Operation::NegMulAdd(to(a), to(b), to(c)),
             Operation::WhereNotZero(a, b) => Operation::WhereNotZero(to(a), to(b)),
@@ -136,7 +141,7 @@ impl Lane for Recorded {
     }
 
     fn abs(self) -> Self {
-        unreachable!("no recorded code takes absolute values")
+        put(Operation::Abs(self.value()))
     }
 
     fn outline<B: Body>(body: B) {
@@ -168,6 +173,11 @@ impl Lane for Recorded {
         Some([0, 1].map(|result| put(Operation::Result(call, result))))
     }
 
+    fn record_limit(self, limit: f64) -> bool {
+        put(Operation::Limit(self.abs().value(), Recorded::splat(limit).value()));
+        true
+    }
+
     fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], skips: bool, count: usize) -> bool {
         let values = |registers: &[Self]| registers.iter().map(|register| register.value()).collect();
         let recorded = Loop { sums: values(sums), left: values(left), right: values(right), skips, count };
@@ -193,7 +203,10 @@ mod tests {
             memory[2] = memory[0].mul_add(memory[1], Recorded::splat(0.5)).where_not_zero(memory[0]);
         });
         let done = &recording.operations[3..];
-        assert_eq!(done, [Operation::Constant(0.5_f64.to_bits()), Operation::MulAdd(0, 1, 3), Operation::WhereNotZero(4, 0)]);
+        assert_eq!(
+            done,
+            [Operation::Constant(0.5_f64.to_bits()), Operation::MulAdd(0, 1, 3), Operation::WhereNotZero(4, 0)]
+        );
         assert_eq!(recording.memory, [0, 1, 5]);
     }
 }

@@ -79,6 +79,9 @@ fn reduce<V: Lane>(x: V, n: V, high: f64, middle: f64, low: f64) -> (V, V) {
 /// Whether no lane is larger than `limit` in size; NaN counts as small.
 #[inline(always)]
 fn all_within<V: Lane>(x: V, limit: f64) -> bool {
+    if V::IS_RECORDED {
+        return x.record_limit(limit);
+    }
     !x.as_scalars().iter().fold(false, |beyond, lane| beyond | (lane.to_f64().abs() > limit))
 }
 
@@ -164,7 +167,9 @@ pub(super) enum Called {
 impl Called {
     #[inline(always)]
     pub(super) fn of<V: Lane>(self, x: V) -> [V; 2] {
-        if let Some(recorded) = V::record_call(self.code(), x) {
+        // sines and cosines are operations on registers but for large angles
+        let is_recorded = self != (Called::Pair { hyperbolic: false });
+        if is_recorded && let Some(recorded) = V::record_call(self.code(), x) {
             return recorded;
         }
         self.compute(x)

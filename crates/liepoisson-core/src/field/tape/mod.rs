@@ -23,9 +23,9 @@ pub use instruction::Instruction;
 
 use super::{Bounds, Field, Majorant, Space, Terms};
 use crate::error::Error;
-use crate::lanes::{Body, Lane, Simd};
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 use crate::lanes::Instructions;
+use crate::lanes::{Body, Lane, Simd};
 use enclosure::enclose;
 use frame::Frame;
 use graph::Graph;
