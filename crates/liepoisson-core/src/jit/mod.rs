@@ -70,7 +70,7 @@ impl Code {
             let mut shape = Some(Shape::new(recording, Order { k, bases: [0, a, b, c] }, &is_kept)?);
             // the last shapes are the likely ones
             for known in shapes.iter_mut().rev() {
-                shape = shape.and_then(|shape| known.merge(shape).err());
+                shape = shape.and_then(|shape| known.merge(shape));
             }
             shapes.extend(shape);
         }
@@ -149,9 +149,7 @@ mod tests {
         }
         memory[k] = sum;
         // what is read and then written, and what is moved
-        let first = memory[1800];
-        memory[1800] = memory[1801];
-        memory[1801] = first;
+        memory.swap(1800, 1801);
     }
 
     struct Compare;
@@ -182,7 +180,7 @@ mod tests {
                 assert!(x.to_bits() == y.to_bits(), "{x} {y} in register {}", i / V::WIDTH);
             }
             // other memory is refused
-            assert!(std::panic::catch_unwind(|| made.run(&mut vec![V::splat(0.0); REGISTERS - 1])).is_err());
+            assert!(std::panic::catch_unwind(|| made.run(&mut [V::splat(0.0); REGISTERS - 1])).is_err());
         }
     }
 

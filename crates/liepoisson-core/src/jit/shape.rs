@@ -139,7 +139,7 @@ impl Shape {
     }
 
     /// Takes the orders of another one in, if one piece of code can serve all; else gives it back.
-    pub(super) fn merge(&mut self, other: Shape) -> Result<(), Shape> {
+    pub(super) fn merge(&mut self, other: Shape) -> Option<Shape> {
         let is_alike = self.operations == other.operations
             && self.loops.len() == other.loops.len()
             && self.loops.iter().zip(&other.loops).all(|(a, b)| *a == Loop { count: a.count, ..b.clone() })
@@ -151,12 +151,12 @@ impl Shape {
         let of_counts = |shape: &Shape| shape.counts.iter().map(|&(_, means)| means).collect::<Vec<_>>();
         let of_stores = |shape: &Shape| shape.stores.iter().map(|store| store.address).collect::<Vec<_>>();
         if !is_alike {
-            return Err(other);
+            return Some(other);
         }
         let addresses = common(&self.addresses, &other.addresses);
         let counts = common(&of_counts(self), &of_counts(&other));
         let stores = common(&of_stores(self), &of_stores(&other));
-        let (Some(addresses), Some(counts), Some(stores)) = (addresses, counts, stores) else { return Err(other) };
+        let (Some(addresses), Some(counts), Some(stores)) = (addresses, counts, stores) else { return Some(other) };
         self.orders.extend(other.orders);
         self.addresses = addresses;
         for ((runs, means), (more, common)) in
@@ -172,7 +172,7 @@ impl Shape {
         for (column, more) in self.columns.iter_mut().zip(other.columns) {
             column.extend(more);
         }
-        Ok(())
+        None
     }
 
     pub(super) fn address(&self, number: usize) -> Relative {
