@@ -53,6 +53,29 @@ def test_bits_do_not_depend_on_the_instruction_set_or_the_threads():
             assert line.split() == [simd, "components", *expected]
 
 
+COMPILED = """
+import hashlib, liepoisson as lp
+pendulum = lp.System(lp.canonical(2), "(p1^2 + 2*p2^2 - 2*p1*p2*cos(q1 - q2))/(2*(1 + sin(q1 - q2)^2)) - 2*cos(q1) - cos(q2)")
+for method in (lp.Taylor(), lp.RungeKutta(tol=1e-9)):
+    growth = lp.finite_time_exponents(pendulum, [[0.4, -0.3, 0.2, 0.5]] * 3, t_end=100, method=method)
+    print(growth.kernel.split(",")[-1].strip(), hashlib.sha256(growth.exponent.tobytes()).hexdigest())
+"""
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(not {"avx2", "avx512"} & set(_core.available_simd()) or sys.platform != "linux", reason="not compiled")
+def test_compiled_code_has_the_bits_of_the_kernels_and_says_that_it_ran():
+    results = {}
+    for compiles in ("0", "1"):
+        environment = {**os.environ, "LIEPOISSON_JIT": compiles, "LIEPOISSON_SIMD": "avx2"}
+        command = [sys.executable, "-c", COMPILED]
+        output = subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+        results[compiles] = [line.split() for line in output.splitlines()]
+    assert [kernel for kernel, _ in results["0"]] == ["avx2", "avx2"]
+    assert [kernel for kernel, _ in results["1"]] == ["compiled", "compiled"]
+    assert [bits for _, bits in results["0"]] == [bits for _, bits in results["1"]]
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["AVX512", "avx512" if "neon" in _core.available_simd() else "neon", "fast"])
 def test_an_instruction_set_that_is_not_there_is_refused(name):

@@ -4,6 +4,7 @@ use crate::analysis::section::SectionEnsemble;
 use crate::ensemble::{AnyEnsemble, Integration, Integrator};
 use crate::error::Error;
 use crate::field::{Bounds, Quadratic, Quadratics, Space, SplitTerms, Tape, Top, Tops};
+use crate::lanes::Simd;
 use crate::method::{AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor};
 use std::sync::Arc;
 
@@ -95,6 +96,14 @@ impl AnyField {
             AnyField::Quadratics(field) => field.n_components(),
             AnyField::Tape(field) => field.n_components(),
             AnyField::SplitTerms(field) => field.n_components(),
+        }
+    }
+
+    /// What its runs have been computed with so far, given the instruction set: the name of that, or of code compiled for it.
+    pub fn kernel(&self, simd: Simd) -> &'static str {
+        match self {
+            AnyField::Tape(field) => field.kernel(simd),
+            _ => simd.name(),
         }
     }
 

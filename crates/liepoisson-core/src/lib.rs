@@ -31,6 +31,8 @@ pub mod ensemble;
 pub mod error;
 pub mod field;
 pub mod fourier;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod jit;
 pub mod lanes;
 pub mod linear;
 pub mod method;

@@ -126,9 +126,9 @@ fn orbits<'py>(
     let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
     let simd = Simd::from_environment().map_err(translate)?;
     let (kernel, method) = match (components, method.0) {
-        (false, method) => (simd.name(), method),
+        (false, method) => (None, method),
         (true, AnyMethod::Taylor(taylor)) if n_tangents == 0 && matches!(field.0, AnyField::Top(_)) => {
-            ("components", AnyMethod::AcrossComponents(AcrossComponents(taylor)))
+            (Some("components"), AnyMethod::AcrossComponents(AcrossComponents(taylor)))
         }
         (true, _) => return Err(translate(Error::AcrossComponents)),
     };
@@ -137,6 +137,7 @@ fn orbits<'py>(
     let orbits = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         orbit::orbits(ensemble, threads, simd, control, dense, watch)
     })?;
+    let kernel = kernel.unwrap_or_else(|| field.0.kernel(simd));
     let result = result_of_run(py, &orbits.summaries, field.n_components(), kernel, method.order())?;
     result.set_item("state", orbits.states.into_pyarray(py))?;
     result.set_item("tangent", orbits.tangents.into_pyarray(py))?;
@@ -186,7 +187,7 @@ fn growth<'py>(
     let found = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         lyapunov::finite_time_exponents(ensemble, threads, simd, control, watch)
     })?;
-    let result = result_of_run(py, &found.summaries, field.n_components(), simd.name(), method.0.order())?;
+    let result = result_of_run(py, &found.summaries, field.n_components(), field.0.kernel(simd), method.0.order())?;
     result.set_item("exponent", found.exponents.into_pyarray(py))?;
     Ok(result)
 }
@@ -223,7 +224,7 @@ fn carry_frames<'py>(
     let carried = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         tangent_frames::carry(ensemble, &schedule, threads, simd, control, watch)
     })?;
-    let result = result_of_run(py, &carried.summaries, field.n_components(), simd.name(), method.0.order())?;
+    let result = result_of_run(py, &carried.summaries, field.n_components(), field.0.kernel(simd), method.0.order())?;
     result.set_item("growth", carried.growth.into_pyarray(py))?;
     result.set_item("triangle", carried.triangles.into_pyarray(py))?;
     result.set_item("kept_frame", carried.kept_frames.into_pyarray(py))?;
@@ -264,7 +265,7 @@ fn sections<'py>(
     let sections = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         section::sections(ensemble, &surface, threads, simd, control, watch)
     })?;
-    let result = result_of_run(py, &sections.summaries, field.n_components(), simd.name(), method.0.order())?;
+    let result = result_of_run(py, &sections.summaries, field.n_components(), field.0.kernel(simd), method.0.order())?;
     let counts = |counts: Vec<usize>| PyArray1::from_iter(py, counts.into_iter().map(|count| count as i64));
     let uncertified = |count: &dyn Fn(&Uncertified) -> u64| {
         PyArray1::from_iter(py, sections.uncertified.iter().map(|uncertified| count(uncertified) as i64))

@@ -47,7 +47,7 @@ ATTRIBUTES = {
     "n_steps": "Accepted steps of each trajectory.",
     "end_state": "Last good state of each trajectory, shape (trajectory, component).",
     "order": "Order of the method.",
-    "kernel": "The instruction set that was used; all give the same bits.",
+    "kernel": "The instruction set that was used, and whether code was compiled for it; all give the same bits.",
     "time_limit": "Seconds that the run was allowed to take.",
 }
 """What results say about attributes that they do not describe themselves."""

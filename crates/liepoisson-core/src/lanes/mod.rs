@@ -13,6 +13,8 @@ mod scalar;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod pair;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+pub(crate) mod recorded;
 mod simd;
 mod vectors;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -74,6 +76,15 @@ pub trait TwoVectors<One: Vectors>: Vectors {
     fn second(self) -> One;
     /// The second vector, then the first.
     fn swap(self) -> Self;
+}
+
+/// Instructions that code can be compiled to when the program runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instructions {
+    /// AVX2 with fused multiply-add: 16 registers of 4 doubles.
+    Vex,
+    /// AVX-512: 32 registers of 8 doubles.
+    Evex,
 }
 
 /// What a lane holds: `f64` or `f32`.
@@ -167,6 +178,42 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
     fn div(self, other: Self) -> Self;
     /// The square root, NaN of a negative number.
     fn sqrt(self) -> Self;
+
+    /// The instructions that code for this register can be compiled to when the program runs.
+    const INSTRUCTIONS: Option<Instructions> = None;
+
+    /// Whether operations are written down instead of done.
+    const IS_RECORDED: bool = false;
+
+    /// `self`, zero in the lanes where `other` is zero.
+    #[inline(always)]
+    fn where_not_zero(mut self, other: Self) -> Self {
+        for (to, other) in self.as_scalars_mut().iter_mut().zip(other.as_scalars()) {
+            *to = if other.to_f64() == 0.0 { Self::Number::of(0.0) } else { *to };
+        }
+        self
+    }
+
+    /// Records a function that is not made of operations of this trait, `function` being what the caller knows it by, with two results.
+    /// None: to be computed.
+    #[inline(always)]
+    fn record_call(_function: [u64; 2], _x: Self) -> Option<[Self; 2]> {
+        None
+    }
+
+    /// Records that the code is to be left where a lane is larger than `limit` in size. False: to be looked at.
+    #[inline(always)]
+    fn record_limit(self, _limit: f64) -> bool {
+        false
+    }
+
+    /// Records a loop over `count` terms. Term `i` adds to the sums `[s][a][b]`, two numbers each, `s` being `i` modulo the number of
+    /// those, the products of the left series `a`, whose first coefficients are given, with two of the right series `b`:
+    /// `left[a]_i right[b]_(-1-i)` and `left[a]_i right[b]_(-i)`. `skips` leaves `a = b = 1` out. False: to be computed.
+    #[inline(always)]
+    fn record_products(_sums: &mut [Self], _left: &[Self], _right: &[Self], _skips: bool, _count: usize) -> bool {
+        false
+    }
 
     /// `self * factor + addend`, rounded once everywhere, in double precision: for what would be lost otherwise, and not for
     /// sums, since it is slow where it is done in software.

@@ -2,7 +2,7 @@
 
 use super::scalar::Inner;
 use super::sealed::Sealed;
-use super::{Body, Lane, Number, Pair, TwoVectors, Vectors, Wide};
+use super::{Body, Instructions, Lane, Number, Pair, TwoVectors, Vectors, Wide};
 use std::arch::x86_64::*;
 
 /// Eight trajectories in an AVX-512 register.
@@ -172,12 +172,13 @@ impl Wide for One<f64> {
 }
 
 macro_rules! lane {
-    ($lane:ident, $number:ty, $width:literal, $registers:literal, $splat:ident, $add:ident, $sub:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident, $div:ident, $sqrt:ident, $outline:ident) => {
+    ($lane:ident, $number:ty, $width:literal, $registers:literal, $instructions:expr, $splat:ident, $add:ident, $sub:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident, $div:ident, $sqrt:ident, $outline:ident) => {
         #[allow(clippy::undocumented_unsafe_blocks)]
         impl Lane for $lane {
             type Number = $number;
             const WIDTH: usize = $width;
             const REGISTERS: usize = $registers;
+            const INSTRUCTIONS: Option<Instructions> = $instructions;
             #[inline(always)]
             fn splat(x: f64) -> Self {
                 Self(unsafe { $splat(<$number as Number>::of(x)) })
@@ -227,6 +228,7 @@ lane!(
     f64,
     8,
     32,
+    Some(Instructions::Evex),
     _mm512_set1_pd,
     _mm512_add_pd,
     _mm512_sub_pd,
@@ -243,6 +245,7 @@ lane!(
     f32,
     16,
     32,
+    None,
     _mm512_set1_ps,
     _mm512_add_ps,
     _mm512_sub_ps,
@@ -259,6 +262,7 @@ lane!(
     f64,
     4,
     16,
+    Some(Instructions::Vex),
     _mm256_set1_pd,
     _mm256_add_pd,
     _mm256_sub_pd,
@@ -275,6 +279,7 @@ lane!(
     f32,
     8,
     16,
+    None,
     _mm256_set1_ps,
     _mm256_add_ps,
     _mm256_sub_ps,

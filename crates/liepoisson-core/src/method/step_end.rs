@@ -292,6 +292,7 @@ impl<V: Wide> Body for Defects<'_, V> {
         while i < n {
             i += match n - i {
                 6.. => to.expand::<6>(i, rows, (row, order), step),
+                4 => to.expand::<4>(i, rows, (row, order), step),
                 3.. => to.expand::<3>(i, rows, (row, order), step),
                 2 => to.expand::<2>(i, rows, (row, order), step),
                 _ => to.expand::<1>(i, rows, (row, order), step),

@@ -1,5 +1,6 @@
 //! Elementary functions of a register: the same bits for every width, from `+ - *` and fused multiply-add alone.
 
+use super::graph::Function;
 use crate::lanes::{Lane, Number, polynomial};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E};
 
@@ -78,6 +79,9 @@ fn reduce<V: Lane>(x: V, n: V, high: f64, middle: f64, low: f64) -> (V, V) {
 /// Whether no lane is larger than `limit` in size; NaN counts as small.
 #[inline(always)]
 fn all_within<V: Lane>(x: V, limit: f64) -> bool {
+    if V::IS_RECORDED {
+        return x.record_limit(limit);
+    }
     !x.as_scalars().iter().fold(false, |beyond, lane| beyond | (lane.to_f64().abs() > limit))
 }
 
@@ -149,6 +153,53 @@ pub(super) fn each<V: Lane>(mut x: V, function: impl Fn(f64) -> f64) -> V {
         *lane = Number::of(function(lane.to_f64()));
     }
     x
+}
+
+/// What is computed of one register at order 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Called {
+    /// Sine and cosine, circular or hyperbolic.
+    Pair { hyperbolic: bool },
+    /// One function, twice.
+    One(Function),
+}
+
+impl Called {
+    #[inline(always)]
+    pub(super) fn of<V: Lane>(self, x: V) -> [V; 2] {
+        // sines and cosines are operations on registers but for large angles
+        let is_recorded = self != (Called::Pair { hyperbolic: false });
+        if is_recorded && let Some(recorded) = V::record_call(self.code(), x) {
+            return recorded;
+        }
+        self.compute(x)
+    }
+
+    #[inline(always)]
+    pub(super) fn compute<V: Lane>(self, x: V) -> [V; 2] {
+        match self {
+            Called::Pair { hyperbolic: true } => [each(x, libm::sinh), each(x, libm::cosh)],
+            Called::Pair { hyperbolic: false } => sin_cos(x).into(),
+            Called::One(Function::Exp) => [exp(x); 2],
+            Called::One(function) => [each(x, |x| function.value(x)); 2],
+        }
+    }
+
+    /// The function as two numbers.
+    fn code(self) -> [u64; 2] {
+        match self {
+            Called::Pair { hyperbolic } => [u64::from(hyperbolic), 0],
+            Called::One(function) => function.code(),
+        }
+    }
+
+    /// The function with this code.
+    pub(super) fn from_code([tag, number]: [u64; 2]) -> Called {
+        match tag {
+            0 | 1 => Called::Pair { hyperbolic: tag == 1 },
+            _ => Called::One(Function::from_code(tag, number)),
+        }
+    }
 }
 
 #[cfg(test)]

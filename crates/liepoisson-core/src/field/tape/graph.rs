@@ -501,15 +501,34 @@ impl Function {
     }
 
     fn key(self, a: Node) -> Vec<u64> {
-        let (tag, number) = match self {
-            Function::Power(exponent) => (6, exponent.to_bits()),
-            Function::Exp => (7, 0),
-            Function::Log => (8, 0),
-            Function::Tanh => (9, 0),
-            Function::Asin => (10, 0),
-            Function::Acos => (11, 0),
-            Function::Atan => (12, 0),
-        };
+        let [tag, number] = self.code();
         vec![tag, number, a as u64]
+    }
+
+    /// The function as two numbers, the first of which is 6 or more.
+    pub(super) fn code(self) -> [u64; 2] {
+        match self {
+            Function::Power(exponent) => [6, exponent.to_bits()],
+            Function::Exp => [7, 0],
+            Function::Log => [8, 0],
+            Function::Tanh => [9, 0],
+            Function::Asin => [10, 0],
+            Function::Acos => [11, 0],
+            Function::Atan => [12, 0],
+        }
+    }
+
+    /// The function with this code.
+    pub(super) fn from_code(tag: u64, number: u64) -> Function {
+        match tag {
+            6 => Function::Power(f64::from_bits(number)),
+            7 => Function::Exp,
+            8 => Function::Log,
+            9 => Function::Tanh,
+            10 => Function::Asin,
+            11 => Function::Acos,
+            12 => Function::Atan,
+            _ => unreachable!("no function has the code {tag}"),
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! Any smooth field: a tape of instructions, run as rules for power series.
 
 mod branch;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod compiled;
 mod convolution;
 mod drive;
 mod elementary;
@@ -21,7 +23,9 @@ pub use instruction::Instruction;
 
 use super::{Bounds, Field, Majorant, Space, Terms};
 use crate::error::Error;
-use crate::lanes::Lane;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+use crate::lanes::Instructions;
+use crate::lanes::{Body, Lane, Simd};
 use enclosure::enclose;
 use frame::Frame;
 use graph::Graph;
@@ -63,6 +67,8 @@ pub struct Tape {
     program: Program,
     /// The highest order of a zero of what it is made of.
     degree: f64,
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    compiled: std::sync::Arc<compiled::Compiled>,
 }
 
 impl Tape {
@@ -77,7 +83,26 @@ impl Tape {
             return Err(Error::Outputs { wanted: n_components, got: outputs.len() });
         }
         let graph = Graph::new(n_components, &instructions, &outputs);
-        Ok(Tape { n_components, instructions, outputs, program: Program::new(&graph), degree: graph.degree() })
+        Ok(Tape {
+            n_components,
+            instructions,
+            outputs,
+            program: Program::new(&graph),
+            degree: graph.degree(),
+            #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+            compiled: std::sync::Arc::default(),
+        })
+    }
+
+    /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
+    pub fn kernel(&self, simd: Simd) -> &'static str {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        match simd {
+            Simd::Avx512 if self.compiled.has_code(Instructions::Evex) => return "avx512, compiled",
+            Simd::Avx2 if self.compiled.has_code(Instructions::Vex) => return "avx2, compiled",
+            _ => {}
+        }
+        simd.name()
     }
 
     /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
@@ -161,5 +186,42 @@ impl Field for Tape {
         let frame = Frame::new(&self.program, rows.len(), row, n_tangents, k);
         let (components, work) = rows.split_at_mut(frame.n_orders * row);
         drive::write_outputs(&self.program, &frame, &mut components[(k + 1) * row..][..row], work);
+    }
+
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        if self.compiled.expand(self, rows, n_tangents, order) {
+            return;
+        }
+        for k in 0..order {
+            self.derive_work(rows, n_tangents, k);
+            self.extend(rows, n_tangents, k);
+        }
+    }
+
+    #[inline(always)]
+    fn rates<V: Lane>(&self, x: &[V], n_tangents: usize, work: &mut [V], rates: &mut [V]) {
+        V::outline(Rates { tape: self, x, n_tangents, work, rates });
+    }
+}
+
+/// The vector field as the expansion up to order 1, which can be compiled.
+struct Rates<'a, V> {
+    tape: &'a Tape,
+    x: &'a [V],
+    n_tangents: usize,
+    work: &'a mut [V],
+    rates: &'a mut [V],
+}
+
+impl<V: Lane> Body for Rates<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Rates { tape, x, n_tangents, work, rates } = self;
+        let row = x.len();
+        work[..row].copy_from_slice(x);
+        tape.expand(work, n_tangents, 1);
+        rates.copy_from_slice(&work[row..2 * row]);
     }
 }

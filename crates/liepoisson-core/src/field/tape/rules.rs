@@ -2,12 +2,12 @@
 //!
 //! Sums of products run over `j = 1..k`; the ends, which need coefficients of order `k`, are added here.
 
-use super::elementary;
+use super::elementary::Called;
 use super::frame::{Frame, Group};
 use super::graph::Function;
 use super::program::Program;
 use super::steps::{Step, TangentStep};
-use crate::lanes::{Lane, Number};
+use crate::lanes::Lane;
 
 impl Group {
     /// A series of this group with one of another.
@@ -110,23 +110,19 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
                 zero
             }
             Step::Integral { function, a, to, .. } => {
-                let value = value_of(function, work[state.at(a)]);
+                let [value, _] = Called::One(function).of(work[state.at(a)]);
                 work[state.at(to)] = value;
                 if function == Function::Exp { zero } else { value }
             }
             Step::Pair { a, hyperbolic, first, second, .. } => {
                 let a = work[state.at(a)];
-                let (one, other) = if hyperbolic {
-                    (elementary::each(a, libm::sinh), elementary::each(a, libm::cosh))
-                } else {
-                    elementary::sin_cos(a)
-                };
+                let [one, other] = Called::Pair { hyperbolic }.of(a);
                 work[state.start(first)] = one;
                 work[state.start(second)] = other;
                 if hyperbolic { zero } else { one.add(other) }
             }
             Step::DividedIntegral { function, a, divisor, weighted, inverse, to, .. } => {
-                let value = value_of(function, work[state.at(a)]);
+                let [value, _] = Called::One(function).of(work[state.at(a)]);
                 let reciprocal = one.div(work[state.start(divisor)]);
                 work[state.singles + inverse] = reciprocal;
                 work[state.start(weighted)] = zero;
@@ -137,14 +133,6 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
         defect = value.mul_add(zero, defect);
     }
     work[state.singles + program.defect] = defect;
-}
-
-#[inline(always)]
-fn value_of<V: Lane>(function: Function, a: V) -> V {
-    match function {
-        Function::Exp => elementary::exp(a),
-        _ => elementary::each(a, |a| function.value(a)),
-    }
 }
 
 /// Order `k >= 1` of the state.
@@ -207,11 +195,7 @@ pub(super) fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &
 /// `rest * inverse`, for the inverse of a divisor: zero where the divisor is beyond the range of numbers, whatever its series.
 #[inline(always)]
 pub(super) fn divided<V: Lane>(rest: V, inverse: V) -> V {
-    let mut quotient = rest.mul(inverse);
-    for (to, inverse) in quotient.as_scalars_mut().iter_mut().zip(inverse.as_scalars()) {
-        *to = if inverse.to_f64() == 0.0 { Number::of(0.0) } else { *to };
-    }
-    quotient
+    rest.mul(inverse).where_not_zero(inverse)
 }
 
 /// `a - b`

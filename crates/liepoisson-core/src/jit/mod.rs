@@ -1,0 +1,216 @@
+//! Code that is compiled when the program runs: on x86-64 under Linux, for AVX2 and AVX-512.
+//!
+//! What is compiled is recorded from the code that runs otherwise ([`Recorded`]), so it has the same bits: there is no second formula.
+//! Orders of a series that differ only in how far it has come share one piece of code ([`shape`]), in which sums of products are
+//! loops: unrolled for all orders the code of a double pendulum would have some 100 KB, and the cache of instructions has 32.
+//!
+//! The code is a function of integers that are compared with the size of the memory when it is made. Numbers of users are data, in
+//! pages that are not executable.
+
+mod assembler;
+mod constants;
+mod emit;
+mod memory;
+mod shape;
+
+pub(crate) use memory::Functions;
+
+use crate::lanes::recorded::Recording;
+use crate::lanes::{Instructions, Lane};
+use assembler::Assembler;
+use constants::Constants;
+use emit::{Arguments, emit};
+use memory::{PAGE, Pages, caller};
+use shape::{Order, Shape, count_bases, reads};
+
+/// What is recorded for one order of a series, or for a function.
+pub(crate) struct Source {
+    pub(crate) recording: Recording,
+    /// Number of the order.
+    pub(crate) k: usize,
+    /// Registers of the memory from which others are counted, beside the first.
+    pub(crate) bases: [usize; 3],
+}
+
+/// Compiled code for some orders.
+#[derive(Debug)]
+pub(crate) struct Code {
+    instructions: Instructions,
+    /// Registers of the memory that it works on.
+    registers: usize,
+    pages: Pages,
+    orders: Vec<Entry>,
+}
+
+/// The piece that completes an order.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// Its first byte.
+    at: usize,
+    /// Its own constants.
+    constants: usize,
+    order: Order,
+}
+
+impl Code {
+    /// Code for registers `V` that does, order by order, what was recorded with memory of so many registers. What it leaves there is
+    /// what another order reads or `is_wanted` names. None where it cannot be compiled, or where the system refuses memory for it.
+    pub(crate) fn new<V: Lane, F: Functions>(
+        registers: usize,
+        sources: &[Source],
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Option<Code> {
+        let instructions = V::INSTRUCTIONS?;
+        let mut is_kept: Vec<bool> = (0..registers).map(is_wanted).collect();
+        for source in sources {
+            is_kept.iter_mut().zip(reads(&source.recording)?).for_each(|(is_kept, is_read)| *is_kept |= is_read);
+        }
+        let mut shapes: Vec<Shape> = vec![];
+        for &Source { ref recording, k, bases: [a, b, c] } in sources {
+            let mut shape = Some(Shape::new(recording, Order { k, bases: [0, a, b, c] }, &is_kept)?);
+            // the last shapes are the likely ones
+            for known in shapes.iter_mut().rev() {
+                shape = shape.and_then(|shape| known.merge(shape));
+            }
+            shapes.extend(shape);
+        }
+        let (mut assembler, mut constants) = (Assembler::new(instructions), Constants::new(instructions));
+        let mut orders = vec![];
+        for shape in &shapes {
+            if !shape.fits(registers) {
+                return None;
+            }
+            assembler.align();
+            let at = assembler.code.len();
+            emit(shape, &mut constants, caller::<V, F>(), &mut assembler)?;
+            let starts = constants.end_piece(shape.orders.len());
+            orders.extend(shape.orders.iter().zip(starts).map(|(&order, constants)| Entry { at, constants, order }));
+        }
+        orders.sort_by_key(|entry| entry.order.k);
+        let pages = Pages::new(&constants.into_numbers(PAGE / 8), &assembler.code)?;
+        Some(Code { instructions, registers, pages, orders })
+    }
+
+    /// Runs all orders in turn. False, and nothing that can be relied on, if a number is beyond the limits that the code is made for.
+    ///
+    /// # Panics
+    /// Registers of another kind, or another number of them, than the code was compiled for.
+    #[inline]
+    pub(crate) fn run<V: Lane>(&self, memory: &mut [V]) -> bool {
+        assert!(V::INSTRUCTIONS == Some(self.instructions) && memory.len() == self.registers, "code for other memory");
+        let start = memory.as_mut_ptr();
+        self.orders.iter().all(|entry| {
+            let mut arguments = Arguments {
+                bases: entry.order.bases.map(|base| start as usize + base * size_of::<V>()),
+                constants: self.pages.constant(entry.constants),
+                spilled: 0,
+                counts: count_bases(entry.order.k),
+            };
+            // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
+            // compared all addresses of this order with the number of registers.
+            unsafe { self.pages.run::<V>(entry.at, &mut arguments) }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::recorded::Recorded;
+    use crate::lanes::{Simd, Task, Wide, as_scalars, as_scalars_mut, dispatch};
+
+    const REGISTERS: usize = 2000;
+
+    /// No function.
+    struct Nothing;
+
+    impl Functions for Nothing {
+        fn compute<V: Lane>(_: [u64; 2], x: V) -> [V; 2] {
+            [x; 2]
+        }
+    }
+
+    /// Addresses about those at which displacements become longer, from a fixed base and from moving ones, and more values at a time
+    /// than there are registers.
+    fn code<V: Lane>(memory: &mut [V], k: usize) {
+        let at = |base: usize, more: isize| base.checked_add_signed(more).unwrap();
+        let borders =
+            [-130, -129, -128, -127, -126, -33, -32, -5, -4, -3, -1, 1, 3, 4, 5, 31, 32, 126, 127, 128, 129, 130];
+        let mut sum = V::splat(k as f64);
+        for more in borders {
+            sum = memory[at(k, more)].mul_add(memory[at(k / 2 + 1000, more)], sum.mul(V::splat(0.5)));
+        }
+        for fixed in [0, 1, 3, 4, 5, 126, 127, 128, 129, 255, 256] {
+            sum = sum.sub(memory[fixed].div(memory[at(3 * k, 3)]));
+        }
+        let products: Vec<V> = (0..50).map(|i| memory[i].mul(memory[i + 1])).collect();
+        for i in 0..50 {
+            memory[1700 + i] = products[i].add(products[49 - i].sqrt()).where_not_zero(products[i]);
+        }
+        memory[k] = sum;
+        // what is read and then written, and what is moved
+        memory.swap(1800, 1801);
+    }
+
+    struct Compare;
+
+    impl Task for Compare {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            if V::INSTRUCTIONS.is_none() {
+                return;
+            }
+            let orders = [500, 502, 503, 505];
+            let sources = orders.map(|k| Source {
+                recording: Recorded::record(REGISTERS, |memory| code(memory, k)),
+                k,
+                bases: [k, k / 2, 3 * k],
+            });
+            let mut memory = vec![V::splat(0.0); REGISTERS];
+            for (i, number) in as_scalars_mut(&mut memory).iter_mut().enumerate() {
+                *number = if i % 7 == 0 && i < 50 * V::WIDTH { 0.0 } else { (i as f64 * 0.618).fract() + 0.25 };
+            }
+            let mut compiled = memory.clone();
+            orders.iter().for_each(|&k| code(&mut memory, k));
+            let made = Code::new::<V, Nothing>(REGISTERS, &sources, |_| true).unwrap();
+            assert!(made.orders.iter().all(|entry| entry.at == made.orders[0].at), "one piece of code");
+            assert!(made.run(&mut compiled));
+            for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
+                assert!(x.to_bits() == y.to_bits(), "{x} {y} in register {}", i / V::WIDTH);
+            }
+            // other memory is refused
+            assert!(std::panic::catch_unwind(|| made.run(&mut [V::splat(0.0); REGISTERS - 1])).is_err());
+        }
+    }
+
+    #[test]
+    fn compiled_code_does_what_was_recorded() {
+        for simd in [Simd::Avx2, Simd::Avx512] {
+            dispatch(simd, Compare);
+        }
+    }
+
+    #[test]
+    fn a_loop_that_leaves_the_memory_is_not_compiled() {
+        struct Compile(usize);
+        impl Task for Compile {
+            type Output = ();
+            fn run<V: Wide>(self) {
+                let recording = Recorded::record(20, |memory| {
+                    let mut sums = [Recorded::splat(0.0); 2];
+                    Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], false, self.0);
+                    memory[0] = sums[0];
+                    memory[19] = sums[1];
+                });
+                let source = Source { recording, k: 9, bases: [9, 4, 9] };
+                let is_compiled = Code::new::<V, Nothing>(20, &[source], |_| true).is_some();
+                assert_eq!(is_compiled, V::INSTRUCTIONS.is_some() && self.0 <= 9);
+            }
+        }
+        // one more reads the register 0, which is read and written: it is late; two more leave the memory
+        for count in [1, 8, 9, 10, 11] {
+            dispatch(Simd::widest(), Compile(count));
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! A register that holds no numbers: operations with it are written down, so that one source also says what compiled code does.
+
+use super::sealed::Sealed;
+use super::{Body, Lane};
+use std::cell::RefCell;
+
+/// What a recorded register stands for: the number of an operation.
+pub(crate) type Value = u32;
+
+/// One operation on registers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Operation {
+    /// What this register of the memory held before.
+    Memory(usize),
+    /// The number with these bits in every lane.
+    Constant(u64),
+    Add(Value, Value),
+    Sub(Value, Value),
+    Mul(Value, Value),
+    Div(Value, Value),
+    Sqrt(Value),
+    Abs(Value),
+    /// The code is left where the first is larger than the second in any lane.
+    Limit(Value, Value),
+    /// `a b + c`
+    MulAdd(Value, Value, Value),
+    /// `c - a b`
+    NegMulAdd(Value, Value, Value),
+    /// The first, zero in the lanes where the second is zero.
+    WhereNotZero(Value, Value),
+    /// A function of a register, with two results; what it is only the caller knows.
+    Call([u64; 2], Value),
+    /// The loop of this number.
+    Loop(usize),
+    /// A result of a call or a loop.
+    Result(Value, usize),
+}
+
+impl Operation {
+    /// The same operation on other registers; loops have theirs in [`Loop`].
+    pub(crate) fn map(self, mut to: impl FnMut(Value) -> Value) -> Operation {
+        match self {
+            Operation::Memory(_) | Operation::Constant(_) | Operation::Loop(_) => self,
+            Operation::Add(a, b) => Operation::Add(to(a), to(b)),
+            Operation::Sub(a, b) => Operation::Sub(to(a), to(b)),
+            Operation::Mul(a, b) => Operation::Mul(to(a), to(b)),
+            Operation::Div(a, b) => Operation::Div(to(a), to(b)),
+            Operation::Sqrt(a) => Operation::Sqrt(to(a)),
+            Operation::Abs(a) => Operation::Abs(to(a)),
+            Operation::Limit(a, b) => Operation::Limit(to(a), to(b)),
+            Operation::MulAdd(a, b, c) => Operation::MulAdd(to(a), to(b), to(c)),
+            Operation::NegMulAdd(a, b, c) => Operation::NegMulAdd(to(a), to(b), to(c)),
+            Operation::WhereNotZero(a, b) => Operation::WhereNotZero(to(a), to(b)),
+            Operation::Call(function, a) => Operation::Call(function, to(a)),
+            Operation::Result(a, result) => Operation::Result(to(a), result),
+        }
+    }
+}
+
+/// A loop that adds products to sums; see [`Lane::record_products`].
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Loop {
+    pub(crate) sums: Vec<Value>,
+    pub(crate) left: Vec<Value>,
+    pub(crate) right: Vec<Value>,
+    pub(crate) skips: bool,
+    pub(crate) count: usize,
+}
+
+/// What a piece of code does with its memory.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Recording {
+    pub(crate) operations: Vec<Operation>,
+    pub(crate) loops: Vec<Loop>,
+    /// What each register of the memory holds in the end.
+    pub(crate) memory: Vec<Value>,
+}
+
+thread_local! {
+    static RECORDING: RefCell<Recording> = RefCell::default();
+}
+
+/// A register whose operations are recorded; [`Recorded::record`] is what gives them a meaning.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub(crate) struct Recorded(f64);
+
+impl Recorded {
+    /// What `code` does with memory of so many registers.
+    pub(crate) fn record(registers: usize, code: impl FnOnce(&mut [Recorded])) -> Recording {
+        RECORDING.take();
+        let mut memory: Vec<Recorded> = (0..registers).map(|register| put(Operation::Memory(register))).collect();
+        code(&mut memory);
+        let mut recording = RECORDING.take();
+        recording.memory = memory.into_iter().map(Recorded::value).collect();
+        recording
+    }
+
+    fn value(self) -> Value {
+        self.0.to_bits() as Value
+    }
+}
+
+fn put(operation: Operation) -> Recorded {
+    RECORDING.with_borrow_mut(|recording| {
+        recording.operations.push(operation);
+        Recorded(f64::from_bits(recording.operations.len() as u64 - 1))
+    })
+}
+
+impl Sealed for Recorded {}
+
+impl Lane for Recorded {
+    type Number = f64;
+    const WIDTH: usize = 1;
+    const REGISTERS: usize = 16;
+    const IS_RECORDED: bool = true;
+
+    fn splat(x: f64) -> Self {
+        put(Operation::Constant(x.to_bits()))
+    }
+
+    fn add(self, other: Self) -> Self {
+        put(Operation::Add(self.value(), other.value()))
+    }
+
+    fn sub(self, other: Self) -> Self {
+        put(Operation::Sub(self.value(), other.value()))
+    }
+
+    fn mul(self, other: Self) -> Self {
+        put(Operation::Mul(self.value(), other.value()))
+    }
+
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        put(Operation::MulAdd(self.value(), factor.value(), addend.value()))
+    }
+
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        put(Operation::NegMulAdd(self.value(), factor.value(), addend.value()))
+    }
+
+    fn abs(self) -> Self {
+        put(Operation::Abs(self.value()))
+    }
+
+    fn outline<B: Body>(body: B) {
+        body.run();
+    }
+
+    fn div(self, other: Self) -> Self {
+        put(Operation::Div(self.value(), other.value()))
+    }
+
+    fn sqrt(self) -> Self {
+        put(Operation::Sqrt(self.value()))
+    }
+
+    fn where_not_zero(self, other: Self) -> Self {
+        put(Operation::WhereNotZero(self.value(), other.value()))
+    }
+
+    fn as_scalars(&self) -> &[f64] {
+        unreachable!("a recorded register holds no numbers")
+    }
+
+    fn as_scalars_mut(&mut self) -> &mut [f64] {
+        unreachable!("a recorded register holds no numbers")
+    }
+
+    fn record_call(function: [u64; 2], x: Self) -> Option<[Self; 2]> {
+        let call = put(Operation::Call(function, x.value())).value();
+        Some([0, 1].map(|result| put(Operation::Result(call, result))))
+    }
+
+    fn record_limit(self, limit: f64) -> bool {
+        put(Operation::Limit(self.abs().value(), Recorded::splat(limit).value()));
+        true
+    }
+
+    fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], skips: bool, count: usize) -> bool {
+        let values = |registers: &[Self]| registers.iter().map(|register| register.value()).collect();
+        let recorded = Loop { sums: values(sums), left: values(left), right: values(right), skips, count };
+        let number = RECORDING.with_borrow_mut(|recording| {
+            recording.loops.push(recorded);
+            recording.loops.len() - 1
+        });
+        let products = put(Operation::Loop(number)).value();
+        for (result, sum) in sums.iter_mut().enumerate() {
+            *sum = put(Operation::Result(products, result));
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_is_recorded_as_its_operations_and_what_it_leaves() {
+        let recording = Recorded::record(3, |memory| {
+            memory[2] = memory[0].mul_add(memory[1], Recorded::splat(0.5)).where_not_zero(memory[0]);
+        });
+        let done = &recording.operations[3..];
+        assert_eq!(
+            done,
+            [Operation::Constant(0.5_f64.to_bits()), Operation::MulAdd(0, 1, 3), Operation::WhereNotZero(4, 0)]
+        );
+        assert_eq!(recording.memory, [0, 1, 5]);
+    }
+}
