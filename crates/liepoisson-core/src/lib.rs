@@ -30,6 +30,7 @@ pub mod enclosure;
 pub mod ensemble;
 pub mod error;
 pub mod field;
+pub mod formula;
 pub mod fourier;
 pub mod lanes;
 pub mod linear;
