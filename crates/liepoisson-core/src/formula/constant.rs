@@ -52,6 +52,18 @@ impl Constant {
 
 /// The value of an expression without symbols.
 pub(super) fn constant(graph: &Graph, node: Node) -> Constant {
+    if let Some(number) = graph.rational(node) {
+        return Constant::exact(number.clone());
+    }
+    if let Some(known) = graph.constants.borrow().get(&node) {
+        return known.clone();
+    }
+    let value = computed(graph, node);
+    graph.constants.borrow_mut().insert(node, value.clone());
+    value
+}
+
+fn computed(graph: &Graph, node: Node) -> Constant {
     match graph.expression(node) {
         Expression::Number(number) => Constant::exact(number.clone()),
         Expression::Sum { constant: number, terms } => {
@@ -98,6 +110,10 @@ pub(super) fn power(base: &Constant, exponent: &Rational) -> Constant {
         _ if number.is_zero() => Constant::exact(number),
         Some(whole) if base.inexact.is_zero() => Constant::exact(number.power(whole)),
         Some(whole) => Constant::rounded(number.power(whole)),
+        None if exponent.denominator().to_u64() == Some(2) => {
+            let whole = exponent.floor().unwrap_or(0);
+            Constant::rounded(number.power(whole).times(&square_root(&number)))
+        }
         None => Constant::rounded(exponential(&logarithm(&number).times(exponent))),
     }
 }
@@ -129,10 +145,18 @@ fn value_of(function: Function, x: &Rational) -> Rational {
         Function::Atan => angle(x, &Rational::one()),
         Function::Asin | Function::Acos => {
             let rest = Rational::one().plus(&x.times(x).negated());
-            let root = if rest.is_zero() { rest } else { exponential(&logarithm(&rest).times(&half)) };
+            let root = square_root(&rest);
             if function == Function::Asin { angle(x, &root) } else { angle(&root, x) }
         }
     }
+}
+
+/// The root of a number that is not negative.
+fn square_root(x: &Rational) -> Rational {
+    let exponent = x.numerator().bits() as i64 - x.denominator().bits() as i64;
+    let half = BITS - exponent.div_euclid(2);
+    let scaled = x.times(&power_of_two(2 * half)).fixed(0);
+    Rational::scaled(false, scaled.square_root(), 0).times(&power_of_two(-half))
 }
 
 /// `e^x` by its series at `x / 2^k`, squared k times.

@@ -4,8 +4,10 @@
 //! power. What a user has put into brackets as a factor stays one: nothing is multiplied out. Both are sorted by the order in
 //! which their parts were made, which is that of the text, so that no name decides how something is rounded.
 
+use super::constant::Constant;
 use super::measure::{Measure, measure};
 use super::rational::Rational;
+use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 
 /// An expression, by its number in the graph. Its parts have lower numbers.
@@ -99,6 +101,8 @@ pub struct Graph {
     expressions: Vec<Expression>,
     numbers: HashMap<Expression, Node>,
     measures: Vec<Measure>,
+    /// Values of constants that have been asked for.
+    pub(super) constants: RefCell<HashMap<Node, Constant>>,
 }
 
 impl Graph {

@@ -190,6 +190,21 @@ impl Natural {
         result
     }
 
+    /// The largest whole number whose square is not larger: Newton's method from above.
+    pub(super) fn square_root(&self) -> Natural {
+        if self.is_zero() {
+            return Natural::zero();
+        }
+        let mut root = Natural::from_u64(1).shifted_left(self.bits().div_ceil(2));
+        loop {
+            let next = root.plus(&self.divided(&root).0).shifted_right(1);
+            if next >= root {
+                return root;
+            }
+            root = next;
+        }
+    }
+
     /// The factors below 1000 with how often they occur, then what is left of the number.
     pub(super) fn small_factors(&self) -> Vec<(Natural, i64)> {
         let mut factors = vec![];

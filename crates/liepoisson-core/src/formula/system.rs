@@ -242,6 +242,9 @@ impl System {
             for terms in sums.into_values() {
                 let sum = graph.sum(Rational::zero(), &terms);
                 let sum = expanded(graph, sum);
+                if graph.is_zero(sum) {
+                    continue;
+                }
                 if !constant(graph, sum).number().is_zero() || !graph.symbols(sum).is_empty() {
                     let names = self.coordinates();
                     return Err(Refusal::general(format!(
