@@ -3,7 +3,7 @@
 use crate::errors::{broken, translate};
 use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, Refusal, System};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Fields with the names of their components, or scalars.
@@ -39,9 +39,7 @@ fn refused(refusal: &Refusal) -> PyErr {
     Python::attach(|py| {
         let errors = py.import("liepoisson.errors");
         let made = errors.and_then(|errors| match refusal.position {
-            Some(position) => {
-                errors.getattr("ExpressionError")?.call1((&refusal.message, &refusal.text, position))
-            }
+            Some(position) => errors.getattr("ExpressionError")?.call1((&refusal.message, &refusal.text, position)),
             None => errors.getattr("ParameterError")?.call1((&refusal.message,)),
         });
         made.map_or_else(|failure| failure, PyErr::from_value)
@@ -88,6 +86,15 @@ impl TypedSystem {
     /// The field as the record that `liepoisson.compile.field.record_of` makes.
     fn field<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         match run(|| self.0.field())? {
+            Lowered::Top { inertia, a, b, epsilon } => {
+                let record = PyDict::new(py);
+                record.set_item("kind", "top")?;
+                for (name, vector) in [("inertia", inertia), ("a", a), ("b", b)] {
+                    record.set_item(name, PyTuple::new(py, vector)?)?;
+                }
+                record.set_item("epsilon", epsilon)?;
+                Ok(record)
+            }
             Lowered::Quadratic { n_components, constant, linear, quadratic } => {
                 let record = PyDict::new(py);
                 record.set_item("kind", "quadratic")?;

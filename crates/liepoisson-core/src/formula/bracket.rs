@@ -127,12 +127,8 @@ impl Bracket {
         coordinates: Coordinates,
         constants: &[(usize, usize, usize, String)],
     ) -> Result<Bracket, Refusal> {
-        let entry = |(i, j, k, c): &(usize, usize, usize, String)| Entry {
-            i: *i,
-            j: *j,
-            m: Some(*k),
-            c: format!("-({c})"),
-        };
+        let entry =
+            |(i, j, k, c): &(usize, usize, usize, String)| Entry { i: *i, j: *j, m: Some(*k), c: format!("-({c})") };
         Bracket::new(coordinates, constants.iter().map(entry).collect())
     }
 

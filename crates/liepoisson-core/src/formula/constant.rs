@@ -3,7 +3,8 @@
 //! Rational numbers stay exact. Irrational ones are rounded; a sum in which nothing but what was rounded off is left, measured by
 //! its own terms, is zero.
 
-use super::graph::{Expression, Function, Graph, Node};
+use super::elementary::Function;
+use super::graph::{Expression, Graph, Node};
 use super::natural::Natural;
 use super::rational::Rational;
 
@@ -75,9 +76,7 @@ fn computed(graph: &Graph, node: Node) -> Constant {
             .map(|(base, exponent)| power(&constant(graph, *base), exponent))
             .fold(Constant::exact(Rational::one()), |product, factor| product.times(&factor)),
         Expression::Pi => Constant::rounded(circle_number()),
-        Expression::Function(function, of) => {
-            Constant::rounded(value_of(*function, &constant(graph, *of).number()))
-        }
+        Expression::Function(function, of) => Constant::rounded(value_of(*function, &constant(graph, *of).number())),
         Expression::Angle(y, x) => {
             let [y, x] = [y, x].map(|&part| constant(graph, part).number());
             Constant::rounded(angle(&y, &x))
@@ -190,7 +189,7 @@ fn logarithm(x: &Rational) -> Rational {
 }
 
 /// A double as it is.
-fn double(value: f64) -> Rational {
+pub(super) fn double(value: f64) -> Rational {
     let mut exponent = 0;
     let mut mantissa = value;
     while mantissa.fract() != 0.0 {

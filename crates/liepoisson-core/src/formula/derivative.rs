@@ -1,6 +1,7 @@
 //! Exact derivatives.
 
-use super::graph::{Expression, Function, Graph, Node};
+use super::elementary::Function;
+use super::graph::{Expression, Graph, Node};
 use super::rational::Rational;
 use std::collections::HashMap;
 

@@ -56,9 +56,8 @@ struct Token {
 pub(super) fn parse(text: &str) -> Result<Tree, Refusal> {
     let length = text.chars().count();
     if length > MAX_CHARACTERS {
-        let message = format!(
-            "a formula must have at most {MAX_CHARACTERS} characters; got {length}. Use vectors to shorten it"
-        );
+        let message =
+            format!("a formula must have at most {MAX_CHARACTERS} characters; got {length}. Use vectors to shorten it");
         return Err(Refusal::new(message, text, 0));
     }
     let mut parser = Parser { text, tokens: tokens(text)?, next: 0, nesting: 0 };

@@ -4,7 +4,8 @@
 //! their values as doubles, computed from the smallest parts up. The bounds are those of the package in Python, whose algebra
 //! has to expand what it compares.
 
-use super::graph::{Expression, Function, Graph, Node};
+use super::elementary::Function;
+use super::graph::{Expression, Graph, Node};
 use super::measure::{Measure, NOT_REAL, value_of};
 use super::rational::Rational;
 
@@ -41,8 +42,10 @@ impl<'g> Arithmetic<'g> {
     /// The sum of signed terms.
     pub(super) fn sum(&mut self, terms: &[(Node, bool)]) -> Refused<Node> {
         self.spend(terms.len() as u64)?;
-        let signed: Vec<_> =
-            terms.iter().map(|&(node, is_negative)| (node, Rational::integer(if is_negative { -1 } else { 1 }))).collect();
+        let signed: Vec<_> = terms
+            .iter()
+            .map(|&(node, is_negative)| (node, Rational::integer(if is_negative { -1 } else { 1 })))
+            .collect();
         let sum = self.graph.sum(Rational::zero(), &signed);
         self.checked(sum)
     }
@@ -173,9 +176,7 @@ impl<'g> Arithmetic<'g> {
             ));
         }
         if measure.depth > MAX_DEPTH {
-            return Err(format!(
-                "a formula must be nested at most {MAX_DEPTH} operations deep; this part is deeper"
-            ));
+            return Err(format!("a formula must be nested at most {MAX_DEPTH} operations deep; this part is deeper"));
         }
         Ok(node)
     }
@@ -206,9 +207,7 @@ impl<'g> Arithmetic<'g> {
             if factors.iter().any(|&(node, _)| is_logarithm(node))
                 && !factors.iter().filter(|&&(node, _)| !is_logarithm(node)).any(varies)
             {
-                return Err(
-                    "exp of a multiple of log must be written as a power: x^3 for exp(3*log(x))".to_owned()
-                );
+                return Err("exp of a multiple of log must be written as a power: x^3 for exp(3*log(x))".to_owned());
             }
         }
         Ok(())
@@ -239,8 +238,5 @@ fn check_bits(bits: u64, limit: u64) -> Refused<()> {
     if bits <= limit {
         return Ok(());
     }
-    Err(format!(
-        "a number must have at most about {} digits; this one would have more",
-        (limit as f64 * 0.301) as u64
-    ))
+    Err(format!("a number must have at most about {} digits; this one would have more", (limit as f64 * 0.301) as u64))
 }

@@ -1,7 +1,8 @@
 //! Expressions in coordinates as instructions: each once, constants rounded once, products shared.
 
 use super::constant::{Constant, constant};
-use super::graph::{Expression, Function, Graph, Node};
+use super::elementary::Function;
+use super::graph::{Expression, Graph, Node};
 use super::products::{Factor, Made, Shared, shared};
 use super::rational::Rational;
 use super::refusal::Refusal;

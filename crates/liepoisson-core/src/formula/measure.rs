@@ -1,6 +1,7 @@
 //! How large an expression is, and the values of constants as doubles.
 
-use super::graph::{Expression, Function, Graph, Node};
+use super::elementary::Function;
+use super::graph::{Expression, Graph, Node};
 use super::rational::Rational;
 
 /// A constant that is not finite and real.
@@ -148,14 +149,15 @@ fn of_power(base: &Measure, exponent: &Rational) -> Measure {
         return base.clone();
     }
     let value = base.value.and_then(|value| {
-        value.map(|base| {
-            let value = libm::pow(base, exponent.to_f64());
-            match value {
-                _ if value.is_nan() || base == 0.0 && value.is_infinite() => Err(NOT_REAL),
-                _ => finite(value),
-            }
-        })
-        .transpose()
+        value
+            .map(|base| {
+                let value = libm::pow(base, exponent.to_f64());
+                match value {
+                    _ if value.is_nan() || base == 0.0 && value.is_infinite() => Err(NOT_REAL),
+                    _ => finite(value),
+                }
+            })
+            .transpose()
     });
     let functions = base.functions + u32::from(base.functions > 0 && !exponent.is_integer());
     let depth = base.depth + 1;

@@ -7,6 +7,7 @@ mod bracket;
 mod cancellation;
 mod constant;
 mod derivative;
+mod elementary;
 mod expand;
 mod grammar;
 mod graph;
@@ -24,6 +25,7 @@ mod scope;
 mod system;
 mod tensors;
 mod text;
+mod top;
 
 pub use bracket::{Bracket, Entry};
 pub use grammar::MAX_CHARACTERS;

@@ -5,7 +5,8 @@
 //! zero where a term is beyond the range of numbers. Likewise `sinh u / cosh u` is a hyperbolic tangent.
 
 use super::expand::expanded;
-use super::graph::{Expression, Function, Graph, Node};
+use super::elementary::Function;
+use super::graph::{Expression, Graph, Node};
 use super::rational::Rational;
 use std::collections::{BTreeMap, HashMap};
 

@@ -92,13 +92,7 @@ impl Reading<'_> {
     fn entry(&self, scalars: &mut Arithmetic, parameter: usize, entry: usize) -> Result<Node, Refusal> {
         let parameter = &self.scope.parameters[parameter];
         match &parameter.values {
-            Some(values) if self.insert_values => {
-                let nothing = Scope::without_names();
-                let reading = Reading { text: "", scope: &nothing, insert_values: true, angles: false };
-                reading.scalar(scalars.graph, &values[entry]).map_err(|refusal| {
-                    Refusal::general(format!("{} must be a number; {}.", parameter.name, refusal.message))
-                })
-            }
+            Some(values) if self.insert_values => number(scalars.graph, &parameter.name, &values[entry]),
             _ => Ok(scalars.graph.symbol(parameter.first + entry)),
         }
     }
@@ -111,8 +105,7 @@ impl Reading<'_> {
         for ((term, _), (_, _, position)) in terms.iter().zip(parts) {
             let first = &terms[0].0;
             if term.shape() != first.shape() {
-                let message =
-                    format!("terms of a sum must have one shape; got {} and {}", first.kind(), term.kind());
+                let message = format!("terms of a sum must have one shape; got {} and {}", first.kind(), term.kind());
                 return Err(self.refusal(message, *position));
             }
         }
@@ -223,13 +216,20 @@ impl Reading<'_> {
     }
 }
 
+/// The value of an entry of the parameter `name`, a formula without names.
+pub(super) fn number(graph: &mut Graph, name: &str, tree: &Tree) -> Result<Node, Refusal> {
+    let nothing = Scope::without_names();
+    let reading = Reading { text: "", scope: &nothing, insert_values: true, angles: false };
+    let refused = |refusal: Refusal| Refusal::general(format!("{name} must be a number; {}.", refusal.message));
+    reading.scalar(graph, tree).map_err(refused)
+}
+
 fn as_divisor(value: &Value) -> Refused<Node> {
     match value {
         Value::Scalar(node) => Ok(*node),
-        Value::Vector(_) => Err(format!(
-            "a divisor must be a scalar; got {}. Write inv(I)*l for l1/I1, l2/I2, ...",
-            value.kind()
-        )),
+        Value::Vector(_) => {
+            Err(format!("a divisor must be a scalar; got {}. Write inv(I)*l for l1/I1, l2/I2, ...", value.kind()))
+        }
         Value::Matrix(_) => Err(format!("a divisor must be a scalar; got {}. Write inv(M)*v", value.kind())),
     }
 }

@@ -1,7 +1,9 @@
 //! The names that a formula may use: coordinates, parameters with their values, symbols without.
 
 use super::grammar::{Tree, parse};
+use super::graph::Graph;
 use super::names::{MAX_NAME, is_identifier, is_reserved, quoted};
+use super::reader::number;
 use super::refusal::{Refusal, did_you_mean};
 use std::collections::HashMap;
 
@@ -107,10 +109,12 @@ impl Scope {
     pub fn new(coordinates: Coordinates, given: &[(String, Given)], declared: &[String]) -> Result<Scope, Refusal> {
         let symbols = coordinates.names();
         let n_coordinates = symbols.len();
-        let mut scope =
-            Scope { coordinates, symbols, n_coordinates, parameters: vec![], components: HashMap::new() };
+        let mut scope = Scope { coordinates, symbols, n_coordinates, parameters: vec![], components: HashMap::new() };
         for (name, value) in given {
             let values = read_values(name, value)?;
+            for tree in &values {
+                number(&mut Graph::new(0), name, tree)?;
+            }
             scope.add(name, value.shape(), Some(values))?;
         }
         for text in declared {
@@ -310,9 +314,8 @@ fn read_values(name: &str, value: &Given) -> Result<Vec<Tree>, Refusal> {
         )));
     }
     let read = |text: &str| {
-        parse(text).map_err(|refusal| {
-            Refusal::general(format!("{name} must be a number; got {}: {refusal}", quoted(text)))
-        })
+        parse(text)
+            .map_err(|refusal| Refusal::general(format!("{name} must be a number; got {}: {refusal}", quoted(text))))
     };
     value.entries().into_iter().map(read).collect()
 }

@@ -13,9 +13,10 @@ use super::rational::Rational;
 use super::reader::Reading;
 use super::refusal::Refusal;
 use super::scope::{Given, Scope};
+use super::top;
 use crate::choice::AnyField;
 use crate::error::Error;
-use crate::field::{Functions, Quadratic, Tape};
+use crate::field::{Functions, Quadratic, Tape, Top};
 use std::collections::BTreeMap;
 
 /// Expressions that a system may be made of.
@@ -24,6 +25,17 @@ const MOST_EXPRESSIONS: usize = 1_000_000;
 /// A field as plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lowered {
+    /// The charged or twisted top.
+    Top {
+        /// The moments of inertia.
+        inertia: [f64; 3],
+        /// The centre of mass.
+        a: [f64; 3],
+        /// The centre of charge.
+        b: [f64; 3],
+        /// The strength of the cocycle.
+        epsilon: f64,
+    },
     /// A field of degree two, by its entries.
     Quadratic {
         /// Components of the state.
@@ -46,6 +58,7 @@ impl Lowered {
     /// What the field says.
     pub fn field(self) -> Result<AnyField, Error> {
         match self {
+            Lowered::Top { inertia, a, b, epsilon } => Top::new(inertia, a, b, epsilon).map(AnyField::Top),
             Lowered::Quadratic { n_components, constant, linear, quadratic } => {
                 Quadratic::new(n_components, &constant, &linear, &quadratic).map(AnyField::Quadratic)
             }
@@ -308,13 +321,20 @@ impl System {
                 }
             }
         }
-        let (mut of_degree_0, mut linear, mut quadratic) = (vec![], vec![], vec![]);
-        for ((row, monomial), terms) in sums {
+        let mut exact = top::Terms::new();
+        for (key, terms) in sums {
             let sum = graph.sum(Rational::zero(), &terms);
-            let number = coefficient(&constant(graph, sum).number())?;
-            if number == 0.0 {
-                continue;
+            let number = constant(graph, sum).number();
+            if !number.is_zero() {
+                exact.insert(key, number);
             }
+        }
+        if let Some(top::Parameters { inertia, a, b, epsilon }) = self.top(graph, &exact, terms) {
+            return Ok(Some(Lowered::Top { inertia, a, b, epsilon }));
+        }
+        let (mut of_degree_0, mut linear, mut quadratic) = (vec![], vec![], vec![]);
+        for ((row, monomial), number) in exact {
+            let number = coefficient(&number)?;
             match monomial[..] {
                 [] => of_degree_0.push((row, number)),
                 [j] => linear.push((row, j, number)),
@@ -323,6 +343,17 @@ impl System {
             }
         }
         Ok(Some(Lowered::Quadratic { n_components: self.n(), constant: of_degree_0, linear, quadratic }))
+    }
+
+    /// The top that has these equations.
+    fn top(&self, graph: &Graph, equations: &top::Terms, terms: &Terms) -> Option<top::Parameters> {
+        if self.n() != 9 {
+            return None;
+        }
+        // {alpha1, alpha2} = -epsilon beta3
+        let of_alpha = terms.iter().find(|term| (term.0, term.1, term.2) == (3, 4, Some(8)));
+        let strength = of_alpha.map(|term| constant(graph, term.3).number().negated());
+        top::recognised(equations, &strength.unwrap_or_else(Rational::zero))
     }
 }
 

@@ -78,15 +78,14 @@ impl Arithmetic<'_> {
 
     /// A scalar times a value.
     pub(super) fn scaled(&mut self, scalar: Node, value: &Value) -> Refused<Value> {
-        let entries = value.entries().into_iter().map(|entry| self.product(&[scalar, entry])).collect::<Refused<_>>()?;
+        let entries =
+            value.entries().into_iter().map(|entry| self.product(&[scalar, entry])).collect::<Refused<_>>()?;
         Ok(value.with(entries))
     }
 
     /// A matrix times a vector or a matrix.
     pub(super) fn product_of(&mut self, left: &Value, right: &Value) -> Refused<Value> {
-        let no_meaning = |hint: &str| {
-            Err(format!("{} times {} has no meaning; {hint}", left.kind(), right.kind()))
-        };
+        let no_meaning = |hint: &str| Err(format!("{} times {} has no meaning; {hint}", left.kind(), right.kind()));
         let Value::Matrix(rows) = left else {
             let is_vector = matches!(right, Value::Vector(_));
             return no_meaning(if is_vector {
@@ -126,9 +125,7 @@ impl Arithmetic<'_> {
             return Err(format!("{function} takes {wanted}; got {} arguments", arguments.len()));
         }
         match (function, arguments) {
-            ("dot", [Value::Vector(u), Value::Vector(v)]) if u.len() == v.len() => {
-                Ok(Value::Scalar(self.inner(u, v)?))
-            }
+            ("dot", [Value::Vector(u), Value::Vector(v)]) if u.len() == v.len() => Ok(Value::Scalar(self.inner(u, v)?)),
             ("cross", [Value::Vector(u), Value::Vector(v)]) if u.len() == 3 && v.len() == 3 => {
                 let minors = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
                     let positive = self.product(&[u[i], v[j]])?;
@@ -247,9 +244,7 @@ fn rational_inverse(mut rows: Vec<Vec<Rational>>) -> Refused<Vec<Vec<Rational>>>
     let n = rows.len();
     let longest = rows.iter().flatten().map(Rational::bits).max().unwrap_or(0);
     if n as u64 * longest > 1000 * MAX_INVERSE {
-        return Err(format!(
-            "a matrix must be smaller to be inverted; got {n} x {n} with numbers of {longest} bits"
-        ));
+        return Err(format!("a matrix must be smaller to be inverted; got {n} x {n} with numbers of {longest} bits"));
     }
     for (i, row) in rows.iter_mut().enumerate() {
         row.extend((0..n).map(|j| Rational::integer(i64::from(i == j))));

@@ -1,6 +1,6 @@
 //! Expressions as texts in the grammar.
 
-use super::graph::{Expression, Function, Graph, Node};
+use super::graph::{Expression, Graph, Node};
 use super::rational::Rational;
 
 impl Graph {
@@ -30,8 +30,11 @@ impl Graph {
                 text
             }
             Expression::Product(factors) => {
-                let over: Vec<String> =
-                    factors.iter().filter(|(_, e)| !e.is_negative()).map(|(b, e)| self.power_shown(*b, e, names)).collect();
+                let over: Vec<String> = factors
+                    .iter()
+                    .filter(|(_, e)| !e.is_negative())
+                    .map(|(b, e)| self.power_shown(*b, e, names))
+                    .collect();
                 let under: Vec<String> = factors
                     .iter()
                     .filter(|(_, e)| e.is_negative())
@@ -81,22 +84,4 @@ impl Graph {
 
 fn fraction(number: &Rational) -> String {
     if number.is_integer() && !number.is_negative() { number.to_string() } else { format!("({number})") }
-}
-
-impl Function {
-    /// Its name in the grammar.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Function::Exp => "exp",
-            Function::Log => "log",
-            Function::Sin => "sin",
-            Function::Cos => "cos",
-            Function::Sinh => "sinh",
-            Function::Cosh => "cosh",
-            Function::Tanh => "tanh",
-            Function::Asin => "asin",
-            Function::Acos => "acos",
-            Function::Atan => "atan",
-        }
-    }
 }
