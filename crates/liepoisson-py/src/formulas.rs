@@ -59,7 +59,7 @@ pub(crate) struct TypedSystem(System);
 
 #[pymethods]
 impl TypedSystem {
-    /// A system: the names of its coordinates, the terms of its bracket, a formula, values and declarations of parameters.
+    /// A system: the names of its coordinates, the terms of its bracket, which has been checked, a formula, values and declarations of parameters.
     #[new]
     fn new(
         names: Names,
@@ -75,7 +75,7 @@ impl TypedSystem {
         let entries = terms.into_iter().map(|(i, j, m, c)| Entry { i, j, m, c }).collect();
         let parameters: Vec<(String, Given)> =
             parameters.into_iter().map(|(name, texts)| (name, texts.into())).collect();
-        run(|| System::new(Bracket::new(coordinates, entries)?, hamiltonian, &parameters, &declared)).map(TypedSystem)
+        run(|| System::new(Bracket::known(coordinates, entries)?, hamiltonian, &parameters, &declared)).map(TypedSystem)
     }
 
     /// The equations of motion as texts.

@@ -6,6 +6,8 @@ use super::scope::Coordinates;
 /// Degrees of freedom, fields and coordinates at most.
 const MOST: usize = 100;
 
+const MOST_COORDINATES: usize = 10_000;
+
 /// Coordinates of a bracket that is checked for Jacobi's identity.
 const MOST_CHECKED: usize = 40;
 
@@ -37,8 +39,17 @@ impl Bracket {
     /// # Errors
     /// A coordinate that is not there, or a term of a pair that is not in order.
     pub fn new(coordinates: Coordinates, entries: Vec<Entry>) -> Result<Bracket, Refusal> {
+        check_count(coordinates.names().len(), "coordinates", MOST_CHECKED)?;
+        Ok(Bracket { is_known: false, ..Bracket::known(coordinates, entries)? })
+    }
+
+    /// The same for a bracket whose Jacobi identity is known to hold.
+    ///
+    /// # Errors
+    /// As [`Bracket::new`].
+    pub fn known(coordinates: Coordinates, entries: Vec<Entry>) -> Result<Bracket, Refusal> {
         let n = coordinates.names().len();
-        check_count(n, "coordinates", MOST_CHECKED)?;
+        check_count(n, "coordinates", MOST_COORDINATES)?;
         for Entry { i, j, m, .. } in &entries {
             if i >= j || *j >= n || m.is_some_and(|m| m >= n) {
                 return Err(Refusal::general(format!(
@@ -47,7 +58,7 @@ impl Bracket {
                 )));
             }
         }
-        Ok(Bracket { coordinates, entries, is_known: false })
+        Ok(Bracket { coordinates, entries, is_known: true })
     }
 
     /// The canonical bracket `{q_i, p_j} = delta_ij` of so many degrees of freedom: vectors `q` and `p`.

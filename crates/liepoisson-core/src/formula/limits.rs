@@ -187,7 +187,8 @@ impl<'g> Arithmetic<'g> {
             let shown = self.graph.shown(exponent, &[]);
             return Err(format!("an exponent must be a rational number or a symbol; got {shown}"));
         }
-        for number in self.graph.numbers_in(exponent) {
+        let number = self.graph.rational(exponent).cloned();
+        for number in number.map_or_else(|| self.graph.numbers_in(exponent), |number| vec![number]) {
             if number.size() > Rational::integer(MAX_EXPONENT) {
                 return Err(format!(
                     "an exponent must be between -{MAX_EXPONENT} and {MAX_EXPONENT}; got one that is not"

@@ -4,8 +4,8 @@
 //! `c_i e^(u_i)` and all `c_i > 0`, `e^(u_i) / D` is one over the sum of `c_j e^(u_j - u_i)`, which is right to all digits, or
 //! zero where a term is beyond the range of numbers. Likewise `sinh u / cosh u` is a hyperbolic tangent.
 
-use super::expand::expanded;
 use super::elementary::Function;
+use super::expand::expanded;
 use super::graph::{Expression, Graph, Node};
 use super::rational::Rational;
 use std::collections::{BTreeMap, HashMap};

@@ -6,6 +6,9 @@
 
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
+/// Pairs of factors that are looked at; of more, only equal products are shared.
+const MOST_PAIRS: usize = 500_000;
+
 /// A factor: its number, and whether it divides.
 pub(super) type Factor = (usize, bool);
 
@@ -39,9 +42,12 @@ pub(super) fn shared(n_factors: usize, products: &[Vec<Factor>]) -> Shared {
         made: vec![],
         known: BTreeMap::new(),
     };
+    let n_pairs: usize = products.iter().map(|factors| factors.len() * factors.len() / 2).sum();
     for k in 0..products.len() {
         sharing.products[k].sort_unstable();
-        sharing.enter(k);
+        if n_pairs <= MOST_PAIRS {
+            sharing.enter(k);
+        }
     }
     while let Some((count, std::cmp::Reverse(pair))) = sharing.heap.pop() {
         let places = sharing.places.get(&pair).map_or(0, BTreeSet::len);
@@ -133,8 +139,17 @@ impl Sharing {
     fn finish(&mut self, product: usize) -> usize {
         let factors = self.products[product].clone();
         let mut whole = |divides: bool| {
-            let own = factors.iter().filter(|factor| factor.1 == divides).map(|factor| factor.0);
-            own.reduce(|a, b| self.make(Made::Product(a.min(b), a.max(b))))
+            let mut own: Vec<usize> =
+                factors.iter().filter(|factor| factor.1 == divides).map(|factor| factor.0).collect();
+            // two by two, so that long products are not nested as deep as they are long
+            while own.len() > 1 {
+                let join = |pair: &[usize]| match *pair {
+                    [a, b] => self.make(Made::Product(a.min(b), a.max(b))),
+                    _ => pair[0],
+                };
+                own = own.chunks(2).map(join).collect();
+            }
+            own.first().copied()
         };
         match (whole(false), whole(true)) {
             (Some(over), Some(under)) => self.make(Made::Quotient(over, under)),

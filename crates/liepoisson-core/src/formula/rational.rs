@@ -3,10 +3,14 @@
 use super::natural::Natural;
 use std::cmp::Ordering;
 use std::fmt;
+use std::sync::Arc;
 
 /// A rational number in lowest terms.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Rational {
+pub struct Rational(Arc<Parts>);
+
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct Parts {
     negative: bool,
     numerator: Natural,
     /// Not zero.
@@ -14,23 +18,28 @@ pub struct Rational {
 }
 
 impl Rational {
+    /// Numerator and denominator without a common factor.
+    fn of(negative: bool, numerator: Natural, denominator: Natural) -> Rational {
+        let negative = negative && !numerator.is_zero();
+        Rational(Arc::new(Parts { negative, numerator, denominator }))
+    }
+
     fn new(negative: bool, numerator: Natural, denominator: Natural) -> Rational {
         let divisor = numerator.greatest_common_divisor(&denominator);
-        let negative = negative && !numerator.is_zero();
         if divisor.is_one() {
-            return Rational { negative, numerator, denominator };
+            return Rational::of(negative, numerator, denominator);
         }
-        Rational { negative, numerator: numerator.divided(&divisor).0, denominator: denominator.divided(&divisor).0 }
+        Rational::of(negative, numerator.divided(&divisor).0, denominator.divided(&divisor).0)
     }
 
     /// A whole number.
     pub fn integer(value: i64) -> Rational {
         let (numerator, denominator) = (Natural::from_u64(value.unsigned_abs()), Natural::from_u64(1));
-        Rational { negative: value < 0, numerator, denominator }
+        Rational::of(value < 0, numerator, denominator)
     }
 
     pub(super) fn whole(value: Natural) -> Rational {
-        Rational { negative: false, numerator: value, denominator: Natural::from_u64(1) }
+        Rational::of(false, value, Natural::from_u64(1))
     }
 
     /// Zero.
@@ -58,7 +67,7 @@ impl Rational {
         if exponent < 0 {
             Rational::new(false, mantissa, power)
         } else {
-            Rational { negative: false, numerator: mantissa.times(&power), denominator: Natural::from_u64(1) }
+            Rational::of(false, mantissa.times(&power), Natural::from_u64(1))
         }
     }
 
@@ -69,100 +78,97 @@ impl Rational {
 
     /// The size times `2^bits`, rounded down.
     pub(super) fn fixed(&self, bits: u64) -> Natural {
-        self.numerator.shifted_left(bits).divided(&self.denominator).0
+        self.0.numerator.shifted_left(bits).divided(&self.0.denominator).0
     }
 
     pub(super) fn numerator(&self) -> &Natural {
-        &self.numerator
+        &self.0.numerator
     }
 
     pub(super) fn denominator(&self) -> &Natural {
-        &self.denominator
+        &self.0.denominator
     }
 
     /// Whether it is zero.
     pub fn is_zero(&self) -> bool {
-        self.numerator.is_zero()
+        self.0.numerator.is_zero()
     }
 
     /// Whether it is one.
     pub fn is_one(&self) -> bool {
-        !self.negative && self.numerator.is_one() && self.denominator.is_one()
+        !self.0.negative && self.0.numerator.is_one() && self.0.denominator.is_one()
     }
 
     /// Whether it is below zero.
     pub fn is_negative(&self) -> bool {
-        self.negative
+        self.0.negative
     }
 
     /// Whether it is a whole number.
     pub fn is_integer(&self) -> bool {
-        self.denominator.is_one()
+        self.0.denominator.is_one()
     }
 
     /// The whole number that it is, if it is one of 32 bits.
     pub fn to_integer(&self) -> Option<i64> {
-        let size = self.numerator.to_u64().filter(|&size| self.is_integer() && size <= u64::from(u32::MAX))? as i64;
-        Some(if self.negative { -size } else { size })
+        let size = self.0.numerator.to_u64().filter(|&size| self.is_integer() && size <= u64::from(u32::MAX))? as i64;
+        Some(if self.0.negative { -size } else { size })
     }
 
     /// The largest whole number that is not above it, if it has 32 bits.
     pub fn floor(&self) -> Option<i64> {
-        let (quotient, rest) = self.numerator.divided(&self.denominator);
+        let (quotient, rest) = self.0.numerator.divided(&self.0.denominator);
         let size = quotient.to_u64().filter(|&size| size <= u64::from(u32::MAX))? as i64;
-        Some(if self.negative { -size - i64::from(!rest.is_zero()) } else { size })
+        Some(if self.0.negative { -size - i64::from(!rest.is_zero()) } else { size })
     }
 
     /// Bits of numerator and denominator together.
     pub fn bits(&self) -> u64 {
-        self.numerator.bits() + self.denominator.bits()
+        self.0.numerator.bits() + self.0.denominator.bits()
     }
 
     /// The sum.
     pub fn plus(&self, other: &Rational) -> Rational {
-        let left = self.numerator.times(&other.denominator);
-        let right = other.numerator.times(&self.denominator);
-        let denominator = self.denominator.times(&other.denominator);
-        if self.negative == other.negative {
-            return Rational::new(self.negative, left.plus(&right), denominator);
+        let left = self.0.numerator.times(&other.0.denominator);
+        let right = other.0.numerator.times(&self.0.denominator);
+        let denominator = self.0.denominator.times(&other.0.denominator);
+        if self.0.negative == other.0.negative {
+            return Rational::new(self.0.negative, left.plus(&right), denominator);
         }
         match left.cmp(&right) {
-            Ordering::Less => Rational::new(other.negative, right.minus(&left), denominator),
-            _ => Rational::new(self.negative, left.minus(&right), denominator),
+            Ordering::Less => Rational::new(other.0.negative, right.minus(&left), denominator),
+            _ => Rational::new(self.0.negative, left.minus(&right), denominator),
         }
     }
 
     /// The product.
     pub fn times(&self, other: &Rational) -> Rational {
-        let negative = self.negative != other.negative;
-        let numerator = self.numerator.times(&other.numerator);
-        Rational::new(negative, numerator, self.denominator.times(&other.denominator))
+        let negative = self.0.negative != other.0.negative;
+        let numerator = self.0.numerator.times(&other.0.numerator);
+        Rational::new(negative, numerator, self.0.denominator.times(&other.0.denominator))
     }
 
     /// The opposite number.
     pub fn negated(&self) -> Rational {
-        Rational { negative: !self.negative && !self.is_zero(), ..self.clone() }
+        Rational::of(!self.0.negative, self.0.numerator.clone(), self.0.denominator.clone())
     }
 
     /// The size.
     pub fn size(&self) -> Rational {
-        Rational { negative: false, ..self.clone() }
+        if self.0.negative { self.negated() } else { self.clone() }
     }
 
     /// One over the number, which is not zero.
     pub fn reciprocal(&self) -> Rational {
         debug_assert!(!self.is_zero());
-        Rational { negative: self.negative, numerator: self.denominator.clone(), denominator: self.numerator.clone() }
+        Rational::of(self.0.negative, self.0.denominator.clone(), self.0.numerator.clone())
     }
 
     /// A whole power; of zero no negative one.
     pub fn power(&self, exponent: i64) -> Rational {
         let times = exponent.unsigned_abs() as u32;
-        let result = Rational {
-            negative: self.negative && times % 2 == 1,
-            numerator: self.numerator.power(times),
-            denominator: self.denominator.power(times),
-        };
+        let negative = self.0.negative && times % 2 == 1;
+        let result = Rational::of(negative, self.0.numerator.power(times), self.0.denominator.power(times));
         if exponent < 0 { result.reciprocal() } else { result }
     }
 
@@ -172,11 +178,11 @@ impl Rational {
             return 0.0;
         }
         // a quotient of 65 or 66 bits, whose last bit says whether a rest is left
-        let shift = 65 - (self.numerator.bits() as i64 - self.denominator.bits() as i64);
+        let shift = 65 - (self.0.numerator.bits() as i64 - self.0.denominator.bits() as i64);
         let (over, under) = if shift >= 0 {
-            (self.numerator.shifted_left(shift as u64), self.denominator.clone())
+            (self.0.numerator.shifted_left(shift as u64), self.0.denominator.clone())
         } else {
-            (self.numerator.clone(), self.denominator.shifted_left(-shift as u64))
+            (self.0.numerator.clone(), self.0.denominator.shifted_left(-shift as u64))
         };
         let (quotient, rest) = over.divided(&under);
         let bits = quotient.bits() as i64;
@@ -191,13 +197,13 @@ impl Rational {
             mantissa += 1;
         }
         let size = power_of_two(mantissa as f64, last);
-        if self.negative { -size } else { size }
+        if self.0.negative { -size } else { size }
     }
 
     /// The root of this order, if it is rational; of a number that is not negative.
     pub(super) fn exact_root(&self, order: u32) -> Option<Rational> {
-        let (numerator, denominator) = (root(&self.numerator, order)?, root(&self.denominator, order)?);
-        Some(Rational { negative: false, numerator, denominator })
+        let (numerator, denominator) = (root(&self.0.numerator, order)?, root(&self.0.denominator, order)?);
+        Some(Rational::of(false, numerator, denominator))
     }
 }
 
@@ -238,7 +244,7 @@ impl PartialOrd for Rational {
 impl Ord for Rational {
     fn cmp(&self, other: &Rational) -> Ordering {
         let difference = self.plus(&other.negated());
-        match (difference.is_zero(), difference.negative) {
+        match (difference.is_zero(), difference.0.negative) {
             (true, _) => Ordering::Equal,
             (_, true) => Ordering::Less,
             _ => Ordering::Greater,
@@ -248,9 +254,9 @@ impl Ord for Rational {
 
 impl fmt::Display for Rational {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let sign = if self.negative { "-" } else { "" };
-        write!(f, "{sign}{}", self.numerator.digits())?;
-        if self.is_integer() { Ok(()) } else { write!(f, "/{}", self.denominator.digits()) }
+        let sign = if self.0.negative { "-" } else { "" };
+        write!(f, "{sign}{}", self.0.numerator.digits())?;
+        if self.is_integer() { Ok(()) } else { write!(f, "/{}", self.0.denominator.digits()) }
     }
 }
 

@@ -148,7 +148,8 @@ impl Reading<'_> {
                 got.kind()
             ));
         };
-        if scalars.graph.symbols(power).iter().any(|&symbol| symbol < self.scope.n_coordinates) {
+        let is_number = scalars.graph.rational(power).is_some();
+        if !is_number && scalars.graph.symbols(power).iter().any(|&symbol| symbol < self.scope.n_coordinates) {
             return Err("an exponent must not depend on the state. Write exp(y*log(x)) for x^y".to_owned());
         }
         scalars.power(node, power).map(Value::Scalar)

@@ -22,6 +22,9 @@ use std::collections::BTreeMap;
 /// Expressions that a system may be made of.
 const MOST_EXPRESSIONS: usize = 1_000_000;
 
+/// Factors in the derivatives of all products.
+const MOST_FACTORS: usize = 1_000_000;
+
 /// A field as plain data.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lowered {
@@ -105,6 +108,9 @@ pub struct System {
 
 /// The terms `(i, j, m, c)` of `{x_i, x_j}` in a graph.
 type Terms = Vec<(usize, usize, Option<usize>, Node)>;
+
+/// The terms `(m, c)` of one pair of coordinates.
+type Row = Vec<(Option<usize>, Node)>;
 
 impl System {
     /// A system; parameters without value are declared, as `epsilon` or `a[3]`.
@@ -236,7 +242,7 @@ impl System {
     /// Refuses structure constants without Jacobi's identity, and constant parts that are no cocycles.
     fn check_jacobi(&self, graph: &mut Graph, terms: &Terms) -> Result<(), Refusal> {
         let n = self.n();
-        let mut brackets: BTreeMap<(usize, usize), Vec<(Option<usize>, Node)>> = BTreeMap::new();
+        let mut brackets: BTreeMap<(usize, usize), Row> = BTreeMap::new();
         for &(i, j, m, c) in terms {
             let opposite = graph.negated(c);
             brackets.entry((i, j)).or_default().push((m, c));
@@ -273,6 +279,14 @@ impl System {
 
     /// The rates of change J grad H.
     fn rates(&self, graph: &mut Graph, energy: Node, terms: &Terms) -> Result<Vec<Node>, Refusal> {
+        let n_factors: usize =
+            graph.reachable(&[energy]).into_iter().map(|node| graph.factors(node).len().pow(2)).sum();
+        if n_factors > MOST_FACTORS {
+            return Err(Refusal::general(format!(
+                "the derivatives of the Hamiltonian must have at most {MOST_FACTORS} factors; they may have {n_factors}. Write \
+                 shorter products."
+            )));
+        }
         let slopes: Vec<Node> = (0..self.n()).map(|k| derivative(graph, energy, k)).collect();
         let mut products: Vec<Vec<Product>> = vec![vec![]; self.n()];
         for &(i, j, m, c) in terms {

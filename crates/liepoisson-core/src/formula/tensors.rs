@@ -219,7 +219,7 @@ impl Arithmetic<'_> {
         let minor: Vec<Vec<Node>> =
             rows.iter().enumerate().filter(|&(p, _)| p != i).map(|(_, row)| others(row)).collect();
         let determinant = self.determinant(&minor)?;
-        if (i + j) % 2 == 0 { Ok(determinant) } else { self.negative(determinant) }
+        if (i + j).is_multiple_of(2) { Ok(determinant) } else { self.negative(determinant) }
     }
 
     fn inner(&mut self, u: &[Node], v: &[Node]) -> Refused<Node> {

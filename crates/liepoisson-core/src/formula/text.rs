@@ -13,47 +13,47 @@ impl Graph {
             Expression::Sum { constant, terms } => {
                 let mut text = String::new();
                 for (term, c) in terms {
-                    let sign = match (text.is_empty(), c.is_negative()) {
-                        (true, false) => "",
-                        (true, true) => "-",
-                        (false, true) => " - ",
-                        (false, false) => " + ",
-                    };
-                    let size = c.size();
-                    let factor = if size.is_one() { String::new() } else { format!("{}*", fraction(&size)) };
-                    text.push_str(&format!("{sign}{factor}{}", self.shown(*term, names)));
+                    text.push_str(sign(c, text.is_empty()));
+                    text.push_str(&self.multiple_shown(*term, &c.size(), names));
                 }
                 if !constant.is_zero() {
-                    let sign = if constant.is_negative() { "-" } else { "+" };
-                    text.push_str(&format!(" {sign} {}", constant.size()));
+                    text.push_str(&format!("{}{}", sign(constant, false), constant.size()));
                 }
                 text
             }
-            Expression::Product(factors) => {
-                let over: Vec<String> = factors
-                    .iter()
-                    .filter(|(_, e)| !e.is_negative())
-                    .map(|(b, e)| self.power_shown(*b, e, names))
-                    .collect();
-                let under: Vec<String> = factors
-                    .iter()
-                    .filter(|(_, e)| e.is_negative())
-                    .map(|(b, e)| format!("/{}", self.power_shown(*b, &e.negated(), names)))
-                    .collect();
-                let over = if over.is_empty() { "1".to_owned() } else { over.join("*") };
-                format!("{over}{}", under.concat())
-            }
+            Expression::Product(_) => self.multiple_shown(node, &Rational::one(), names),
             Expression::Power(base, exponent) => {
-                format!("{}^({})", self.in_brackets(*base, names), self.shown(*exponent, names))
+                format!("{}^{}", self.in_brackets(*base, names), self.in_brackets(*exponent, names))
             }
             Expression::Function(function, of) => format!("{}({})", function.name(), self.shown(*of, names)),
             Expression::Angle(y, x) => format!("atan2({}, {})", self.shown(*y, names), self.shown(*x, names)),
         }
     }
 
+    /// A positive number times an expression that is no sum.
+    fn multiple_shown(&self, node: Node, c: &Rational, names: &[String]) -> String {
+        let (mut over, mut under) = (vec![], vec![]);
+        for (base, exponent) in self.factors(node) {
+            let power = self.power_shown(base, &exponent.size(), names);
+            if exponent.is_negative() { &mut under } else { &mut over }.push(power);
+        }
+        let [numerator, denominator] = [c.numerator(), c.denominator()].map(|part| part.digits());
+        if over.is_empty() || numerator != "1" {
+            over.insert(0, numerator);
+        }
+        if denominator != "1" {
+            under.push(denominator);
+        }
+        let under: String = under.into_iter().map(|power| format!("/{power}")).collect();
+        over.join("*") + &under
+    }
+
     fn power_shown(&self, base: Node, exponent: &Rational, names: &[String]) -> String {
         if *exponent == Rational::fraction(1, 2) {
             return format!("sqrt({})", self.shown(base, names));
+        }
+        if exponent.is_one() && !matches!(self.expression(base), Expression::Sum { .. } | Expression::Number(_)) {
+            return self.shown(base, names);
         }
         let base = self.in_brackets(base, names);
         if exponent.is_one() { base } else { format!("{base}^{}", fraction(exponent)) }
@@ -79,6 +79,15 @@ impl Graph {
             _ => vec![],
         };
         self.reachable(&[node]).into_iter().flat_map(of).collect()
+    }
+}
+
+fn sign(number: &Rational, is_first: bool) -> &'static str {
+    match (is_first, number.is_negative()) {
+        (true, false) => "",
+        (true, true) => "-",
+        (false, true) => " - ",
+        (false, false) => " + ",
     }
 }
 
