@@ -134,9 +134,10 @@ def exponent_case(name, system, starts, tangents, times):
     }
 
 
-def typed_case(name, system, description, equations, start, surface):
-    """A system as a page gives it, against the same one of Python; `surface` is a coordinate, by its number and its name."""
-    start, times, number, end = np.array(start), np.linspace(0, 10, 11), surface[0], 10.0
+def typed_case(name, system, description, start, *, surface, equations=None):
+    """A system as a page gives it, against the same one of Python; `surface` is the name of a coordinate."""
+    start, times, end = np.array(start), np.linspace(0, 10, 11), 10.0
+    number = system.component_names.index(surface)
     exponent_times, tangent = np.array([5.0, 10.0]), np.arange(1.0, len(start) + 1)
     plane = TapeFunction(len(start), (), (number,))
     crossings = section_case(
@@ -146,13 +147,13 @@ def typed_case(name, system, description, equations, start, surface):
     return {
         "name": name,
         "description": description,
-        "equations": [{"name": name, "rate": rate} for name, rate in equations.items()],
+        "equations": [{"name": name, "rate": rate} for name, rate in (equations or {}).items()],
         "start": start.tolist(),
         "times": times.tolist(),
         "state": lp.integrate(system, start, times=times, threads=1).state[0].tolist(),
         "bounds": bounds(system, start, times).tolist(),
         "section": {
-            "surface": surface[1],
+            "surface": surface,
             "end": end,
             **{key: crossings[key] for key in ("count", "time", "state", "bounds")},
         },
@@ -181,9 +182,9 @@ def typed_cases():
                 "bracket": {"name": "canonical", "coordinates": ["x", "y"]},
                 "hamiltonian": "(p_x^2 + p_y^2 + x^2 + y^2)/2 + x^2*y - y^3/3",
             },
-            {"x": "p_x", "y": "p_y", "p_x": "-x - 2*x*y"},
             [0.0, 0.1, 0.35, 0.1],
-            (0, "x"),
+            surface="x",
+            equations={"x": "p_x", "y": "p_y", "p_x": "-x - 2*x*y"},
         ),
         typed_case(
             "twisted top",
@@ -193,9 +194,8 @@ def typed_cases():
                 "hamiltonian": "dot(l, inv(I)*l)/2 + dot(a, alpha)",
                 "parameters": {"I": [2, "3/2", 1], "a": [-1, 0, "1/2"], "epsilon": 0.3},
             },
-            {},
             START,
-            (5, "alpha3"),
+            surface="alpha3",
         ),
         typed_case(
             "double pendulum",
@@ -205,9 +205,8 @@ def typed_cases():
                 "hamiltonian": DOUBLE_PENDULUM,
                 "parameters": {"m": [1, 1], "l": [1, "1"], "g": 1},
             },
-            {},
             [0.5, 0.2, 0.1, -0.3],
-            (0, "theta1"),
+            surface="theta1",
         ),
     ]
 

@@ -111,7 +111,7 @@ test("a formula that is refused says where", async () => {
   refused({ hamiltonian: "p1^2/(2*m)", parameters: { m: "0" } }, "ExpressionError", 4, /must not vanish/);
   refused({ hamiltonian: "p1^2/(2*m)", parameters: { m: "1; alert(1)" } }, "ParameterError", -1, /m must be a number/);
   refused({ hamiltonian: "p1^2/2", bracket: { name: "<img>" } }, "UnknownNameError", -1, /kind of bracket/);
-  refused({ hamiltonian: "x1", bracket: { name: "lie_poisson", fields: { x: ["1", "2", "3"] }, constants: [[0, 1, 0, 1], [1, 2, 0, 1]] } }, "ParameterError", -1, /Jacobi/);
+  refused({ hamiltonian: "x1", bracket: { name: "lie_poisson", fields: { x: ["1", "2", "3"] }, constants: [[0, 1, 0, 1], [1, 2, 1, 1]] } }, "ParameterError", -1, /Jacobi/);
   refused({}, "DescriptionError", -1, /"hamiltonian"/);
   refused({ hamiltonian: `q1^${"9".repeat(1e6)}` }, "ExpressionError", 0, /at most 20000 characters/);
   const pendulum = core.system({ bracket: { name: "canonical", coordinates: ["q"], momenta: ["p"] }, hamiltonian: "p^2/2 - w^2*cos(q)", parameters: { w: 0.5 } });
