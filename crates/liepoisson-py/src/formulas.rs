@@ -1,6 +1,7 @@
 //! Systems that are typed: a bracket, a formula and parameters in, the field as plain data out.
 
 use crate::errors::{broken, translate};
+use liepoisson_core::field::Functions;
 use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, Refusal, System};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -117,7 +118,7 @@ impl TypedSystem {
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
         let lines = run(|| self.0.functions(&texts))?;
         // what the tape itself refuses is refused here
-        lines.clone().functions().map_err(translate)?;
+        Functions::try_from(lines.clone()).map_err(translate)?;
         record_of(py, &lines)
     }
 }
@@ -125,7 +126,7 @@ impl TypedSystem {
 fn record_of<'py>(py: Python<'py>, lines: &Lines) -> PyResult<Bound<'py, PyDict>> {
     let record = PyDict::new(py);
     record.set_item("n_components", lines.n_components)?;
-    record.set_item("instructions", lines.parts())?;
+    record.set_item("instructions", lines.instructions.clone())?;
     record.set_item("outputs", &lines.outputs)?;
     Ok(record)
 }

@@ -17,7 +17,9 @@ mod typed;
 use crate::refusal::{Kind, Refusal};
 use crate::table::{Thing, keep, say};
 use liepoisson_core::analysis::filled;
+use liepoisson_core::choice::AnyField;
 use liepoisson_core::ensemble::Outcome;
+use liepoisson_core::field::Functions;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -165,7 +167,7 @@ pub extern "C" fn lp_system_equations(system: i32) -> i32 {
 /// The field of a system.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_system_field(system: i32) -> i32 {
-    answer(table::system(system).and_then(|system| Ok(Thing::Field(Rc::new(system.field()?.field()?)))))
+    answer(table::system(system).and_then(|system| Ok(Thing::Field(Rc::new(AnyField::try_from(system.field()?)?)))))
 }
 
 /// Functions on the phase space of a system, from their texts.
@@ -175,7 +177,7 @@ pub extern "C" fn lp_system_functions(system: i32, description: i32) -> i32 {
         let (system, description) = (table::system(system)?, table::bytes(description)?);
         let texts = typed::read_texts(&description.borrow())?;
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        Ok(Thing::Functions(Rc::new(system.functions(&texts)?.functions()?)))
+        Ok(Thing::Functions(Rc::new(Functions::try_from(system.functions(&texts)?)?)))
     };
     answer(run())
 }

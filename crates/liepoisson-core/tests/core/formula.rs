@@ -1,5 +1,6 @@
 //! Formulas: the table that Python's reader is tested with, too; fields against difference quotients; laws of brackets.
 
+use liepoisson_core::field::Functions;
 use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, System};
 use proptest::prelude::*;
 
@@ -24,7 +25,7 @@ fn named(given: &[(&str, Given)]) -> Vec<(String, Given)> {
 
 /// Functions or rates of change of the state.
 fn function(lines: Lines) -> impl Fn(&[f64]) -> Vec<f64> {
-    let functions = lines.functions().unwrap();
+    let functions = Functions::try_from(lines).unwrap();
     move |state| {
         let mut values = vec![0.0; functions.n_functions()];
         functions.series(state, &mut vec![], &mut values);
@@ -180,7 +181,7 @@ fn exponentials_beyond_the_range_of_doubles_do_not_spoil_a_field() {
 fn products_that_rates_have_in_common_are_formed_once() {
     let text = "(2*p1^2 + p2^2 - 2*p1*p2*cos(q1 - q2))/(2*(1 + sin(q1 - q2)^2)) - 2*cos(q1) - cos(q2)";
     let lines = tape(&System::new(Bracket::canonical(2).unwrap(), text, &[], &[]).unwrap());
-    let n_of = |wanted: &[&str]| lines.parts().iter().filter(|(name, ..)| wanted.contains(name)).count();
+    let n_of = |wanted: &[&str]| lines.instructions.iter().filter(|(name, ..)| wanted.contains(name)).count();
     // sine and cosine of three angles; s^2, p1^2, p2^2, p1 p2, p1 p2 c; s times p1 p2, c times s: each quotient once
     assert_eq!(n_of(&["sin", "cos"]), 4, "{lines:?}");
     assert!(n_of(&["product", "quotient"]) <= 14, "{lines:?}");

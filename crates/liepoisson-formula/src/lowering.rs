@@ -1,16 +1,18 @@
 //! Expressions in coordinates as instructions: each once, constants rounded once, products shared.
 
 use super::constant::{Constant, constant};
-use super::elementary::Function;
 use super::graph::{Expression, Graph, Node};
 use super::products::{Factor, Made, Shared, shared};
 use super::rational::Rational;
 use super::refusal::Refusal;
-use crate::field::Instruction;
 use std::collections::{BTreeMap, HashMap};
 
 /// Powers up to this one are written as products, which others may share.
 const MOST_FACTORS: i64 = 3;
+
+/// An instruction that writes the next register: its name, the registers that it reads, its numbers, as tapes of the core have
+/// them: of `linear` a coefficient for each register, then the constant.
+pub type Instruction = (&'static str, Vec<usize>, Vec<f64>);
 
 /// Instructions, and the register of each output.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,38 +23,6 @@ pub struct Lines {
     pub instructions: Vec<Instruction>,
     /// The registers of the functions, or of the rates of change.
     pub outputs: Vec<usize>,
-}
-
-impl Lines {
-    /// Of each instruction its name, registers and numbers, as [`Instruction::from_parts`] reads them.
-    pub fn parts(&self) -> Vec<(&'static str, Vec<usize>, Vec<f64>)> {
-        self.instructions.iter().map(parts).collect()
-    }
-}
-
-fn parts(instruction: &Instruction) -> (&'static str, Vec<usize>, Vec<f64>) {
-    let (name, of) = match *instruction {
-        Instruction::Linear { ref terms, constant } => {
-            let (registers, mut numbers): (Vec<usize>, Vec<f64>) = terms.iter().copied().unzip();
-            numbers.push(constant);
-            return ("linear", registers, numbers);
-        }
-        Instruction::Product(a, b) => return ("product", vec![a, b], vec![]),
-        Instruction::Quotient(a, b) => return ("quotient", vec![a, b], vec![]),
-        Instruction::Power(of, exponent) => return ("power", vec![of], vec![exponent]),
-        Instruction::Sqrt(of) => ("sqrt", of),
-        Instruction::Exp(of) => ("exp", of),
-        Instruction::Log(of) => ("log", of),
-        Instruction::Sin(of) => ("sin", of),
-        Instruction::Cos(of) => ("cos", of),
-        Instruction::Sinh(of) => ("sinh", of),
-        Instruction::Cosh(of) => ("cosh", of),
-        Instruction::Tanh(of) => ("tanh", of),
-        Instruction::Asin(of) => ("asin", of),
-        Instruction::Acos(of) => ("acos", of),
-        Instruction::Atan(of) => ("atan", of),
-    };
-    (name, vec![of], vec![])
 }
 
 /// Writes expressions whose symbols are the coordinates `0..n`.
@@ -166,7 +136,7 @@ impl<'g> Writer<'g> {
             Expression::Product(_) => self.linear(&[(node, Rational::one())], Constant::exact(Rational::zero())),
             Expression::Function(function, of) => {
                 let of = self.register(of)?;
-                Ok(self.add(instruction(function)(of)))
+                Ok(self.add((function.name(), vec![of], vec![])))
             }
             Expression::Number(_) | Expression::Pi | Expression::Power(..) | Expression::Angle(..) => {
                 unreachable!("constants are written above, the others have been replaced")
@@ -209,7 +179,11 @@ impl<'g> Writer<'g> {
         let constant = coefficient(&total.number())?;
         match kept[..] {
             [(register, 1.0)] if constant == 0.0 => Ok(register),
-            _ => Ok(self.add(Instruction::Linear { terms: kept, constant })),
+            _ => {
+                let (registers, mut numbers): (Vec<usize>, Vec<f64>) = kept.into_iter().unzip();
+                numbers.push(constant);
+                Ok(self.add(("linear", registers, numbers)))
+            }
         }
     }
 
@@ -223,16 +197,16 @@ impl<'g> Writer<'g> {
             Some(k) => match self.products.made[k] {
                 Made::Product(a, b) => {
                     let (a, b) = (self.factor(a)?, self.factor(b)?);
-                    self.add(Instruction::Product(a, b))
+                    self.add(("product", vec![a, b], vec![]))
                 }
                 Made::Quotient(a, b) => {
                     let (a, b) = (self.factor(a)?, self.factor(b)?);
-                    self.add(Instruction::Quotient(a, b))
+                    self.add(("quotient", vec![a, b], vec![]))
                 }
                 Made::Reciprocal(of) => {
                     let of = self.factor(of)?;
                     let one = self.one()?;
-                    self.add(Instruction::Quotient(one, of))
+                    self.add(("quotient", vec![one, of], vec![]))
                 }
             },
         };
@@ -256,10 +230,10 @@ impl<'g> Writer<'g> {
             return Ok(of);
         }
         if exponent == Rational::fraction(1, 2) {
-            return Ok(self.add(Instruction::Sqrt(of)));
+            return Ok(self.add(("sqrt", vec![of], vec![])));
         }
         let exponent = coefficient(&exponent)?;
-        Ok(self.add(Instruction::Power(of, exponent)))
+        Ok(self.add(("power", vec![of], vec![exponent])))
     }
 }
 
@@ -281,19 +255,4 @@ fn written(base: Node, exponent: &Rational) -> Vec<Power> {
         powers.push((base, Rational::fraction(1, 2)));
     }
     powers
-}
-
-fn instruction(function: Function) -> fn(usize) -> Instruction {
-    match function {
-        Function::Exp => Instruction::Exp,
-        Function::Log => Instruction::Log,
-        Function::Sin => Instruction::Sin,
-        Function::Cos => Instruction::Cos,
-        Function::Sinh => Instruction::Sinh,
-        Function::Cosh => Instruction::Cosh,
-        Function::Tanh => Instruction::Tanh,
-        Function::Asin => Instruction::Asin,
-        Function::Acos => Instruction::Acos,
-        Function::Atan => Instruction::Atan,
-    }
 }

@@ -1,4 +1,4 @@
-//! Formulas: from a text to the field of a bracket, as instructions of a tape or the coefficients of a quadratic field.
+//! From the text of a Hamiltonian to the field of a bracket, as plain data: a tape, the coefficients of a quadratic field, a top.
 //!
 //! A text is read by the [`grammar`](MAX_CHARACTERS), given a meaning by a [`Scope`], and becomes an expression of a graph in which
 //! every one stands once, with exact constants.
@@ -29,7 +29,7 @@ mod top;
 
 pub use bracket::{Bracket, Entry};
 pub use grammar::MAX_CHARACTERS;
-pub use lowering::Lines;
+pub use lowering::{Instruction, Lines};
 pub use rational::Rational;
 pub use refusal::Refusal;
 pub use scope::{Coordinates, Given, Scope};

@@ -14,9 +14,6 @@ use super::reader::Reading;
 use super::refusal::Refusal;
 use super::scope::{Given, Scope};
 use super::top;
-use crate::choice::AnyField;
-use crate::error::Error;
-use crate::field::{Functions, Quadratic, Tape, Top};
 use std::collections::BTreeMap;
 
 /// Expressions that a system may be made of.
@@ -54,47 +51,18 @@ pub enum Lowered {
     Tape(Lines),
 }
 
-impl Lowered {
-    /// The field that the core integrates.
-    ///
-    /// # Errors
-    /// What the field says.
-    pub fn field(self) -> Result<AnyField, Error> {
-        match self {
-            Lowered::Top { inertia, a, b, epsilon } => Top::new(inertia, a, b, epsilon).map(AnyField::Top),
-            Lowered::Quadratic { n_components, constant, linear, quadratic } => {
-                Quadratic::new(n_components, &constant, &linear, &quadratic).map(AnyField::Quadratic)
-            }
-            Lowered::Tape(Lines { n_components, instructions, outputs }) => {
-                Tape::new(n_components, instructions, outputs).map(AnyField::Tape)
-            }
-        }
-    }
-}
-
-impl Lines {
-    /// The functions that the core evaluates.
-    ///
-    /// # Errors
-    /// What they say.
-    pub fn functions(self) -> Result<Functions, Error> {
-        Functions::new(self.n_components, self.instructions, self.outputs)
-    }
-}
-
 /// A Hamiltonian system that is typed.
 ///
 /// ```
-/// use liepoisson_core::formula::{Bracket, Given, System};
+/// use liepoisson_formula::{Bracket, Given, Lowered, System};
 /// let bracket = Bracket::canonical_of(&["theta".to_owned()], None)?;
 /// let gravity = ("g".to_owned(), Given::Scalar("9.81".to_owned()));
 /// let pendulum = System::new(bracket, "p_theta^2/2 - g*cos(theta)", &[gravity], &[])?;
 /// assert_eq!(pendulum.equations()?, ["p_theta", "-g*sin(theta)"]);
-/// let field = pendulum.field()?.field();
-/// # assert!(field.is_ok());
+/// assert!(matches!(pendulum.field()?, Lowered::Tape(_)));
 /// let refusal = System::new(Bracket::canonical(1)?, "p1^2/2 - cos(q2)", &[], &[]).unwrap_err();
 /// assert_eq!(refusal.position, Some(13));
-/// # Ok::<(), liepoisson_core::formula::Refusal>(())
+/// # Ok::<(), liepoisson_formula::Refusal>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct System {
