@@ -141,6 +141,7 @@ set-up: $(VENV)/.dev
 test-rust: | tools
 	cargo test --locked --quiet -p liepoisson-core --lib --test core
 	cargo test --locked --quiet -p liepoisson-core --doc
+	cargo test --locked --quiet -p liepoisson-formula
 
 # Each instruction set that the processor has gets its turn; results must not depend on it.
 test-python:

@@ -21,7 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 
-_CRATES = ("liepoisson-core", "liepoisson-py", "liepoisson-wasm")
+_CRATES = ("liepoisson-core", "liepoisson-formula", "liepoisson-py", "liepoisson-wasm")
 _HEADING = re.compile(r"^## (\S+)(?: \((.*)\))?$", re.MULTILINE)
 _VERSION = re.compile(r"\d+\.\d+\.\d+(?:(?:a|b|rc)\d+)?")
 

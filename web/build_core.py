@@ -29,7 +29,7 @@ or, on Debian: apt install rustc-web cargo-web rust-web-src lld-22"""
 
 def sources() -> list[Path]:
     """What the program is made from."""
-    crates = [ROOT / "crates" / name for name in ("liepoisson-core", "liepoisson-wasm")]
+    crates = [ROOT / "crates" / name for name in ("liepoisson-core", "liepoisson-formula", "liepoisson-wasm")]
     files = [file for crate in crates for file in (crate / "Cargo.toml", *(crate / "src").rglob("*.rs"))]
     return sorted(files, key=lambda file: file.relative_to(ROOT).as_posix())
 

@@ -1,7 +1,7 @@
 """Types of the compiled core. Arrays of trajectories are flat, float64, row-major."""
 
 from collections.abc import Callable, Sequence
-from typing import NotRequired, TypedDict, final
+from typing import Any, NotRequired, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from liepoisson.compile.field import Instruction, Piece, Vector3
 __all__ = [
     "Field",
     "Method",
+    "TypedSystem",
     "__version__",
     "available_simd",
     "carry_frames",
@@ -42,6 +43,20 @@ __all__ = [
 __version__: str
 
 _Array = NDArray[np.float64]
+
+@final
+class TypedSystem:
+    def __new__(
+        cls,
+        names: Sequence[str] | Sequence[tuple[str, Sequence[str]]],
+        terms: Sequence[tuple[int, int, int | None, str]],
+        hamiltonian: str,
+        parameters: Sequence[tuple[str, str | Sequence[str] | Sequence[Sequence[str]]]],
+        declared: Sequence[str],
+    ) -> TypedSystem: ...
+    def equations(self) -> list[str]: ...
+    def field(self) -> dict[str, Any]: ...
+    def functions(self, texts: Sequence[str]) -> dict[str, Any]: ...
 
 @final
 class Field:

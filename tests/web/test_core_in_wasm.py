@@ -134,6 +134,83 @@ def exponent_case(name, system, starts, tangents, times):
     }
 
 
+def typed_case(name, system, description, start, *, surface, equations=None):
+    """A system as a page gives it, against the same one of Python; `surface` is the name of a coordinate."""
+    start, times, end = np.array(start), np.linspace(0, 10, 11), 10.0
+    number = system.component_names.index(surface)
+    exponent_times, tangent = np.array([5.0, 10.0]), np.arange(1.0, len(start) + 1)
+    plane = TapeFunction(len(start), (), (number,))
+    crossings = section_case(
+        name, system, plane, [start], end=end, direction=1, rate=rate_of(number, system.vector_field)
+    )
+    growth = exponent_case(name, system, [start], [tangent], exponent_times)
+    return {
+        "name": name,
+        "description": description,
+        "equations": [{"name": name, "rate": rate} for name, rate in (equations or {}).items()],
+        "start": start.tolist(),
+        "times": times.tolist(),
+        "state": lp.integrate(system, start, times=times, threads=1).state[0].tolist(),
+        "bounds": bounds(system, start, times).tolist(),
+        "section": {
+            "surface": surface,
+            "end": end,
+            **{key: crossings[key] for key in ("count", "time", "state", "bounds")},
+        },
+        "exponent": {
+            "tangent": tangent.tolist(),
+            "times": growth["times"],
+            "value": growth["exponent"][0],
+            "bounds": growth["bounds"],
+        },
+    }
+
+
+DOUBLE_PENDULUM = """\
+(m[2]*l[2]^2*p_theta1^2 + (m[1] + m[2])*l[1]^2*p_theta2^2 - 2*m[2]*l[1]*l[2]*p_theta1*p_theta2*cos(theta1 - theta2))\
+/(2*m[2]*l[1]^2*l[2]^2*(m[1] + m[2]*sin(theta1 - theta2)^2))\
+ - (m[1] + m[2])*g*l[1]*cos(theta1) - m[2]*g*l[2]*cos(theta2)"""
+
+
+def typed_cases():
+    """Three systems that are typed."""
+    return [
+        typed_case(
+            "Hénon–Heiles",
+            lp.catalog.system("henon-heiles"),
+            {
+                "bracket": {"name": "canonical", "coordinates": ["x", "y"]},
+                "hamiltonian": "(p_x^2 + p_y^2 + x^2 + y^2)/2 + x^2*y - y^3/3",
+            },
+            [0.0, 0.1, 0.35, 0.1],
+            surface="x",
+            equations={"x": "p_x", "y": "p_y", "p_x": "-x - 2*x*y"},
+        ),
+        typed_case(
+            "twisted top",
+            lp.Top.twisted(inertia=(2, "3/2", 1), a=(-1, 0, "1/2"), epsilon=0.3),
+            {
+                "bracket": {"name": "leibniz", "n": 3, "epsilon": "epsilon"},
+                "hamiltonian": "dot(l, inv(I)*l)/2 + dot(a, alpha)",
+                "parameters": {"I": [2, "3/2", 1], "a": [-1, 0, "1/2"], "epsilon": 0.3},
+            },
+            START,
+            surface="alpha3",
+        ),
+        typed_case(
+            "double pendulum",
+            lp.catalog.system("double-pendulum"),
+            {
+                "bracket": {"name": "canonical", "coordinates": ["theta1", "theta2"]},
+                "hamiltonian": DOUBLE_PENDULUM,
+                "parameters": {"m": [1, 1], "l": [1, "1"], "g": 1},
+            },
+            [0.5, 0.2, 0.1, -0.3],
+            surface="theta1",
+        ),
+    ]
+
+
 def value_case(name, functions, states, values):
     terms = len(functions.instructions) + 1
     return {
@@ -250,6 +327,7 @@ def cases():
                 end=30.0, direction=-1, rate=lambda x: (np.cos(x[0] + 0.5) * x[1], pendulum_rates(x)),
             ),
         ],
+        "typed": typed_cases(),
         "exponents": [exponent_case("top", TOP, starts, tangents, np.array([5.0, 10.0, 20.0]))],
         "values": [
             value_case("invariants", invariants, states, np.stack(list(TOP.invariant_values(states).values()), -1)),
@@ -297,6 +375,10 @@ NAMES = [
     "section: kept functions",
     "section: surface with a sine",
     "exponents: top",
+    "typed: Hénon–Heiles",
+    "typed: twisted top",
+    "typed: double pendulum",
+    "a formula that is refused says where",
     "values: invariants",
     "values: energy of a pendulum",
     "values: sine and cosine of large angles",

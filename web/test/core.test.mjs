@@ -77,6 +77,49 @@ for (const { name, field, starts, tangents, times, exponent, bounds } of cases.e
   });
 }
 
+for (const { name, description, equations, start, times, state, bounds, section, exponent } of cases.typed) {
+  test(`typed: ${name}`, async () => {
+    const core = await Core.start(program);
+    const [system, method] = [core.system(description), core.method({ kind: "taylor" })];
+    const field = system.field();
+    assert.equal(field.nComponents, start.length);
+    assert.deepEqual(system.equations.slice(0, equations.length), equations);
+    const run = core.orbits(field, method, start, times);
+    assert.deepEqual(run.outcome, ["finished"]);
+    assertClose(run.state, state.flat(), bounds, "state");
+    const surface = system.functions(section.surface);
+    const found = core.section(field, method, surface, start, { to: section.end, direction: 1 });
+    assert.deepEqual([...found.crossings.count], section.count);
+    assertClose(found.crossings.time, section.time, section.bounds, "time");
+    assertClose(found.crossings.state, section.state.flat(), section.bounds, "state");
+    const grown = core.exponents(field, method, start, exponent.tangent, exponent.times);
+    assertClose(grown.exponent, exponent.value, exponent.bounds, "exponent");
+  });
+}
+
+test("a formula that is refused says where", async () => {
+  const core = await Core.start(program);
+  const bracket = { name: "canonical", n: 1 };
+  const refused = (description, kind, place, pattern) =>
+    assert.throws(
+      () => core.system({ bracket, ...description }).field(),
+      (error) => error.kind === kind && error.place === place && pattern.test(error.message),
+    );
+  refused({ hamiltonian: "p1^2/2 - cos(q2)" }, "ExpressionError", 13, /q has 1 components/);
+  refused({ hamiltonian: "p1^2/2 +\n  2*α" }, "ExpressionError", 13, /alpha \(line 2, column 5\)/);
+  refused({ hamiltonian: "p1^2/(2*m)", declared: ["m"] }, "ParameterError", -1, /none for m/);
+  refused({ hamiltonian: "p1^2/(2*m)", parameters: { m: "0" } }, "ExpressionError", 4, /must not vanish/);
+  refused({ hamiltonian: "p1^2/(2*m)", parameters: { m: "1; alert(1)" } }, "ParameterError", -1, /m must be a number/);
+  refused({ hamiltonian: "p1^2/2", bracket: { name: "<img>" } }, "UnknownNameError", -1, /kind of bracket/);
+  refused({ hamiltonian: "x1", bracket: { name: "lie_poisson", fields: { x: ["1", "2", "3"] }, constants: [[0, 1, 0, 1], [1, 2, 1, 1]] } }, "ParameterError", -1, /Jacobi/);
+  refused({}, "DescriptionError", -1, /"hamiltonian"/);
+  refused({ hamiltonian: `q1^${"9".repeat(1e6)}` }, "ExpressionError", 0, /at most 20000 characters/);
+  const pendulum = core.system({ bracket: { name: "canonical", coordinates: ["q"], momenta: ["p"] }, hamiltonian: "p^2/2 - w^2*cos(q)", parameters: { w: 0.5 } });
+  assert.deepEqual(pendulum.equations, [{ name: "q", rate: "p" }, { name: "p", rate: "-w^2*sin(q)" }]);
+  assert.throws(() => pendulum.functions("q +"), (error) => error.place === 3);
+  assert.deepEqual([...pendulum.functions("atan2(p, q)", "w").values([0, 2])], [Math.PI / 2, 0.5]);
+});
+
 for (const { name, functions, states, values, bounds } of cases.values) {
   test(`values: ${name}`, async () => {
     const core = await Core.start(program);

@@ -30,6 +30,7 @@ pub mod enclosure;
 pub mod ensemble;
 pub mod error;
 pub mod field;
+pub mod formula;
 pub mod fourier;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod jit;

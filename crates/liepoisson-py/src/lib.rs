@@ -6,11 +6,13 @@
 mod enclosures;
 mod errors;
 mod fields;
+mod formulas;
 mod linear;
 mod methods;
 
 use crate::errors::{broken, exception, guarded, translate};
 use crate::fields::{Field, InstructionParts, read_instructions};
+use crate::formulas::TypedSystem;
 use crate::methods::Method;
 use liepoisson_core::analysis::frame::orthonormalise;
 use liepoisson_core::analysis::section::{self, Surface, Uncertified};
@@ -368,6 +370,7 @@ fn outcomes() -> Vec<&'static str> {
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<Field>()?;
+    module.add_class::<TypedSystem>()?;
     module.add_class::<Method>()?;
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
     module.add_function(wrap_pyfunction!(states_at, module)?)?;

@@ -5,6 +5,7 @@ use crate::refusal::{Kind, Refusal};
 use liepoisson_core::choice::{AnyField, AnyMethod};
 use liepoisson_core::field::{Functions, Instruction, Quadratic, Ridge, SplitTerms, Tape, Top};
 use liepoisson_core::method::{Splitting, Taylor};
+use std::borrow::Cow;
 
 /// A vector field.
 pub(crate) fn read_field(text: &[u8]) -> Result<AnyField, Refusal> {
@@ -71,34 +72,34 @@ pub(crate) fn read_method(text: &[u8]) -> Result<AnyMethod, Refusal> {
 }
 
 /// A record, and what it describes.
-struct Record {
-    what: &'static str,
-    entries: Vec<(String, Value)>,
+pub(crate) struct Record<'v> {
+    what: &'v str,
+    entries: Cow<'v, [(String, Value)]>,
 }
 
 /// A part of a record, and what it is called.
 #[derive(Clone, Copy)]
-struct Part<'v> {
-    name: &'v str,
-    value: &'v Value,
+pub(crate) struct Part<'v> {
+    pub(crate) name: &'v str,
+    pub(crate) value: &'v Value,
 }
 
-impl Record {
-    fn read(what: &'static str, text: &[u8]) -> Result<Record, Refusal> {
+impl<'v> Record<'v> {
+    pub(crate) fn read(what: &'v str, text: &[u8]) -> Result<Record<'v>, Refusal> {
         match json::read(text) {
-            Ok(Value::Record(entries)) => Ok(Record { what, entries }),
+            Ok(Value::Record(entries)) => Ok(Record { what, entries: Cow::Owned(entries) }),
             Ok(_) => Err(Refusal::description(what, "wanted a record { ... }; got something else")),
             Err(wrong) => Err(Refusal::description(what, &wrong)),
         }
     }
 
     /// An entry that is there and not null.
-    fn optional<'r>(&'r self, name: &'r str) -> Option<Part<'r>> {
+    pub(crate) fn optional<'r>(&'r self, name: &'r str) -> Option<Part<'r>> {
         let (_, value) = self.entries.iter().find(|(key, value)| key == name && *value != Value::Null)?;
         Some(Part { name, value })
     }
 
-    fn get<'r>(&'r self, name: &'r str) -> Result<Part<'r>, Refusal> {
+    pub(crate) fn get<'r>(&'r self, name: &'r str) -> Result<Part<'r>, Refusal> {
         let absent = || Refusal::description(self.what, &format!("wanted an entry {name:?}; there is none"));
         self.optional(name).ok_or_else(absent)
     }
@@ -111,7 +112,7 @@ impl Record {
         self.get("n_components")?.whole()
     }
 
-    fn unknown(&self, got: &str, wanted: &str) -> Refusal {
+    pub(crate) fn unknown(&self, got: &str, wanted: &str) -> Refusal {
         let got: String = got.chars().take(60).collect();
         Refusal::new(Kind::UnknownName, format!("kind of {}: wanted {wanted}; got {got:?}", self.what))
     }
@@ -128,8 +129,24 @@ impl Record {
 }
 
 impl<'v> Part<'v> {
-    fn wrong(self, wanted: &str) -> Refusal {
+    pub(crate) fn wrong(self, wanted: &str) -> Refusal {
         Refusal::description(self.name, &format!("wanted {wanted}; got something else"))
+    }
+
+    /// The entries of a record, each with its name.
+    pub(crate) fn entries(self) -> Result<Vec<Part<'v>>, Refusal> {
+        match self.value {
+            Value::Record(entries) => Ok(entries.iter().map(|(name, value)| Part { name, value }).collect()),
+            _ => Err(self.wrong("a record { ... }")),
+        }
+    }
+
+    /// A record in a record.
+    pub(crate) fn record(self) -> Result<Record<'v>, Refusal> {
+        match self.value {
+            Value::Record(entries) => Ok(Record { what: self.name, entries: Cow::Borrowed(entries) }),
+            _ => Err(self.wrong("a record { ... }")),
+        }
     }
 
     fn number(self) -> Result<f64, Refusal> {
@@ -140,7 +157,7 @@ impl<'v> Part<'v> {
     }
 
     /// A whole number that an index can be.
-    fn whole(self) -> Result<usize, Refusal> {
+    pub(crate) fn whole(self) -> Result<usize, Refusal> {
         match self.value {
             Value::Number(number) if *number >= 0.0 && *number <= f64::from(u32::MAX) && number.fract() == 0.0 => {
                 Ok(*number as usize)
@@ -149,7 +166,7 @@ impl<'v> Part<'v> {
         }
     }
 
-    fn text(self) -> Result<&'v str, Refusal> {
+    pub(crate) fn text(self) -> Result<&'v str, Refusal> {
         match self.value {
             Value::Text(text) => Ok(text),
             _ => Err(self.wrong("a text")),
@@ -163,12 +180,12 @@ impl<'v> Part<'v> {
         }
     }
 
-    fn each<T>(self, read: impl Fn(Part<'v>) -> Result<T, Refusal>) -> Result<Vec<T>, Refusal> {
+    pub(crate) fn each<T>(self, read: impl Fn(Part<'v>) -> Result<T, Refusal>) -> Result<Vec<T>, Refusal> {
         self.list()?.iter().map(|value| read(Part { value, ..self })).collect()
     }
 
     /// A list of so many.
-    fn items<const N: usize>(self) -> Result<[Part<'v>; N], Refusal> {
+    pub(crate) fn items<const N: usize>(self) -> Result<[Part<'v>; N], Refusal> {
         let values: &[Value; N] = self.list()?.try_into().map_err(|_| self.wrong(&format!("lists of {N} entries")))?;
         Ok(values.each_ref().map(|value| Part { value, ..self }))
     }

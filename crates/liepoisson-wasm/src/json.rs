@@ -124,20 +124,46 @@ impl Reader<'_> {
         }
     }
 
-    /// A text; names are words of this package, so what JSON writes with a backslash has no place in them.
+    /// A text.
     fn string(&mut self) -> Result<String, String> {
         if self.next() != Some(b'"') {
             return Err(self.wrong("a text"));
         }
-        let start = self.at + 1;
-        let is_end = |&sign: &u8| matches!(sign, b'"' | b'\\') || sign < 0x20;
-        let length = self.text.as_bytes()[start..].iter().position(is_end);
-        self.at = length.map_or(self.text.len(), |length| start + length);
-        if self.next() != Some(b'"') {
-            return Err(self.wrong("the end of a text without backslashes"));
-        }
         self.at += 1;
-        Ok(self.text[start..self.at - 1].to_owned())
+        let mut text = String::new();
+        loop {
+            let start = self.at;
+            let is_end = |&sign: &u8| matches!(sign, b'"' | b'\\') || sign < 0x20;
+            let length = self.text.as_bytes()[start..].iter().position(is_end);
+            self.at = length.map_or(self.text.len(), |length| start + length);
+            text.push_str(&self.text[start..self.at]);
+            match self.next() {
+                Some(b'"') => {
+                    self.at += 1;
+                    return Ok(text);
+                }
+                Some(b'\\') => text.push(self.escaped()?),
+                _ => return Err(self.wrong("the end of a text")),
+            }
+        }
+    }
+
+    /// A character that is written with a backslash.
+    fn escaped(&mut self) -> Result<char, String> {
+        let start = self.at;
+        let digits = self.text.get(start + 2..start + 6);
+        let code = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).and_then(char::from_u32);
+        let (character, length) = match (self.text.as_bytes().get(start + 1), code) {
+            (Some(b'n'), _) => ('\n', 2),
+            (Some(b't'), _) => ('\t', 2),
+            (Some(b'r'), _) => ('\r', 2),
+            (Some(&sign @ (b'"' | b'\\' | b'/')), _) => (char::from(sign), 2),
+            // halves of characters beyond the first 65536 have no code of their own, and need none: UTF-8 has these
+            (Some(b'u'), Some(code)) => (code, 6),
+            _ => return Err(self.wrong("\\n, \\t, \\r, \\\", \\\\, \\/ or \\u and four digits")),
+        };
+        self.at += length;
+        Ok(character)
     }
 
     fn number(&mut self) -> Result<Value, String> {

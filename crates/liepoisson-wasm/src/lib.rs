@@ -12,11 +12,14 @@ mod projection;
 mod refusal;
 mod runs;
 mod table;
+mod typed;
 
 use crate::refusal::{Kind, Refusal};
 use crate::table::{Thing, keep, say};
 use liepoisson_core::analysis::filled;
+use liepoisson_core::choice::AnyField;
 use liepoisson_core::ensemble::Outcome;
+use liepoisson_core::field::Functions;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -24,8 +27,9 @@ use std::rc::Rc;
 fn answer(result: Result<Thing, Refusal>) -> i32 {
     match result {
         Ok(thing) => keep(thing),
-        Err(Refusal { kind, message }) => {
+        Err(Refusal { kind, message, place }) => {
             say(message);
+            table::point_at(place.unwrap_or(-1));
             kind as i32
         }
     }
@@ -51,7 +55,7 @@ fn table(table: runs::Table) -> Thing {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_start() -> i32 {
     std::panic::set_hook(Box::new(|panic| say(panic.to_string())));
-    2
+    3
 }
 
 /// Room for a text.
@@ -104,6 +108,12 @@ pub extern "C" fn lp_message_length() -> usize {
     table::message().1
 }
 
+/// Where in the text of a formula the last refusal points, as JavaScript counts; -1 if something else was refused.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_message_place() -> i32 {
+    table::place()
+}
+
 /// The names of refusals: that of -1 first, one a line.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_refusals() -> i32 {
@@ -133,6 +143,43 @@ pub extern "C" fn lp_functions(description: i32) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_method(description: i32) -> i32 {
     answer(table::bytes(description).and_then(|text| Ok(Thing::Method(describe::read_method(&text.borrow())?))))
+}
+
+/// A system from its description: a bracket, a formula, parameters.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system(description: i32) -> i32 {
+    let read = |text: Rc<RefCell<Vec<u8>>>| Ok(Thing::System(Rc::new(typed::read_system(&text.borrow())?)));
+    answer(table::bytes(description).and_then(read))
+}
+
+/// The coordinates of a system and their rates of change as formulas: `name tab formula`, one a line.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system_equations(system: i32) -> i32 {
+    let run = || {
+        let system = table::system(system)?;
+        let rates = system.equations()?;
+        let lines = system.coordinates().into_iter().zip(rates).map(|(name, rate)| format!("{name}\t{rate}"));
+        text(lines.collect::<Vec<_>>().join("\n"))
+    };
+    answer(run())
+}
+
+/// The field of a system.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system_field(system: i32) -> i32 {
+    answer(table::system(system).and_then(|system| Ok(Thing::Field(Rc::new(AnyField::try_from(system.field()?)?)))))
+}
+
+/// Functions on the phase space of a system, from their texts.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_system_functions(system: i32, description: i32) -> i32 {
+    let run = || {
+        let (system, description) = (table::system(system)?, table::bytes(description)?);
+        let texts = typed::read_texts(&description.borrow())?;
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        Ok(Thing::Functions(Rc::new(Functions::try_from(system.functions(&texts)?)?)))
+    };
+    answer(run())
 }
 
 /// Components of the state of a field or of functions; 0 of anything else.

@@ -13,11 +13,12 @@ pub(crate) enum Kind {
     Memory = -5,
     Description = -6,
     Handle = -7,
+    Expression = -8,
 }
 
 impl Kind {
     /// All of them: that of number `-k` is at place `k - 1`.
-    pub(crate) const NAMES: [&str; 7] = [
+    pub(crate) const NAMES: [&str; 8] = [
         "ShapeError",
         "ParameterError",
         "UnknownNameError",
@@ -25,6 +26,7 @@ impl Kind {
         "MemoryLimitError",
         "DescriptionError",
         "HandleError",
+        "ExpressionError",
     ];
 }
 
@@ -33,11 +35,13 @@ impl Kind {
 pub(crate) struct Refusal {
     pub(crate) kind: Kind,
     pub(crate) message: String,
+    /// The place in a formula, as JavaScript counts.
+    pub(crate) place: Option<i32>,
 }
 
 impl Refusal {
     pub(crate) fn new(kind: Kind, message: impl Into<String>) -> Refusal {
-        Refusal { kind, message: message.into() }
+        Refusal { kind, message: message.into(), place: None }
     }
 
     /// A description that is none.

@@ -4,7 +4,8 @@ use crate::refusal::{Kind, Refusal};
 use crate::runs::Table;
 use liepoisson_core::choice::{AnyField, AnyMethod};
 use liepoisson_core::field::Functions;
-use std::cell::RefCell;
+use liepoisson_core::formula::System;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 /// A thing with a number.
@@ -15,12 +16,14 @@ pub(crate) enum Thing {
     Field(Rc<AnyField>),
     Functions(Rc<Functions>),
     Method(AnyMethod),
+    System(Rc<System>),
     Table(Rc<Table>),
 }
 
 thread_local! {
     static THINGS: RefCell<Vec<Option<Thing>>> = const { RefCell::new(Vec::new()) };
     static MESSAGE: RefCell<String> = const { RefCell::new(String::new()) };
+    static PLACE: Cell<i32> = const { Cell::new(-1) };
 }
 
 /// Keeps a thing; its number, from 1.
@@ -68,12 +71,23 @@ by_handle!(numbers, Numbers, Rc<RefCell<Vec<f64>>>, "numbers");
 by_handle!(field, Field, Rc<AnyField>, "a field");
 by_handle!(functions, Functions, Rc<Functions>, "functions");
 by_handle!(method, Method, AnyMethod, "a method");
+by_handle!(system, System, Rc<System>, "a system");
 by_handle!(table, Table, Rc<Table>, "a result");
 
 /// Sets what the last refusal, or the panic, has to say.
 pub(crate) fn say(message: String) {
     // a panic may come while it is borrowed
     let _ = MESSAGE.try_with(|said| said.try_borrow_mut().map(|mut said| *said = message));
+}
+
+/// Sets where in a formula the last refusal points; -1 for one of something else.
+pub(crate) fn point_at(place: i32) {
+    PLACE.set(place);
+}
+
+/// Where in a formula the last refusal points.
+pub(crate) fn place() -> i32 {
+    PLACE.get()
 }
 
 /// Where the message is.

@@ -13,6 +13,19 @@
 /** @typedef {{kind: "top", inertia: Numbers, a: Numbers, b: Numbers, epsilon: number}} TopDescription */
 /** @typedef {{kind: "quadratic" | "tape" | "pieces", n_components: number}} OtherDescription as Python writes it */
 /** @typedef {TopDescription | OtherDescription} FieldDescription */
+/** @typedef {string | number} Exact a number, or the text of one: "1/3", "sqrt(2)/2" */
+/**
+ * @typedef {{name: "canonical", n: number} | {name: "canonical", coordinates: string[], momenta?: string[]}
+ *   | {name: "so3" | "e3"} | {name: "semidirect", n: number} | {name: "leibniz", n: number, epsilon?: Exact}
+ *   | {name: "lie_poisson", coordinates: string[], constants: [number, number, number, Exact][]}
+ *   | {name: "lie_poisson", fields: Record<string, string[]>, constants: [number, number, number, Exact][]}} BracketDescription
+ *   constants (i, j, k, c) with [e_i, e_j] = sum of c e_k, i < j, counted from 0
+ */
+/**
+ * @typedef {{bracket: BracketDescription, hamiltonian: string,
+ *   parameters?: Record<string, Exact | Exact[] | Exact[][]>, declared?: string[]}} SystemDescription
+ *   parameters with their values; those without are declared, as "epsilon" or "a[3]"
+ */
 /** @typedef {{n_components: number, instructions: readonly [string, number[], number[]][], outputs: number[]}} FunctionsDescription */
 /**
  * @typedef {{kind: "taylor", tol?: number, order?: number | null, max_steps?: number}
@@ -37,11 +50,12 @@
 
 /** A call that the core refused. */
 export class Refusal extends Error {
-  /** @param {string} kind @param {string} message */
-  constructor(kind, message) {
+  /** @param {string} kind @param {string} message @param {number} place where in the text of a formula, or -1 */
+  constructor(kind, message, place = -1) {
     super(message);
     this.name = "Refusal";
     this.kind = kind;
+    this.place = place;
   }
 }
 
@@ -55,7 +69,7 @@ export class CoreStopped extends Error {
 }
 
 /** The version of the interface that this file is written for. */
-const INTERFACE = 2;
+const INTERFACE = 3;
 
 /** What has a place in the memory of the core, which is given back by `free`, or when nothing refers to it any more. */
 class Held {
@@ -100,6 +114,29 @@ export class Functions extends Held {
   values(states) {
     const core = this.core;
     return core.with([states], ([at]) => core.take(core.call("lp_values", this.handle, at)));
+  }
+}
+
+/**
+ * A Hamiltonian system that is typed.  A formula that is refused throws a `Refusal` of the kind "ExpressionError", whose `place`
+ * is where in the text it is wrong.
+ */
+export class System extends Held {
+  /** Its coordinates and their rates of change as formulas. @returns {{name: string, rate: string}[]} */
+  get equations() {
+    const lines = this.core.text(this.core.call("lp_system_equations", this.handle)).split("\n");
+    return lines.map((line) => line.split("\t")).map(([name, rate]) => ({ name, rate }));
+  }
+
+  /** Its field. */
+  field() {
+    return new Field(this.core, this.core.call("lp_system_field", this.handle));
+  }
+
+  /** Functions on its phase space, such as a surface of section. @param {...string} texts */
+  functions(...texts) {
+    const call = (/** @type {number} */ at) => this.core.call("lp_system_functions", this.handle, at);
+    return new Functions(this.core, this.core.written({ functions: texts }, call));
   }
 }
 
@@ -163,6 +200,11 @@ export class Core {
   /** @param {FunctionsDescription | string} description */
   functions(description) {
     return new Functions(this, this.described("lp_functions", description));
+  }
+
+  /** @param {SystemDescription | string} description */
+  system(description) {
+    return new System(this, this.described("lp_system", description));
   }
 
   /** @param {MethodDescription | string} description */
@@ -287,7 +329,7 @@ export class Core {
       this.stopped = new CoreStopped(`the core stopped: ${why}; a new instance has to be started`);
       throw this.stopped;
     }
-    if (answer < 0) throw new Refusal(this.refusals[-1 - answer], this.said());
+    if (answer < 0) throw new Refusal(this.refusals[-1 - answer], this.said(), this.exports.lp_message_place());
     return answer;
   }
 
@@ -315,12 +357,17 @@ export class Core {
 
   /** @param {string} name @param {object | string} description @returns {number} */
   described(name, description) {
+    return this.written(description, (handle) => this.call(name, handle));
+  }
+
+  /** Puts a description into memory for one call. @param {object | string} description @param {(handle: number) => number} use */
+  written(description, use) {
     const json = typeof description === "string" ? description : JSON.stringify(description);
     const bytes = new TextEncoder().encode(json);
     const handle = this.call("lp_bytes", bytes.length);
     try {
       new Uint8Array(this.exports.memory.buffer, this.count("lp_pointer", handle), bytes.length).set(bytes);
-      return this.call(name, handle);
+      return use(handle);
     } finally {
       this.forget(handle);
     }

@@ -4,6 +4,7 @@
 mod common;
 mod enclosure;
 mod ensemble;
+mod formula;
 mod frame;
 mod gauss;
 mod mixed_taylor;
