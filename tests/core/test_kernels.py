@@ -63,7 +63,9 @@ for method in (lp.Taylor(), lp.RungeKutta(tol=1e-9)):
 
 
 @pytest.mark.thorough
-@pytest.mark.skipif(not {"avx2", "avx512"} & set(_core.available_simd()) or sys.platform != "linux", reason="not compiled")
+@pytest.mark.skipif(
+    not {"avx2", "avx512"} & set(_core.available_simd()) or sys.platform != "linux", reason="not compiled"
+)
 def test_compiled_code_has_the_bits_of_the_kernels_and_says_that_it_ran():
     results = {}
     for compiles in ("0", "1"):
