@@ -172,8 +172,8 @@ class Bracket:
         found = potential_of_constant_part(self.tensor)
         return None if found is None else tuple(to_sympy(value) for value in found)
 
-    def rename(self, *field_names: str | Sequence[str]) -> Bracket:
-        """The same bracket with other names for its fields, one by one or in a list.
+    def rename(self, *field_names: str) -> Bracket:
+        """The same bracket with other names for its fields, one by one.
 
         Example:
             >>> (lp.so(3) @ lp.leibniz(2)).rename("m", "p").field_names
@@ -184,8 +184,7 @@ class Bracket:
             BracketError: two coordinates, or a coordinate and a parameter or a field, would have the same name.
             ParameterError: a name is not an identifier.
         """
-        given: Any = field_names[0] if len(field_names) == 1 and not isinstance(field_names[0], str) else field_names
-        return Bracket(self.algebra, self.extension, given, constant=cast("Any", self.constant), check=False)
+        return Bracket(self.algebra, self.extension, field_names, constant=cast("Any", self.constant), check=False)
 
     @property
     def dimension(self) -> int:
