@@ -1,6 +1,7 @@
 """One deadline for all parts of a call: it returns soon after, with what it has or with a sentence."""
 
 import inspect
+import os
 import re
 import time
 from contextlib import suppress
@@ -296,15 +297,19 @@ def test_all_functions_with_a_limit_and_a_count_are_in_the_table():
 
 @pytest.mark.parametrize("name", [*COUNTED, *LONG_RUNS])
 def test_whatever_is_asked_for_a_call_ends_at_its_limit_and_says_so(name):
-    """Seconds of the process, as those of the clock are also those of other programs; two are for what goes on."""
+    """Seconds that the process computes; two are for what goes on.
+
+    Those of the clock are also those of other programs, and those of the system those of pages of memory, for which a
+    virtual machine may take long.
+    """
     call = COUNTED[name] if name in COUNTED else long_run(name)
-    began = time.process_time()
+    began = os.times().user
     try:
         found = call(time_limit=0.2)
         said = " ".join([repr(found), str(found), *np.unique(getattr(found, "outcome", "")).tolist()])
     except (TimeLimitError, EnclosureError) as error:
         said = str(error)
-    assert time.process_time() - began < 2.2
+    assert os.times().user - began < 2.2
     assert "time limit" in said
     for n in re.findall(r"from up to (\d+)", said):
         assert int(n) < MANY
