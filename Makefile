@@ -156,7 +156,7 @@ test-as: $(VENV)/.built $(VENV)/.dev ## the tests as on another processor: PROCE
 instructions: | tools
 	$(PYTHON) benchmarks/instructions.py
 
-# All unsafe code is in the core's lanes and tiles; these tests run every kernel in every register. The sanitizer comes
+# All unsafe code is in the core's lanes, tiles and compiled code (jit, which Miri cannot run); these tests run every kernel in every register. The sanitizer comes
 # with the stable toolchain, its flag does not: hence RUSTC_BOOTSTRAP.
 SANITIZED := ensemble:: mixed_taylor:: quadratic:: splitting:: top::
 sanitize: | tools

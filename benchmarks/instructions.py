@@ -91,7 +91,8 @@ def count(program: str, kernel: str) -> float:
 def _run(program: str, kernel: str, t_end: float) -> tuple[int, int]:
     """Instructions of a whole run, and its steps."""
     command = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", program, kernel, str(t_end)]
-    environment = os.environ | {"LIEPOISSON_SIMD": "avx2"}
+    # the kernels, also those that compiled code replaces in long runs
+    environment = os.environ | {"LIEPOISSON_SIMD": "avx2", "LIEPOISSON_JIT": "0"}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     collected = re.search(r"Collected : (\d+)", run.stderr)
     if run.returncode or not collected:

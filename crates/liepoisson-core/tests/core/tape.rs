@@ -6,6 +6,7 @@ use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
 use liepoisson_core::field::{Field, Instruction, Space, Tape};
 use liepoisson_core::lanes::Simd;
+use liepoisson_core::method::RungeKutta;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
@@ -760,4 +761,43 @@ fn extreme_factors_are_not_gathered() {
         [("linear", &[0], &[1e200, 0.0]), ("linear", &[1], &[1e200, 0.0]), ("product", &[2, 3], &[])];
     let rows = series(&tape(2, &instructions, &[4, 0]), &[1e-200, 3e-200], &[], 1);
     assert!((rows[0][1][0] - 3.0).abs() < 1e-14, "{}", rows[0][1][0]);
+}
+
+/// Long enough for the expansions to be compiled, where they can be.
+#[test]
+fn orbits_of_compiled_code_are_those_of_the_kernels() {
+    // q'' = -sin q - q/(3 + q^2), with a large angle in the last lane but one
+    let parts: [(&str, &[usize], &[f64]); 6] = [
+        ("sin", &[0], &[]),
+        ("product", &[0, 0], &[]),
+        ("linear", &[3], &[1.0, 3.0]),
+        ("quotient", &[0, 4], &[]),
+        ("linear", &[2, 5], &[-1.0, -1.0, 0.0]),
+        ("exp", &[0], &[]),
+    ];
+    let field = || tape(2, &parts, &[1, 6]);
+    let mut states: Vec<f64> = (0..22).map(|i| (f64::from(i) * 0.618).fract() - 0.4).collect();
+    states[18] = 2e9;
+    let tangents: Vec<f64> = (0..22).map(|i| (f64::from(i) * 0.754).fract()).collect();
+    let times = [0.0, 100.0, 700.0];
+    let bits = |numbers: &[f64]| numbers.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    let of = |field: &Tape, simd: Simd, threads: usize| {
+        let (states, tangents, times) = (&states[..], &tangents[..], &times[..]);
+        let by_series = Ensemble { field, method: taylor(1e-10), states, tangents, n_tangents: 1, times };
+        let method = RungeKutta::new(1e-8, 1_000_000).unwrap();
+        let by_stages = Ensemble { field, method, states, tangents, n_tangents: 1, times };
+        let control = Control::default();
+        let by_series = orbits(&by_series, threads, simd, &control, false, |_| ()).unwrap();
+        let by_stages = orbits(&by_stages, threads, simd, &control, false, |_| ()).unwrap();
+        [by_series.states, by_series.tangents, by_stages.states, by_stages.tangents].map(|numbers| bits(&numbers))
+    };
+    let expected = of(&field(), Simd::Scalar, 1);
+    for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+        for threads in [1, 2] {
+            let field = field();
+            assert_eq!(of(&field, simd, threads), expected, "{}, {threads} threads", simd.name());
+            let compiles = cfg!(target_os = "linux") && matches!(simd, Simd::Avx2 | Simd::Avx512);
+            assert_eq!(field.kernel(simd) != simd.name(), compiles, "{}", field.kernel(simd));
+        }
+    }
 }
