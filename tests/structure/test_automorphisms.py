@@ -94,3 +94,8 @@ def test_scalings_in_words():
     ]  # fmt: skip
     scaled = (so(3) @ semidirect(2)).with_constant({("l1", "alpha2"): "k", ("alpha1", "l2"): "k"})
     assert [scaling.parameters for scaling in scaled.scalings()] == [{"k": 1}]
+
+
+def test_a_matrix_of_sympy_is_a_matrix():
+    rows = [[1, 2], [0, 3]]
+    assert Automorphism(sp.Matrix(rows)).matrix == Automorphism(rows).matrix

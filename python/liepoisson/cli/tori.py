@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from liepoisson.tori.lagrange_diagrams import LagrangeDiagram
 
 INTEGRAL_HELP = "An integral beside H: --integral K. By default the known ones that commute.  Repeat it for more."
-ENERGY_MAX_HELP = "Follow families up to this energy.  [default: the highest of random states]"
+ENERGY_MAX_HELP = "Follow families up to this energy.  [default: a little above the critical points]"
 AT_HELP = "Of three integrals: keep one at a value, --at l3=0.3, and look for the critical values of the other two."
 CUT_HELP = "Of the twisted Lagrange top: draw the plane of this l3 instead of the figure in space."
 VALUES_HELP = "Rational values of Casimirs, as in --leaf C1=3/5,C2=1; the others are variables of the equations."

@@ -198,6 +198,11 @@ def _read_value(value: object, name: str) -> Value:
     return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
 
 
+def listed_rows(values: object, name: str) -> list[Any] | None:
+    """The rows of a matrix, also of SymPy, or the items of a vector; None for what has none."""
+    return listed(cast("Any", values).tolist() if is_sympy(values) and hasattr(values, "tolist") else values, name)
+
+
 def names_of_places(value: object, name: str) -> list[str]:
     """What the components of a vector are called: I1, I2, ..."""
     found = labelled(value, name)

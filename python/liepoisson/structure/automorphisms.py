@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.parameters import Parameter, read_parameter
+from liepoisson.formula.parameters import Parameter, listed_rows, read_parameter
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import listed
 from liepoisson.structure.derivations import arrows, products
@@ -49,7 +49,7 @@ class Automorphism:
     """
 
     def __init__(self, matrix: Sequence[Sequence[Parameter]]) -> None:
-        rows = [listed(row, "matrix") for row in listed(matrix, "matrix") or []]
+        rows = [listed(row, "matrix") for row in listed_rows(matrix, "matrix") or []]
         if not rows or any(row is None or len(row) != len(rows) for row in rows):
             raise ShapeError(f"matrix must have shape (n, n), one row per field; got {matrix!r}.")
         self.matrix: tuple[tuple[Exact, ...], ...] = tuple(

@@ -19,14 +19,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from numbers import Integral
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, is_sympy, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply
 from liepoisson.errors import ContractionError, ParameterError, ShapeError
-from liepoisson.formula.parameters import Parameter, read_new_symbol, read_parameter
+from liepoisson.formula.parameters import Parameter, listed_rows, read_new_symbol, read_parameter
 from liepoisson.formula.scalars import as_deadline
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT, checkpoint
@@ -196,8 +196,7 @@ def _read_matrix(
         return [[Symbol(t) ** power if i == j else S.Zero for j in range(n)] for i, power in enumerate(powers)]
     if weights is not None:
         raise ParameterError("a contraction takes weights or a matrix; got both. Leave one of them out.")
-    given: Any = cast("Any", matrix).tolist() if is_sympy(matrix) and hasattr(matrix, "tolist") else matrix
-    rows = [listed(row, "matrix") for row in listed(given, "matrix") or []]
+    rows = [listed(row, "matrix") for row in listed_rows(matrix, "matrix") or []]
     if len(rows) != n or any(row is None or len(row) != n for row in rows):
         raise ShapeError(f"matrix must have shape ({n}, {n}), one row per field; got {matrix!r:.60}.")
     read: list[list[Any]] = [

@@ -211,11 +211,11 @@ def diagram(
         critical = Critical.on(leaf, momentum, held)
         starts, weights = (critical.starts_held if held else critical.starts)(n, width, as_seed(seed))
         energies = momentum.integrals["H"](starts * critical.units)
-        top = float(energies.max()) if highest is None else highest
+        is_level = "H" in held
+        top = np.inf if is_level else float(energies.max()) if highest is None else highest
         rest = critical.doubly_critical(starts) if held else critical.resting(starts)
         lowest = momentum.integrals["H"](rest * critical.units).min(initial=2 * energies.min() - energies.max())
-        limits = (-np.inf, np.inf) if "H" in held else (float(lowest), top)
-        search = _Families(critical, held, *limits)
+        search = _Families(critical, held, -np.inf if is_level else float(lowest), top)
         rest, critical_starts = search.each_once(rest) if held else rest, critical.solved(starts, weights)
         families = search.families(rest, *critical_starts)
         if held:  # families may end at states that no start came to, and others leave these
@@ -224,12 +224,11 @@ def diagram(
             several = search.each_once(np.concatenate([rest, more]))
             if len(several) > len(rest):
                 rest, families = several, search.families(several, *critical_starts)
-        if highest is None and "H" not in held:
+        if highest is None and not is_level:
             top = search.interesting(rest, families, energies)
-        families = search.between(rest, families, np.inf if "H" in held else top)
+        families = search.between(rest, families, top)
         degenerate = search.on_none(families, search.values(rest))
-        if "H" not in held:
-            degenerate = degenerate[degenerate[:, 0] <= top]
+        degenerate = degenerate[degenerate[:, 0] <= top]
     states = rest * critical.units
     return Diagram(
         momentum,

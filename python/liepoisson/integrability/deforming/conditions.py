@@ -94,19 +94,13 @@ class Conditions:
     Attributes:
         names: The parameters, and further unknown coefficients: of the starts, and of integrals at 0 in these and in
             corrections.
-        context: FLINT's context of these.
         by_order: The conditions of each order, from 1.
         function: F, a polynomial in the coordinates and the names.
-        ends: Whether there are no further conditions: corrections of higher orders vanish, and all orders were met.
-        n_new: How many of the unknown coefficients of integrals there are.
     """
 
     names: tuple[str, ...]
-    context: Any
     by_order: tuple[tuple[Any, ...], ...]
     function: Parametric
-    ends: bool
-    n_new: int
 
 
 class ParametricEquations:
@@ -206,10 +200,7 @@ class ParametricEquations:
         for part in parts:
             for m, c in part.items():
                 function[m] = function[m] + c if m in function else c
-        return Conditions(
-            self.names, self.context, tuple(by_order), {m: c for m, c in function.items() if c},
-            not self.is_cut, len(self.further),
-        )  # fmt: skip
+        return Conditions(self.names, tuple(by_order), {m: c for m, c in function.items() if c})
 
     def cases(self, conditions: Conditions) -> list[tuple[Component, Parametric]]:
         """The parameters that satisfy the conditions, as a union of parts, each with F; real ones where that is seen.
@@ -245,7 +236,7 @@ class ParametricEquations:
             equations = [q for one in equations if (q := one.compose(*images))]
             function = {m: q for m, one in function.items() if (q := one.compose(*images))}
             determined += 1
-        if any(any(m[first:]) for p in equations for m in p.monoms()):
+        if _have_unknowns(equations, first):
             return equations, function, 0
         images = [*generators[:first], *[self.context.constant(0)] * len(self.further)]
         function = {m: q for m, one in function.items() if (q := one.compose(*images))}
@@ -260,7 +251,7 @@ class ParametricEquations:
     def on_parameters(self, equations: Sequence[Any]) -> list[OnParameters] | None:
         """Equations as conditions on the parameters; None if they have other unknowns."""
         n = len(self.family.parameters)
-        if any(any(m[n:]) for p in equations for m in p.monoms()):
+        if _have_unknowns(equations, n):
             return None
         return [{tuple(map(int, m[:n])): c for m, c in p.terms()} for p in equations]
 
@@ -271,6 +262,11 @@ class ParametricEquations:
             for m, c in self._derivative(function, order).items():
                 total[m] = total[m] + c if m in total else c
         return not any(part.basis.remainder(c) for c in total.values())
+
+
+def _have_unknowns(polynomials: Sequence[Any], first: int) -> bool:
+    """Whether there is an unknown from some number on in polynomials."""
+    return any(any(m[first:]) for p in polynomials for m in p.monoms())
 
 
 def _determined(p: Any, first: int) -> list[tuple[int, Any]]:

@@ -18,11 +18,12 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.polyerrors import CoercionFailed, PolynomialError
 from sympy.utilities.iterables import connected_components
 
-from liepoisson.algebra.exact_numbers import as_expression, is_sympy
+from liepoisson.algebra.exact_numbers import as_expression
 from liepoisson.algebra.function_fields import over_common_denominator, root_text
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.expression import read_expression
+from liepoisson.formula.parameters import listed_rows
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, texts
@@ -193,7 +194,7 @@ def _restored(variable: Symbol, matrix: Any, names: tuple[str, ...], symbols: tu
 
 def _rows(matrix: Any) -> list[list[Any]]:
     """The rows of a matrix of SymPy or NumPy, or of lists."""
-    given = listed(matrix.tolist() if is_sympy(matrix) and hasattr(matrix, "tolist") else matrix, "matrix")
+    given = listed_rows(matrix, "matrix")
     rows = [listed(row, "matrix") for row in given or ()]
     if given is None or any(row is None for row in rows):
         raise ParameterError(f"matrix: wanted a SymPy matrix; got {shown(matrix)}")

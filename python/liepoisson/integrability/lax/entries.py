@@ -16,13 +16,14 @@ from typing import Any, TypeAlias, cast
 from flint import Ordering, fmpq_mpoly_ctx
 from sympy import Add, E, Expr, I, Mul, Rational, S, Symbol, collect, exp
 
-from liepoisson.algebra.exact_numbers import is_sympy, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import is_zero, substituted, symbols_of, to_sympy
 from liepoisson.algebra.flint_pickles import register
 from liepoisson.algebra.matrices import Rows, characteristic_polynomial, product
 from liepoisson.algebra.number_fields import as_fmpq
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.grammar import parse
+from liepoisson.formula.parameters import listed_rows
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import shown
@@ -59,7 +60,7 @@ def read_entries(system: System, given: Any, spectral: Symbol | None, what: str)
     reader = _Reader(system, spectral, what)
     if isinstance(given, str):
         return reader.vector(given)
-    rows = listed(given.tolist() if is_sympy(given) and hasattr(given, "tolist") else given, what)
+    rows = listed_rows(given, what)
     if rows is None:
         raise ShapeError(f"{what}: wanted rows of a matrix or the components of a vector; got {shown(given)}")
     entries = [r if (inner := listed(r, what)) is None else inner for r in rows]

@@ -13,7 +13,7 @@ from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, is_sympy
 from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.formula.parameters import read_parameter
+from liepoisson.formula.parameters import listed_rows, read_parameter
 from liepoisson.formula.tensors import Brackets
 from liepoisson.inputs.given import listed
 
@@ -112,8 +112,7 @@ def _times_i(matrix: PairMatrix) -> PairMatrix:
 
 
 def _read_rows(matrix: object, name: str) -> list[list[object]]:
-    nested = matrix.tolist() if hasattr(matrix, "tolist") else matrix  # pyright: ignore[reportAttributeAccessIssue]
-    rows = [listed(row, name) for row in listed(nested, name) or ()]
+    rows = [listed(row, name) for row in listed_rows(matrix, name) or ()]
     if not rows or any(row is None or len(row) != len(rows) for row in rows):
         raise ShapeError(f"{name} must be a square matrix; got {matrix!r}. Give as many rows as columns.")
     return cast("list[list[object]]", rows)
