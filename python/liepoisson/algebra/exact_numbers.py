@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 Exact: TypeAlias = "Fraction | Expr"
 """What a parameter is read as."""
 
+ExactMatrix: TypeAlias = "tuple[tuple[Exact, ...], ...]"
+"""A matrix of exact numbers, by rows."""
+
 
 # Decimals of a summand, which SymPy guarantees, and the part of the size of the summands below which a sum of these may
 # be zero.

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.algebra.exact_numbers import ExactMatrix, is_zero, to_sympy
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, listed_rows, read_parameter
 from liepoisson.inputs.calls import explains_its_methods
@@ -52,7 +52,7 @@ class Automorphism:
         rows = [listed(row, "matrix") for row in listed_rows(matrix, "matrix") or []]
         if not rows or any(row is None or len(row) != len(rows) for row in rows):
             raise ShapeError(f"matrix must have shape (n, n), one row per field; got {matrix!r}.")
-        self.matrix: tuple[tuple[Exact, ...], ...] = tuple(
+        self.matrix: ExactMatrix = tuple(
             tuple(read_parameter(value, f"matrix[{i}][{j}]") for j, value in enumerate(row or []))
             for i, row in enumerate(rows)
         )

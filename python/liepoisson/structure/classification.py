@@ -9,7 +9,7 @@ from functools import reduce
 from operator import add
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.algebra.exact_numbers import Exact, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, to_sympy
 from liepoisson.algebra.matrices import determinant
 from liepoisson.algebra.real_fields import RealField, Surd
 from liepoisson.errors import ParameterError
@@ -29,7 +29,6 @@ MAX_FIELDS = 40
 
 _MOST_MINORS = 8  # a dense matrix of n rows has 2^n minors
 
-ExactMatrix: TypeAlias = tuple[tuple[Exact, ...], ...]
 EqualSymbols: TypeAlias = "tuple[tuple[tuple[str, ...], Expr], ...]"
 """Values of symbols, each with the names of all symbols that have it."""
 

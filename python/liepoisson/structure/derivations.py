@@ -14,7 +14,7 @@ from math import gcd, lcm
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, as_expression, is_zero, symbols_of
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, as_expression, is_zero, symbols_of
 from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.formula.parameters import read_parameter
 from liepoisson.inputs.calls import explains_its_methods
@@ -51,7 +51,7 @@ class Derivation:
         text: The one-parameter group in words ("alpha -> alpha + d*beta"), or the vector field of a general one.
     """
 
-    matrix: tuple[tuple[Exact, ...], ...]
+    matrix: ExactMatrix
     kind: str
     text: str
 

@@ -12,7 +12,7 @@ from itertools import combinations, product
 from numbers import Integral
 from typing import TYPE_CHECKING
 
-from liepoisson.algebra.exact_numbers import Exact, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import Parameter, values_of_symbols
@@ -33,7 +33,7 @@ from liepoisson.inputs.refusals import check_kind
 if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.extension import Extension
-    from liepoisson.structure.lie.lie_structure import LieStructure, Square, Subspace, Triple
+    from liepoisson.structure.lie.lie_structure import LieStructure, Subspace, Triple
     from liepoisson.structure.lie.matrix_family import MatrixFamily
 
 MAX_DIMENSION = 1000
@@ -219,7 +219,7 @@ class LieAlgebra:
         r"""Where Jacobi fails: $[[e_i, e_j], e_k]$ + cyclic by i < j < k, then by component; empty if nowhere."""
         return self._structure().jacobi_residuals()
 
-    def killing_form(self) -> Square:
+    def killing_form(self) -> ExactMatrix:
         r"""The matrix $\kappa_{ij} = \operatorname{tr}(\mathrm{ad}_i\, \mathrm{ad}_j)$, exact, shape (n, n)."""
         return self._structure().killing_form()
 
@@ -265,7 +265,7 @@ class LieAlgebra:
         """Whether the lower central series ends at zero."""
         return self.lower_central_series()[-1].dimension == 0
 
-    def adjoint_representation(self) -> tuple[Square, ...]:
+    def adjoint_representation(self) -> tuple[ExactMatrix, ...]:
         r"""The matrices $(\operatorname{ad}_i)_{kj} = c_{ij}^k$, one per basis element."""
         return tuple(tuple(zip(*plane, strict=True)) for plane in self.structure_constants)
 

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq_poly
 
-from liepoisson.algebra.exact_numbers import Exact, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, to_sympy
 from liepoisson.algebra.function_fields import AlgebraicNumbers
 from liepoisson.algebra.number_fields import as_fmpq, as_fraction
 from liepoisson.algebra.real_fields import RealRationals, Surd
@@ -47,7 +47,7 @@ class CubicForm:
     """
 
     kind: str
-    rows: tuple[tuple[Exact, ...], ...]
+    rows: ExactMatrix
     field_extension: str
 
 

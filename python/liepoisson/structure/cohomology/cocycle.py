@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, sum_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, product_of, sum_of, to_sympy
 from liepoisson.errors import CocycleError, ObstructionError, ParameterError
 from liepoisson.formula.parameters import Parameter, read_new_symbol, read_parameter, read_symbol
 from liepoisson.formula.tensors import Tensor3
@@ -33,8 +33,6 @@ from liepoisson.structure.extension import Extension, Products
 if TYPE_CHECKING:
     from liepoisson.structure.cohomology.twist_orbits import TwistForm
     from liepoisson.structure.cohomology.twists import Twists
-
-Matrix: TypeAlias = "tuple[tuple[Exact, ...], ...]"
 
 
 @explains_its_methods
@@ -90,7 +88,7 @@ class ChangeOfVariables:
         text: The change to first order.
     """
 
-    matrices: tuple[Matrix, ...]
+    matrices: tuple[ExactMatrix, ...]
     is_inverse: bool
     is_exact: bool
     parameter: str
@@ -248,11 +246,11 @@ class Cocycle:
         """The cocycle of the same class that is a combination of the basis."""
         return self.twists.combination(self.coordinates)
 
-    def coboundary_map(self) -> Matrix:
+    def coboundary_map(self) -> ExactMatrix:
         r"""A linear map g such that f is its `representative` plus $\delta g$; row mu is $g(e_\mu)$."""
         return self._written(self._class[1])
 
-    def _written(self, g: Map) -> Matrix:
+    def _written(self, g: Map) -> ExactMatrix:
         complex_ = self.in_cochains[0]
         n, field = range(complex_.dimension), complex_.field
         return tuple(tuple(field.write(g.get((i, k), field.zero)) for k in n) for i in n)
@@ -355,7 +353,7 @@ class Cocycle:
         ]
         return ChangeOfVariables(matrices, is_inverse, is_exact, name, arrows(self.twists.extension.field_names, first))
 
-    def _undone(self) -> tuple[tuple[Matrix, ...], bool, bool]:
+    def _undone(self) -> tuple[tuple[ExactMatrix, ...], bool, bool]:
         """The maps of a change of variables, whether it is the inverse of what they make, and whether it is exact."""
         most, complex_ = self.twists.most(None), self.in_cochains[0]
         found = self._mended(most)

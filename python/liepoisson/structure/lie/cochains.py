@@ -24,7 +24,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, substituted, sum_of
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, product_of, substituted, sum_of
 from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import BracketError, CochainError, ParameterError, ShapeError, did_you_mean
 from liepoisson.formula.parameters import read_parameter
@@ -142,7 +142,7 @@ class Cochain:
         return {place: row[0] for place, row in self.values.items()}
 
     @property
-    def matrix(self) -> tuple[tuple[Exact, ...], ...]:
+    def matrix(self) -> ExactMatrix:
         r"""A 1-cochain as the matrix of $e_i \mapsto \sum_a m_{ai} v_a$, shape (dim M, dim g).
 
         Raises:

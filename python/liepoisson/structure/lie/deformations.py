@@ -17,11 +17,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon
-from liepoisson.algebra.exact_numbers import Exact, is_zero, sum_of, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, sum_of, symbols_of, to_sympy
 from liepoisson.algebra.matrices import solved
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import read_new_symbol
@@ -45,8 +45,6 @@ from liepoisson.structure.lie_algebra import LieAlgebra, joined_names
 
 if TYPE_CHECKING:
     from liepoisson.structure.lie.cohomology import CochainLike
-
-Matrix: TypeAlias = tuple[tuple[Exact, ...], ...]
 
 _ONE = Fraction(1)
 
@@ -129,8 +127,8 @@ class Derivations:
         outer: A basis of a complement, one for each dimension of $H^1(g, g)$.
     """
 
-    inner: tuple[Matrix, ...]
-    outer: tuple[Matrix, ...]
+    inner: tuple[ExactMatrix, ...]
+    outer: tuple[ExactMatrix, ...]
 
     @property
     def dimension(self) -> int:
@@ -169,7 +167,7 @@ def derivations_of(given: AlgebraLike, *, time_limit: float = SEARCH_LIMIT) -> D
     algebra = read_algebra(given)
     found = cohomology(algebra, 1, "adjoint", time_limit=time_limit)
     module = read_module(algebra, "adjoint")
-    field, inner = field_of(algebra, module), list[Matrix]()
+    field, inner = field_of(algebra, module), list[ExactMatrix]()
     span = Echelon(field)
     for i, rho in enumerate(module.action):
         row = {(a, b): field.read(c) for a, image in enumerate(rho) for b, c in image.items()}
@@ -212,7 +210,7 @@ class LieDeformation:
     closes: bool
     order: int
     representative: LieAlgebra | None
-    change_of_basis: Matrix
+    change_of_basis: ExactMatrix
     algebra: LieAlgebra | None
     obstruction: Cochain | None
     decided: bool
@@ -426,7 +424,7 @@ def _deformed(algebra: LieAlgebra, terms: Sequence[Cochain], parameter: str) -> 
     )
 
 
-def _near_identity(potential: Cochain, parameter: str) -> Matrix:
+def _near_identity(potential: Cochain, parameter: str) -> ExactMatrix:
     r"""The matrix $1 + \epsilon\varphi$, row by row the images of the basis."""
     from sympy import Symbol
 
@@ -441,7 +439,7 @@ def _near_identity(potential: Cochain, parameter: str) -> Matrix:
     )
 
 
-def _in_basis(algebra: LieAlgebra, P: Matrix, parameter: str) -> LieAlgebra:
+def _in_basis(algebra: LieAlgebra, P: ExactMatrix, parameter: str) -> LieAlgebra:
     """The same algebra in the basis whose elements are the rows of P."""
     from sympy import Symbol
 

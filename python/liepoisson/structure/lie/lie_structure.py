@@ -16,21 +16,20 @@ from typing import Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon, Vector
-from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, to_sympy
 from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import ParameterError
 
 _FEW = 100  # distinct constants up to which products are remembered: at most 4 x 10^4 of them
 
 Triple: TypeAlias = tuple[int, int, int]
-Square: TypeAlias = tuple[tuple[Exact, ...], ...]
 
 
 @dataclass(frozen=True)
 class Subspace:
     """A linear subspace of a Lie algebra by its reduced echelon basis, in the coordinates of the algebra."""
 
-    basis: tuple[tuple[Exact, ...], ...]
+    basis: ExactMatrix
 
     @property
     def dimension(self) -> int:
@@ -78,7 +77,7 @@ class LieStructure:
         write = self.field.write
         return {t: {m: write(v, 2) for m, v in sorted(row.items())} for t, row in nonzero.items() if row}
 
-    def killing_form(self) -> Square:
+    def killing_form(self) -> ExactMatrix:
         r"""The matrix $\kappa_{ij} = \operatorname{tr}(\mathrm{ad}_i\, \mathrm{ad}_j) = c_{ik}^l c_{jl}^k$."""
         return tuple(self._dense(row, 2) for row in self._killing_rows())
 
@@ -173,7 +172,7 @@ class LieStructure:
         return tuple(write(vector[k], degree) if k in vector else self.zero for k in range(self.dimension))
 
 
-def signature(form: Square) -> tuple[int, int, int]:
+def signature(form: ExactMatrix) -> tuple[int, int, int]:
     r"""Numbers of positive, negative and zero eigenvalues of a symmetric form.
 
     All its eigenvalues are real, so Descartes' rule of signs counts the positive roots of the characteristic polynomial
@@ -193,7 +192,7 @@ def signature(form: Square) -> tuple[int, int, int]:
     return positive, rank - positive, n - rank
 
 
-def _rational_multiple(form: Square) -> list[list[Fraction]]:
+def _rational_multiple(form: ExactMatrix) -> list[list[Fraction]]:
     """The form divided by a positive number that makes its entries rational."""
     entries = [value for row in form for value in row]
     if all(isinstance(value, Fraction) for value in entries):
