@@ -230,6 +230,15 @@ def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
     np.testing.assert_array_equal(drawn, run.state[:, 0])
 
 
+def test_a_formula_beyond_a_half_turn_is_a_coordinate(points):
+    expected = 9 * np.sum(points.state[:, :3] ** 2, axis=1)
+    assert expected.max() > np.pi
+    ax = draw(points, "l1", "9*dot(l, l)")
+    drawn = np.concatenate([line.get_ydata() for line in ax.lines])
+    np.testing.assert_allclose(np.sort(drawn), np.sort(expected))
+    assert "mod" not in ax.get_ylabel()
+
+
 def test_coordinates_that_are_not_there_are_refused(points):
     with pytest.raises(ParameterError, match=r"y must be a coordinate that was kept \(l1, .*got 'gamma1'"):
         draw(points.dataset, "l1", "gamma1")

@@ -295,8 +295,8 @@ def _turn(
 
 
 def _is_angular_component(points: SectionLike, axis: str) -> bool:
-    """Whether a coordinate is a component after whole turns of which the rates are the same."""
-    if not _has_states_of_a_system(points):
+    """Whether an axis is a component after whole turns of which the rates are the same."""
+    if not _has_states_of_a_system(points) or axis not in _names(points):
         return False
     states = _states(points.state, len(_names(points)))
     system: Any = getattr(points, "system", None)
