@@ -126,12 +126,7 @@ pub(super) fn rates(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) ->
 }
 
 /// The equations of a quadratic Hamiltonian, or of a cubic one where J is constant: coefficients by component and monomial.
-pub(super) fn equations_of_degree_two(
-    graph: &mut Graph,
-    n: usize,
-    energy: Node,
-    terms: &Terms,
-) -> Option<top::Terms> {
+pub(super) fn equations_of_degree_two(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) -> Option<top::Terms> {
     let is_constant = terms.iter().all(|term| term.2.is_none());
     let mut energy = polynomial(graph, energy, n, if is_constant { 3 } else { 2 })?;
     // what is left of irrational numbers that cancel is judged beside these, and not beside other terms of an equation

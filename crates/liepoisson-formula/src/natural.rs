@@ -296,3 +296,18 @@ fn add_back(part: &mut [u32], divisor: &[u32]) {
         carry = value >> 32;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Natural;
+
+    #[test]
+    fn common_divisors_contain_the_common_powers_of_two() {
+        let [a, b, c] = [3u64 << 40, 7 << 9, 5 << 20].map(Natural::from_u64);
+        let power = |exponent| Natural::from_u64(1).shifted_left(exponent);
+        assert_eq!(a.times(&c).greatest_common_divisor(&b.times(&c)), c.times(&power(9)));
+        assert_eq!(a.times(&power(300)).greatest_common_divisor(&power(200)), power(200));
+        assert_eq!(a.greatest_common_divisor(&Natural::zero()), a);
+        assert_eq!(Natural::zero().greatest_common_divisor(&b), b);
+    }
+}

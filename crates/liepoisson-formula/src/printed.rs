@@ -180,3 +180,79 @@ impl Printed {
 fn beginning(text: &str) -> String {
     text.chars().take(60).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Printed;
+    use crate::{Entry, Lowered};
+
+    fn texts(texts: &[&str]) -> Vec<String> {
+        texts.iter().map(|&text| text.to_owned()).collect()
+    }
+
+    /// The names of the instructions that two functions of two coordinates take.
+    fn names(parts: &[&str], functions: &[&str]) -> Vec<&'static str> {
+        let lines = Printed::new(2, &texts(parts)).unwrap().functions(&texts(functions)).unwrap();
+        lines.instructions.iter().map(|instruction| instruction.0).collect()
+    }
+
+    #[test]
+    fn a_part_is_computed_once() {
+        assert_eq!(
+            names(&["x1*x2", "sin(s1)^2"], &["s2 + x1", "s2*x2"]),
+            ["product", "sin", "product", "linear", "product"]
+        );
+        assert_eq!(names(&[], &["(x1*x2)^(1/2)", "exp(x1)*exp(-x1)"]), ["product", "sqrt", "linear"]);
+    }
+
+    #[test]
+    fn numbers_may_be_of_any_length() {
+        let long = format!("{}/{}*x1", "3".repeat(900), "6".repeat(900));
+        let lines = Printed::new(1, &[]).unwrap().functions(&[long]).unwrap();
+        assert_eq!(lines.instructions, [("linear", vec![0], vec![0.5, 0.0])]);
+    }
+
+    #[test]
+    fn equations_of_degree_two_are_quadratic() {
+        let printed = || Printed::new(2, &[]).unwrap();
+        let rates = texts(&["x1*(x1 + x2) - x1^2", "2^(1/2) - x2"]);
+        let Lowered::Quadratic { constant, linear, quadratic, .. } = printed().equations(&rates, false).unwrap() else {
+            panic!("it is of degree two")
+        };
+        assert_eq!((constant, linear, quadratic), (vec![(1, 2f64.sqrt())], vec![(1, 1, -1.0)], vec![(0, 0, 1, 1.0)]));
+        assert!(matches!(printed().equations(&rates, true).unwrap(), Lowered::Tape(_)));
+        assert!(matches!(printed().equations(&texts(&["x1^3", "x2"]), false).unwrap(), Lowered::Tape(_)));
+    }
+
+    #[test]
+    fn the_field_of_a_casimir_vanishes() {
+        let entry = |i, j, m, c: &str| Entry { i, j, m: Some(m), c: c.to_owned() };
+        let terms = vec![entry(0, 1, 2, "-1"), entry(0, 2, 1, "1"), entry(1, 2, 0, "-1")];
+        let energy = "exp(x1^2 + x2^2 + x3^2)";
+        let Lowered::Tape(lines) = Printed::new(3, &[]).unwrap().field(terms, energy, false).unwrap() else {
+            panic!("it is no polynomial")
+        };
+        assert_eq!(lines.instructions, [("linear", vec![], vec![0.0])]);
+    }
+
+    #[test]
+    fn what_has_no_meaning_is_refused() {
+        for (text, words) in [
+            ("x3", "known names"),
+            ("s1", "known names"),
+            ("x1^x2", "rational number"),
+            ("1/(x1 - x1)", "must not vanish"),
+            ("(x1 - x1)^(-2)", "must not vanish"),
+            ("(-2)^(1/2)*x1", "finite real number"),
+            ("exp(1000)*x1", "finite real number"),
+            ("gamma(x1)", "known functions"),
+            ("x1[1]", "scalars"),
+        ] {
+            let refusal = Printed::new(2, &[]).unwrap().functions(&texts(&[text])).unwrap_err();
+            assert!(refusal.message.contains(words), "{text}: {}", refusal.message);
+            assert_eq!(refusal.position, None);
+        }
+        let refusal = Printed::new(1, &[]).unwrap().functions(&texts(&["10^400*x1"])).unwrap_err();
+        assert!(refusal.message.contains("must fit into a double"), "{}", refusal.message);
+    }
+}
