@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import values_of
 from liepoisson.compile.field import Field, PiecesField, TapeFunction, field_of
-from liepoisson.compile.tape_values import has_partial_operations, values_of_tape
 from liepoisson.compile.typed import Names, names_of, read_system
 from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
@@ -497,6 +496,8 @@ class System:
     def _values(self, function: TapeFunction | Expr, states: NDArray[np.float64]) -> NDArray[np.float64]:
         import numpy as np
 
+        from liepoisson.compile.tape_values import values_of_tape
+
         if isinstance(function, TapeFunction):
             return values_of_tape(function, states)[..., 0]
         with np.errstate(all="ignore"):
@@ -505,6 +506,7 @@ class System:
     @cached_property
     def _partial_functions(self) -> dict[str, TapeFunction | Expr]:
         """Those of the Hamiltonian and the given integrals that are not real at all states; of texts the tapes."""
+        from liepoisson.compile.tape_values import has_partial_operations
         from liepoisson.formula.expression import is_partial
         from liepoisson.model.hamiltonian import has_partial_functions
 
