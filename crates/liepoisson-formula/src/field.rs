@@ -1,6 +1,6 @@
 //! Fields as plain data, from expressions: `J(x) grad H` of a Hamiltonian, or equations as they stand.
 
-use super::cancellation::{MOST_TERMS, Product, sum_of_products};
+use super::cancellation::{MOST_TERMS, Product, all_vanish, sum_of_products};
 use super::constant::constant;
 use super::expand::{Monomial, Polynomial, polynomial};
 use super::graph::{Graph, Node};
@@ -110,6 +110,9 @@ pub(super) fn rates(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) ->
                 products[row].push((outside, slope));
             }
         }
+    }
+    if all_vanish(graph, n, &products) {
+        return Ok(vec![graph.integer(0); n]);
     }
     let n_terms: usize = products.iter().flatten().map(|&(_, slope)| graph.terms(slope).1.len()).sum();
     let mut rates = vec![];
