@@ -31,6 +31,9 @@ __all__ = [
     "orbits",
     "orthonormal",
     "outcomes",
+    "printed_equations",
+    "printed_field",
+    "printed_functions",
     "products",
     "sections",
     "simd",
@@ -55,8 +58,21 @@ class TypedSystem:
         declared: Sequence[str],
     ) -> TypedSystem: ...
     def equations(self) -> list[str]: ...
-    def field(self) -> dict[str, Any]: ...
+    def parameters(self) -> list[str]: ...
+    def field(self, general: bool = False) -> dict[str, Any]: ...
     def functions(self, texts: Sequence[str]) -> dict[str, Any]: ...
+
+def printed_field(
+    n_components: int,
+    parts: Sequence[str],
+    terms: Sequence[tuple[int, int, int | None, str]],
+    hamiltonian: str,
+    as_tape: bool,
+) -> dict[str, Any]: ...
+def printed_equations(
+    n_components: int, parts: Sequence[str], rates: Sequence[str], as_tape: bool
+) -> dict[str, Any]: ...
+def printed_functions(n_components: int, parts: Sequence[str], functions: Sequence[str]) -> dict[str, Any]: ...
 
 @final
 class Field:

@@ -96,7 +96,16 @@ def test_refusals(call, error, words):
         call()
 
 
-@pytest.mark.parametrize("energy", ["dot(l, l)^2", "sin(dot(l, l))", "sqrt(1 + dot(l, l))"])
+@pytest.mark.parametrize(
+    "energy",
+    [
+        "dot(l, l)^2",
+        "sin(dot(l, l))",
+        "sqrt(1 + dot(l, l))",
+        "(dot(l, l) + dot(l, l)^2)^5",
+        "log(2 + dot(l, l) + dot(l, l)^4)/(3 + dot(l, l)^2)",
+    ],
+)
 def test_function_of_casimirs_moves_nothing_at_all(energy):
     """Its terms cancel; added in doubles they would leave round-off, and an orbit a time scale of 1e16."""
     system = System(lp.so(3) @ lp.trivial(), energy)

@@ -13,7 +13,9 @@ use crate::choice::AnyField;
 use crate::error::Error;
 use crate::field::{Functions, Instruction, Quadratic, Tape, Top};
 #[doc(inline)]
-pub use liepoisson_formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, Rational, Refusal, Scope, System};
+pub use liepoisson_formula::{
+    Bracket, Coordinates, Entry, Given, Lines, Lowered, Printed, Rational, Refusal, Scope, System,
+};
 
 impl TryFrom<Lowered> for AnyField {
     type Error = Error;

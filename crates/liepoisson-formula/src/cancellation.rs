@@ -5,7 +5,7 @@
 //! have. The coefficients of equal terms are therefore added here, exactly.
 
 use super::expand::{expanded, n_terms};
-use super::graph::{Graph, Node};
+use super::graph::{Expression, Graph, Node};
 use super::rational::Rational;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -111,6 +111,60 @@ fn add_expanded(
             result.extend(polynomial);
         }
     }
+}
+
+/// A sum below this part of its terms may be zero, and is looked at exactly.
+const CANCELLED: f64 = 1e-9;
+
+/// Whether all sums of products vanish identically, as those of a function of Casimirs: a tape would leave round-off.
+///
+/// Most do not vanish at one state of no special position, and no more is computed for them.
+pub(super) fn all_vanish(graph: &mut Graph, n: usize, rows: &[Vec<Product>]) -> bool {
+    let state: Vec<f64> = (0..n).map(|k| (2 * k + 3) as f64 / (k + 2) as f64).collect();
+    let factors: Vec<Node> = rows.iter().flatten().flat_map(|&(outside, slope)| [outside, slope]).collect();
+    let values = values_at(graph, &factors, &state);
+    for row in rows {
+        let terms: Vec<f64> = row.iter().map(|(outside, slope)| values[outside] * values[slope]).collect();
+        let size: f64 = terms.iter().map(|term| term.abs()).sum();
+        let sum: f64 = terms.iter().sum();
+        // not true of numbers that are none, where something is not defined
+        let is_small = sum.abs() <= CANCELLED * size;
+        if !is_small {
+            return false;
+        }
+    }
+    rows.iter().all(|row| {
+        let terms: Vec<_> =
+            row.iter().map(|&(outside, slope)| (graph.times(outside, slope), Rational::one())).collect();
+        let n_expanded = terms.iter().map(|&(term, _)| n_terms(graph, term)).fold(0u64, u64::saturating_add);
+        n_expanded <= MOST_TERMS as u64 && {
+            let sum = graph.sum(Rational::zero(), &terms);
+            let sum = expanded(graph, sum);
+            graph.is_zero(sum)
+        }
+    })
+}
+
+/// The values of expressions in doubles; what is not defined is no number.
+fn values_at(graph: &Graph, nodes: &[Node], state: &[f64]) -> BTreeMap<Node, f64> {
+    let mut values: BTreeMap<Node, f64> = BTreeMap::new();
+    for node in graph.reachable(nodes) {
+        let power = |(base, exponent): &(Node, Rational)| libm::pow(values[base], exponent.to_f64());
+        let value = match graph.expression(node) {
+            Expression::Number(number) => number.to_f64(),
+            Expression::Pi => std::f64::consts::PI,
+            Expression::Symbol(index) => state.get(*index).copied().unwrap_or(f64::NAN),
+            Expression::Sum { constant, terms } => {
+                terms.iter().map(|(term, c)| values[term] * c.to_f64()).sum::<f64>() + constant.to_f64()
+            }
+            Expression::Product(factors) => factors.iter().map(power).product(),
+            Expression::Power(base, exponent) => libm::pow(values[base], values[exponent]),
+            Expression::Function(function, of) => function.at(values[of]),
+            Expression::Angle(y, x) => libm::atan2(values[y], values[x]),
+        };
+        values.insert(node, value);
+    }
+    values
 }
 
 fn total(coefficients: &[Rational]) -> Rational {

@@ -1,6 +1,7 @@
 //! Expressions multiplied out, and polynomials in the coordinates.
 
 use super::graph::{Expression, Graph, Node};
+use super::measure::monomials;
 use super::rational::Rational;
 use std::collections::BTreeMap;
 
@@ -56,7 +57,20 @@ fn multiplied(graph: &mut Graph, a: Node, b: Node) -> Node {
 
 /// At most so many terms has an expression when it is multiplied out.
 pub(super) fn n_terms(graph: &Graph, node: Node) -> u64 {
-    graph.measure(node).terms
+    match graph.expression(node) {
+        Expression::Sum { constant, terms } => {
+            let of_constant = u64::from(!constant.is_zero());
+            terms.iter().map(|&(term, _)| n_terms(graph, term)).fold(of_constant, u64::saturating_add)
+        }
+        Expression::Product(factors) => {
+            let of_power = |(base, exponent): &(Node, Rational)| match exponent.to_integer() {
+                Some(times @ 1..) => monomials(n_terms(graph, *base), times as u64),
+                _ => 1, // what is divided by stays as it is
+            };
+            factors.iter().map(of_power).fold(1, u64::saturating_mul)
+        }
+        _ => 1,
+    }
 }
 
 /// The factors of a monomial, by their numbers, in order.

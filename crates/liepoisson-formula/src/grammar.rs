@@ -60,7 +60,16 @@ pub(super) fn parse(text: &str) -> Result<Tree, Refusal> {
             format!("a formula must have at most {MAX_CHARACTERS} characters; got {length}. Use vectors to shorten it");
         return Err(Refusal::new(message, text, 0));
     }
-    let mut parser = Parser { text, tokens: tokens(text)?, next: 0, nesting: 0 };
+    tree(text, MAX_DIGITS)
+}
+
+/// The tree of a formula that a program has printed: of any length, with numbers of any length.
+pub(super) fn parse_printed(text: &str) -> Result<Tree, Refusal> {
+    tree(text, usize::MAX)
+}
+
+fn tree(text: &str, max_digits: usize) -> Result<Tree, Refusal> {
+    let mut parser = Parser { text, tokens: tokens(text)?, next: 0, nesting: 0, max_digits };
     if parser.at(" ") {
         return Err(parser.error("a formula is empty. Write for example dot(l, l)/2"));
     }
@@ -130,6 +139,7 @@ struct Parser<'t> {
     tokens: Vec<Token>,
     next: usize,
     nesting: usize,
+    max_digits: usize,
 }
 
 type Rule<'t> = fn(&mut Parser<'t>) -> Result<Tree, Refusal>;
@@ -269,7 +279,7 @@ impl<'t> Parser<'t> {
         let lower = token.text.to_lowercase();
         let (mantissa, exponent) = lower.split_once('e').unwrap_or((&lower, "0"));
         let n_digits = mantissa.bytes().filter(u8::is_ascii_digit).count();
-        if n_digits > MAX_DIGITS || exponent.trim_start_matches(['+', '-']).len() > 3 {
+        if n_digits > self.max_digits || exponent.trim_start_matches(['+', '-']).len() > 3 {
             let message = format!("a number must have at most {MAX_DIGITS} digits, and 3 in its exponent. Shorten it");
             return Err(Refusal::new(message, self.text, token.position));
         }

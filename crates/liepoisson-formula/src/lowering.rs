@@ -238,7 +238,11 @@ impl<'g> Writer<'g> {
 }
 
 fn is_constant(graph: &Graph, node: Node) -> bool {
-    matches!(graph.measure(node).value, Ok(Some(_)) | Err(_))
+    match graph.measure(node).value {
+        Ok(value) => value.is_some(),
+        // a number in it that no double holds
+        Err(_) => graph.symbols(node).is_empty(),
+    }
 }
 
 /// The factors that a power is written as: small whole powers one by one, and of half-integer ones the root apart, since a root

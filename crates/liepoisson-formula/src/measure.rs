@@ -171,7 +171,10 @@ fn of_power(base: &Measure, exponent: &Rational) -> Measure {
 }
 
 /// Monomials of a degree in so many unknowns, as the multinomial theorem counts them.
-fn monomials(unknowns: u64, degree: u64) -> u64 {
+pub(super) fn monomials(unknowns: u64, degree: u64) -> u64 {
+    if unknowns > ENDLESS || degree > ENDLESS {
+        return ENDLESS;
+    }
     let (n, k) = (unknowns + degree - 1, degree.min(unknowns - 1));
     let mut count: u128 = 1;
     for i in 1..=k {

@@ -164,9 +164,28 @@ impl Natural {
         (Natural(digits).trimmed(), Natural::from_u64(rest))
     }
 
+    /// The greatest common divisor; powers of two, of which rounded numbers consist, are found without a division.
     pub(super) fn greatest_common_divisor(&self, other: &Natural) -> Natural {
-        let (mut a, mut b) = (self.clone(), other.clone());
+        if self.is_zero() || other.is_zero() {
+            return if self.is_zero() { other.clone() } else { self.clone() };
+        }
+        let (twos, other_twos) = (self.trailing_zeros(), other.trailing_zeros());
+        let odd = self.shifted_right(twos).odd_common_divisor(other.shifted_right(other_twos));
+        odd.shifted_left(twos.min(other_twos))
+    }
+
+    /// How often two divides it, which is not zero.
+    fn trailing_zeros(&self) -> u64 {
+        let whole = self.0.iter().take_while(|&&digit| digit == 0).count();
+        32 * whole as u64 + u64::from(self.0[whole].trailing_zeros())
+    }
+
+    fn odd_common_divisor(self, other: Natural) -> Natural {
+        let (mut a, mut b) = (self, other);
         while !b.is_zero() {
+            if a.is_one() || b.is_one() {
+                return Natural::from_u64(1);
+            }
             if let (Some(mut p), Some(mut q)) = (a.to_u64(), b.to_u64()) {
                 while q != 0 {
                     (p, q) = (q, p % q);
@@ -275,5 +294,20 @@ fn add_back(part: &mut [u32], divisor: &[u32]) {
         let value = u64::from(*digit) + u64::from(divisor.get(k).copied().unwrap_or(0)) + carry;
         *digit = value as u32;
         carry = value >> 32;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Natural;
+
+    #[test]
+    fn common_divisors_contain_the_common_powers_of_two() {
+        let [a, b, c] = [3u64 << 40, 7 << 9, 5 << 20].map(Natural::from_u64);
+        let power = |exponent| Natural::from_u64(1).shifted_left(exponent);
+        assert_eq!(a.times(&c).greatest_common_divisor(&b.times(&c)), c.times(&power(9)));
+        assert_eq!(a.times(&power(300)).greatest_common_divisor(&power(200)), power(200));
+        assert_eq!(a.greatest_common_divisor(&Natural::zero()), a);
+        assert_eq!(Natural::zero().greatest_common_divisor(&b), b);
     }
 }

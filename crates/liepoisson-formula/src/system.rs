@@ -1,55 +1,20 @@
 //! A Hamiltonian system that is typed: a bracket, a formula, parameters; its field `x' = J(x) grad H`.
 
 use super::bracket::Bracket;
-use super::cancellation::{MOST_TERMS, Product, sum_of_products};
 use super::constant::constant;
-use super::derivative::derivative;
-use super::expand::{Monomial, Polynomial, expanded, polynomial};
+use super::expand::expanded;
+use super::field::{
+    Lowered, Terms, equations_of_degree_two, field_of_hamiltonian, quadratic, rates, tape, tape_of_hamiltonian,
+};
 use super::grammar::{Part, Tree, parse};
 use super::graph::{Graph, Node};
-use super::lowering::{Lines, coefficient, lines};
-use super::overflow::without_overflow;
+use super::lowering::Lines;
 use super::rational::Rational;
 use super::reader::Reading;
 use super::refusal::Refusal;
 use super::scope::{Given, Scope};
 use super::top;
 use std::collections::BTreeMap;
-
-/// Expressions that a system may be made of.
-const MOST_EXPRESSIONS: usize = 1_000_000;
-
-/// Factors in the derivatives of all products.
-const MOST_FACTORS: usize = 1_000_000;
-
-/// A field as plain data.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Lowered {
-    /// The charged or twisted top.
-    Top {
-        /// The moments of inertia.
-        inertia: [f64; 3],
-        /// The centre of mass.
-        a: [f64; 3],
-        /// The centre of charge.
-        b: [f64; 3],
-        /// The strength of the cocycle.
-        epsilon: f64,
-    },
-    /// A field of degree two, by its entries.
-    Quadratic {
-        /// Components of the state.
-        n_components: usize,
-        /// `(i, constant_i)`
-        constant: Vec<(usize, f64)>,
-        /// `(i, j, linear_ij)`
-        linear: Vec<(usize, usize, f64)>,
-        /// `(i, j, k, quadratic_ijk)`
-        quadratic: Vec<(usize, usize, usize, f64)>,
-    },
-    /// Any other, as a tape.
-    Tape(Lines),
-}
 
 /// A Hamiltonian system that is typed.
 ///
@@ -73,9 +38,6 @@ pub struct System {
     /// The coefficients of the bracket.
     coefficients: Vec<Tree>,
 }
-
-/// The terms `(i, j, m, c)` of `{x_i, x_j}` in a graph.
-type Terms = Vec<(usize, usize, Option<usize>, Node)>;
 
 /// The terms `(m, c)` of one pair of coordinates.
 type Row = Vec<(Option<usize>, Node)>;
@@ -120,8 +82,19 @@ impl System {
         let mut graph = self.graph();
         let energy = self.read(&mut graph, &self.text, &self.tree, false, false)?;
         let terms = self.terms(&mut graph, false)?;
-        let rates = self.rates(&mut graph, energy, &terms)?;
+        let rates = rates(&mut graph, self.n(), energy, &terms)?;
         Ok(rates.into_iter().map(|rate| graph.shown(rate, &self.scope.symbols)).collect())
+    }
+
+    /// The names of the parameters on which the Hamiltonian depends, and of its symbols without value.
+    ///
+    /// # Errors
+    /// As [`System::new`].
+    pub fn parameters(&self) -> Result<Vec<String>, Refusal> {
+        let mut graph = self.graph();
+        let energy = self.read(&mut graph, &self.text, &self.tree, false, false)?;
+        let symbols = graph.symbols(energy).into_iter().filter(|&symbol| symbol >= self.n());
+        Ok(symbols.map(|symbol| self.scope.symbols[symbol].clone()).collect())
     }
 
     /// The field with the values of the parameters.
@@ -129,16 +102,32 @@ impl System {
     /// # Errors
     /// A parameter without value; a coefficient that no double holds; a system that is too large.
     pub fn field(&self) -> Result<Lowered, Refusal> {
+        let (mut graph, energy, terms) = self.with_values()?;
+        let Some(equations) = equations_of_degree_two(&mut graph, self.n(), energy, &terms) else {
+            return tape_of_hamiltonian(&mut graph, self.n(), energy, &terms).map(Lowered::Tape);
+        };
+        match self.top(&graph, &equations, &terms) {
+            Some(top::Parameters { inertia, a, b, epsilon }) => Ok(Lowered::Top { inertia, a, b, epsilon }),
+            None => quadratic(self.n(), &equations),
+        }
+    }
+
+    /// The same, a top as any other field of degree two.
+    ///
+    /// # Errors
+    /// As [`System::field`].
+    pub fn general_field(&self) -> Result<Lowered, Refusal> {
+        let (mut graph, energy, terms) = self.with_values()?;
+        field_of_hamiltonian(&mut graph, self.n(), energy, &terms)
+    }
+
+    /// The Hamiltonian and the terms of the bracket with numbers.
+    fn with_values(&self) -> Result<(Graph, Node, Terms), Refusal> {
         let mut graph = self.graph();
         let energy = self.read(&mut graph, &self.text, &self.tree, true, false)?;
         let terms = self.terms(&mut graph, true)?;
         self.check_numbers(&graph, [energy].into_iter().chain(terms.iter().map(|term| term.3)))?;
-        if let Some(field) = self.quadratic(&mut graph, energy, &terms)? {
-            return Ok(field);
-        }
-        let rates = self.rates(&mut graph, energy, &terms)?;
-        let rates = without_overflow(&mut graph, &rates);
-        lines(&graph, self.n(), &rates).map(Lowered::Tape)
+        Ok((graph, energy, terms))
     }
 
     /// Functions of the coordinates, such as surfaces of section; angles of pairs may occur in them.
@@ -155,8 +144,7 @@ impl System {
             outputs.push(self.read(&mut graph, text, &tree, true, true)?);
         }
         self.check_numbers(&graph, outputs.iter().copied())?;
-        let outputs = without_overflow(&mut graph, &outputs);
-        lines(&graph, self.n(), &outputs)
+        tape(&mut graph, self.n(), &outputs)
     }
 
     fn n(&self) -> usize {
@@ -245,88 +233,6 @@ impl System {
         Ok(())
     }
 
-    /// The rates of change J grad H.
-    fn rates(&self, graph: &mut Graph, energy: Node, terms: &Terms) -> Result<Vec<Node>, Refusal> {
-        let n_factors: usize =
-            graph.reachable(&[energy]).into_iter().map(|node| graph.factors(node).len().pow(2)).sum();
-        if n_factors > MOST_FACTORS {
-            return Err(Refusal::general(format!(
-                "the derivatives of the Hamiltonian must have at most {MOST_FACTORS} factors; they may have {n_factors}. Write \
-                 shorter products."
-            )));
-        }
-        let slopes: Vec<Node> = (0..self.n()).map(|k| derivative(graph, energy, k)).collect();
-        let mut products: Vec<Vec<Product>> = vec![vec![]; self.n()];
-        for &(i, j, m, c) in terms {
-            let coordinate = match m {
-                Some(m) => graph.symbol(m),
-                None => graph.integer(1),
-            };
-            let outside = graph.times(c, coordinate);
-            let opposite = graph.negated(outside);
-            for (row, outside, slope) in [(i, outside, slopes[j]), (j, opposite, slopes[i])] {
-                if !graph.is_zero(slope) {
-                    products[row].push((outside, slope));
-                }
-            }
-        }
-        let n_terms: usize = products.iter().flatten().map(|&(_, slope)| graph.terms(slope).1.len()).sum();
-        let mut rates = vec![];
-        for row in &products {
-            rates.push(sum_of_products(graph, row, n_terms <= MOST_TERMS));
-            if graph.len() > MOST_EXPRESSIONS {
-                return Err(Refusal::general(format!(
-                    "a system must be made of at most {MOST_EXPRESSIONS} expressions; this one has more. Simplify the \
-                     Hamiltonian."
-                )));
-            }
-        }
-        Ok(rates)
-    }
-
-    /// The field, if it is one of degree two: that of a quadratic Hamiltonian, or of a cubic one where J is constant.
-    fn quadratic(&self, graph: &mut Graph, energy: Node, terms: &Terms) -> Result<Option<Lowered>, Refusal> {
-        let is_constant = terms.iter().all(|term| term.2.is_none());
-        let Some(energy) = polynomial(graph, energy, self.n(), if is_constant { 3 } else { 2 }) else {
-            return Ok(None);
-        };
-        let slopes: Vec<Polynomial> = (0..self.n()).map(|k| slope(graph, &energy, k)).collect();
-        let mut sums: BTreeMap<(usize, Monomial), Vec<(Node, Rational)>> = BTreeMap::new();
-        for &(i, j, m, c) in terms {
-            let opposite = graph.negated(c);
-            for (row, c, slope) in [(i, c, &slopes[j]), (j, opposite, &slopes[i])] {
-                for (monomial, &inner) in slope {
-                    let mut product: Monomial = monomial.iter().copied().chain(m).collect();
-                    product.sort_unstable();
-                    let term = (graph.times(c, inner), Rational::one());
-                    sums.entry((row, product)).or_default().push(term);
-                }
-            }
-        }
-        let mut exact = top::Terms::new();
-        for (key, terms) in sums {
-            let sum = graph.sum(Rational::zero(), &terms);
-            let number = constant(graph, sum).number();
-            if !number.is_zero() {
-                exact.insert(key, number);
-            }
-        }
-        if let Some(top::Parameters { inertia, a, b, epsilon }) = self.top(graph, &exact, terms) {
-            return Ok(Some(Lowered::Top { inertia, a, b, epsilon }));
-        }
-        let (mut of_degree_0, mut linear, mut quadratic) = (vec![], vec![], vec![]);
-        for ((row, monomial), number) in exact {
-            let number = coefficient(&number)?;
-            match monomial[..] {
-                [] => of_degree_0.push((row, number)),
-                [j] => linear.push((row, j, number)),
-                [j, k] => quadratic.push((row, j, k, number)),
-                _ => return Ok(None),
-            }
-        }
-        Ok(Some(Lowered::Quadratic { n_components: self.n(), constant: of_degree_0, linear, quadratic }))
-    }
-
     /// The top that has these equations.
     fn top(&self, graph: &Graph, equations: &top::Terms, terms: &Terms) -> Option<top::Parameters> {
         if self.n() != 9 {
@@ -370,17 +276,4 @@ fn names_in(tree: &Tree, names: &mut Vec<String>) {
         Part::Power(parts) => parts.iter().for_each(|part| names_in(part, names)),
         Part::Call(_, arguments) => arguments.iter().for_each(|argument| names_in(argument, names)),
     }
-}
-
-/// The derivative of a polynomial with respect to a coordinate.
-fn slope(graph: &mut Graph, energy: &Polynomial, coordinate: usize) -> Polynomial {
-    let mut slope = Polynomial::new();
-    for (monomial, &c) in energy {
-        let count = monomial.iter().filter(|&&factor| factor == coordinate).count();
-        let Some(place) = monomial.iter().position(|&factor| factor == coordinate) else { continue };
-        let mut rest = monomial.clone();
-        rest.remove(place);
-        slope.insert(rest, graph.scaled(&Rational::integer(count as i64), c));
-    }
-    slope
 }

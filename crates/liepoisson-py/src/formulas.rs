@@ -1,8 +1,8 @@
-//! Systems that are typed: a bracket, a formula and parameters in, the field as plain data out.
+//! Systems that are typed or printed: a bracket, formulas and parameters in, the field as plain data out.
 
 use crate::errors::{broken, translate};
 use liepoisson_core::field::Functions;
-use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, Refusal, System};
+use liepoisson_core::formula::{Bracket, Coordinates, Entry, Given, Lines, Lowered, Printed, Refusal, System};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -84,33 +84,16 @@ impl TypedSystem {
         run(|| self.0.equations())
     }
 
-    /// The field as the record that `liepoisson.compile.field.record_of` makes.
-    fn field<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        match run(|| self.0.field())? {
-            Lowered::Top { inertia, a, b, epsilon } => {
-                let record = PyDict::new(py);
-                record.set_item("kind", "top")?;
-                for (name, vector) in [("inertia", inertia), ("a", a), ("b", b)] {
-                    record.set_item(name, PyTuple::new(py, vector)?)?;
-                }
-                record.set_item("epsilon", epsilon)?;
-                Ok(record)
-            }
-            Lowered::Quadratic { n_components, constant, linear, quadratic } => {
-                let record = PyDict::new(py);
-                record.set_item("kind", "quadratic")?;
-                record.set_item("n_components", n_components)?;
-                record.set_item("constant", constant)?;
-                record.set_item("linear", linear)?;
-                record.set_item("quadratic", quadratic)?;
-                Ok(record)
-            }
-            Lowered::Tape(lines) => {
-                let record = record_of(py, &lines)?;
-                record.set_item("kind", "tape")?;
-                Ok(record)
-            }
-        }
+    /// The names of the parameters on which the Hamiltonian depends.
+    fn parameters(&self) -> PyResult<Vec<String>> {
+        run(|| self.0.parameters())
+    }
+
+    /// The field as the record that `liepoisson.compile.field.record_of` makes; a top as any other field, if that is wanted.
+    #[pyo3(signature = (general=false))]
+    fn field<'py>(&self, py: Python<'py>, general: bool) -> PyResult<Bound<'py, PyDict>> {
+        let field = run(|| if general { self.0.general_field() } else { self.0.field() })?;
+        record_of_field(py, field)
     }
 
     /// Functions of the coordinates, as the record of a tape without its kind.
@@ -121,6 +104,71 @@ impl TypedSystem {
         Functions::try_from(lines.clone()).map_err(translate)?;
         record_of(py, &lines)
     }
+}
+
+/// Functions of a printed system, as the record of a tape without its kind.
+#[pyfunction]
+pub(crate) fn printed_functions(
+    py: Python<'_>,
+    n_components: usize,
+    parts: Vec<String>,
+    functions: Vec<String>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let lines = run(|| Printed::new(n_components, &parts)?.functions(&functions))?;
+    record_of(py, &lines)
+}
+
+/// The field of printed equations, as the record of a field; a tape whatever their degree, if that is wanted.
+#[pyfunction]
+pub(crate) fn printed_equations(
+    py: Python<'_>,
+    n_components: usize,
+    parts: Vec<String>,
+    rates: Vec<String>,
+    as_tape: bool,
+) -> PyResult<Bound<'_, PyDict>> {
+    let field = run(|| Printed::new(n_components, &parts)?.equations(&rates, as_tape))?;
+    record_of_field(py, field)
+}
+
+/// The field of a printed Hamiltonian on a bracket with these terms.
+#[pyfunction]
+pub(crate) fn printed_field(
+    py: Python<'_>,
+    n_components: usize,
+    parts: Vec<String>,
+    terms: Terms,
+    hamiltonian: String,
+    as_tape: bool,
+) -> PyResult<Bound<'_, PyDict>> {
+    let entries = terms.into_iter().map(|(i, j, m, c)| Entry { i, j, m, c }).collect();
+    let field = run(|| Printed::new(n_components, &parts)?.field(entries, &hamiltonian, as_tape))?;
+    record_of_field(py, field)
+}
+
+fn record_of_field(py: Python<'_>, field: Lowered) -> PyResult<Bound<'_, PyDict>> {
+    let record = PyDict::new(py);
+    match field {
+        Lowered::Top { inertia, a, b, epsilon } => {
+            record.set_item("kind", "top")?;
+            for (name, vector) in [("inertia", inertia), ("a", a), ("b", b)] {
+                record.set_item(name, PyTuple::new(py, vector)?)?;
+            }
+            record.set_item("epsilon", epsilon)?;
+        }
+        Lowered::Quadratic { n_components, constant, linear, quadratic } => {
+            record.set_item("kind", "quadratic")?;
+            record.set_item("n_components", n_components)?;
+            record.set_item("constant", constant)?;
+            record.set_item("linear", linear)?;
+            record.set_item("quadratic", quadratic)?;
+        }
+        Lowered::Tape(lines) => {
+            record.update(record_of(py, &lines)?.as_mapping())?;
+            record.set_item("kind", "tape")?;
+        }
+    }
+    Ok(record)
 }
 
 fn record_of<'py>(py: Python<'py>, lines: &Lines) -> PyResult<Bound<'py, PyDict>> {

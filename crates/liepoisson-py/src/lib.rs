@@ -12,7 +12,7 @@ mod methods;
 
 use crate::errors::{broken, exception, guarded, translate};
 use crate::fields::{Field, InstructionParts, read_instructions};
-use crate::formulas::TypedSystem;
+use crate::formulas::{TypedSystem, printed_equations, printed_field, printed_functions};
 use crate::methods::Method;
 use liepoisson_core::analysis::frame::orthonormalise;
 use liepoisson_core::analysis::section::{self, Surface, Uncertified};
@@ -372,6 +372,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Field>()?;
     module.add_class::<TypedSystem>()?;
     module.add_class::<Method>()?;
+    module.add_function(wrap_pyfunction!(printed_field, module)?)?;
+    module.add_function(wrap_pyfunction!(printed_equations, module)?)?;
+    module.add_function(wrap_pyfunction!(printed_functions, module)?)?;
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
     module.add_function(wrap_pyfunction!(states_at, module)?)?;
     module.add_function(wrap_pyfunction!(growth, module)?)?;

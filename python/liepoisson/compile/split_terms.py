@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from liepoisson.algebra.exact_numbers import as_coefficient
 from liepoisson.algebra.rounded import rational
 from liepoisson.compile.field import Piece, PiecesField
-from liepoisson.compile.lowering import Polynomial, check_numeric
+from liepoisson.compile.lowering import check_numeric
 from liepoisson.errors import UnsupportedFieldError
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 MOST_PIECES = 1000
 """Pieces beyond this number would make a step longer than any other method needs."""
 
+Polynomial: TypeAlias = "dict[tuple[int, ...], Fraction]"
+"""Coefficients by monomial; a monomial is the sorted tuple of the indices of its factors."""
 Form: TypeAlias = "tuple[tuple[int, Fraction], ...]"
 """A linear form: (component, coefficient), in the order of the components."""
 Powers: TypeAlias = "dict[Form, dict[int, Fraction]]"

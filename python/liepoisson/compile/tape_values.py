@@ -48,3 +48,11 @@ def values_of_tape(tape: TapeFunction, states: Array) -> Array:
             value = _OPERATIONS[name](*inputs, *numbers)
         registers.append(value)
     return np.stack([registers[k] for k in tape.outputs], axis=-1)
+
+
+def has_partial_operations(tape: TapeFunction) -> bool:
+    """Whether an operation has no value at some number: a root, a logarithm, an inverse sine."""
+    return any(
+        name in ("sqrt", "log", "asin", "acos") or (name == "power" and not numbers[0].is_integer())
+        for name, _, numbers in tape.instructions
+    )

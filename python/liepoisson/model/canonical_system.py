@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.compile.field import QuadraticField, TapeField
+from liepoisson.compile.field import Field
+from liepoisson.compile.typed import Names
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.parameters import GivenValue
 from liepoisson.formula.scope import Scope
@@ -23,6 +24,8 @@ from liepoisson.structure.canonical_bracket import canonical
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
+
+    from liepoisson._core import TypedSystem
 
 
 @explains_its_methods
@@ -194,14 +197,23 @@ class CanonicalSystem(System):
         return total if total.is_polynomial(*self.variables) else simplify(total)
 
     @cached_property
-    def _general_field(self) -> QuadraticField | TapeField:
-        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+    def _typed(self) -> TypedSystem | None:
+        """As of any system; None where there are quadratures, which belong to no bracket."""
+        return None if self._quadrature_names else super()._typed
 
+    @property
+    def _names_of_state(self) -> Names:
+        return self.component_names
+
+    @cached_property
+    def _general_field(self) -> Field:
+        from liepoisson.compile.lowering import field_of_equations
+
+        if self._typed is not None:
+            return super()._general_field
         rates: list[Any] = list(self.equations.values())
         self._refuse_symbols(rates)
-        if all(rate.is_polynomial(*self.variables) and self._degree(rate) <= 2 for rate in rates):
-            return quadratic_of_equations(self.variables, rates)
-        return tape_of_equations(self.variables, rates)
+        return field_of_equations(self.variables, rates)
 
     def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
         """A function of the state with parameters as symbols; expressions are taken as they are."""
@@ -228,11 +240,6 @@ class CanonicalSystem(System):
 
     def __repr__(self) -> str:
         return f"<CanonicalSystem {self.name!r} in {', '.join(self.component_names)}>"
-
-    def _degree(self, rate: Any) -> int:
-        from sympy import Poly
-
-        return 0 if rate == 0 else Poly(rate, *self.variables).total_degree()
 
     def _refuse_symbols(self, expressions: Sequence[Any]) -> None:
         free = {str(symbol) for expression in expressions for symbol in expression.free_symbols}

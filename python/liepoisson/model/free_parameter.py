@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.compile.field import QuadraticField, TapeField
 from liepoisson.compile.symbols import evaluated
-from liepoisson.errors import UnsupportedFieldError
 from liepoisson.formula.parameters import Parameter, flattened
 from liepoisson.inputs.arrays import Array
 from liepoisson.model.phase_functions import PhaseFunction
@@ -85,12 +84,9 @@ class StateAndParameter:
 
     def field(self) -> QuadraticField | TapeField:
         """The vector field as plain data."""
-        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+        from liepoisson.compile.lowering import field_of_equations
 
-        try:
-            return quadratic_of_equations(self.variables, self._rates)
-        except UnsupportedFieldError:
-            return tape_of_equations(self.variables, self._rates)
+        return field_of_equations(self.variables, self._rates)
 
     def vector_field(self, states: Array) -> Array:
         """The rates, shape (..., N + 1)."""

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import values_of
-from liepoisson.compile.field import Field, PiecesField, TapeFunction
-from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
+from liepoisson.compile.field import Field, PiecesField, TapeFunction, field_of
+from liepoisson.compile.typed import Names, names_of, read_system
+from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from sympy import Expr, Matrix, Symbol
 
+    from liepoisson._core import TypedSystem
     from liepoisson.algebra.rational_polynomials import RationalPolynomial
     from liepoisson.formula.scope import Scope
     from liepoisson.model.phase_functions import PhaseFunction, PhaseFunctions
@@ -156,7 +158,7 @@ class System:
     def _check_hamiltonian(self) -> None:
         """Read the Hamiltonian, so that its errors come where it is written."""
         if isinstance(self._given_hamiltonian, str):
-            _ = self.polynomial_hamiltonian or self.hamiltonian
+            _ = self.polynomial_hamiltonian or self._typed or self.hamiltonian
         else:
             _ = self.symbolic_hamiltonian
 
@@ -386,13 +388,33 @@ class System:
 
     @cached_property
     def _general_field(self) -> Field:
-        from liepoisson.compile.lowering import lower, lower_polynomial
+        if self._typed is not None:
+            return field_of(self._typed.field(general=True))
+        from liepoisson.compile.lowering import lower
 
-        if self.polynomial_hamiltonian is not None and self.polynomial_rates is not None:
-            field = lower_polynomial(self.bracket, self.polynomial_hamiltonian, self.polynomial_rates)
-            if field is not None:
-                return field
         return lower(self.bracket, self.hamiltonian)
+
+    @cached_property
+    def _typed(self) -> TypedSystem | None:
+        """The system as the core reads it; None where it was not given as a text, or where SymPy has to read that."""
+        given = self._given_hamiltonian
+        if not isinstance(given, str) or self._given_symbols:
+            return None
+        typed = read_system(names_of(self.bracket), self.bracket, given, self.values)
+        if typed is None:
+            return None
+        known = self.symbolic_bracket.symbols.union(typed.parameters())
+        occur = all(known & set(flattened({name: value})) for name, value in self.values.items())
+        return typed if occur else None  # a parameter that drops out is refused where SymPy reads the formula
+
+    @cached_property
+    def _typed_functions(self) -> TypedSystem | None:
+        """The same for functions of the state alone, which may be typed whatever the Hamiltonian is."""
+        return None if self._given_symbols else read_system(self._names_of_state, None, "0", self.values)
+
+    @property
+    def _names_of_state(self) -> Names:
+        return names_of(self.bracket)
 
     def pieces(self) -> PiecesField:
         """The Hamiltonian as a sum of pieces with known flows, for splitting methods.
@@ -468,24 +490,36 @@ class System:
 
         if not self._partial_functions:
             return {}
+        x = self._states(states)
+        return {name: np.isnan(self._values(f, x)) for name, f in self._partial_functions.items()}
+
+    def _values(self, function: TapeFunction | Expr, states: NDArray[np.float64]) -> NDArray[np.float64]:
+        import numpy as np
+
+        from liepoisson.compile.tape_values import values_of_tape
+
+        if isinstance(function, TapeFunction):
+            return values_of_tape(function, states)[..., 0]
         with np.errstate(all="ignore"):
-            values = self._evaluate(list(self._partial_functions.values()), states)
-        return dict(zip(self._partial_functions, map(np.isnan, values), strict=True))
+            return self._evaluate([function], states)[0]
 
     @cached_property
-    def _partial_functions(self) -> dict[str, Expr]:
-        """Those of the Hamiltonian and the given integrals that are not real at all states."""
+    def _partial_functions(self) -> dict[str, TapeFunction | Expr]:
+        """Those of the Hamiltonian and the given integrals that are not real at all states; of texts the tapes."""
+        from liepoisson.compile.tape_values import has_partial_operations
         from liepoisson.formula.expression import is_partial
         from liepoisson.model.hamiltonian import has_partial_functions
 
-        given = {"H": self._given_hamiltonian, **self._given_integrals}
-        texts = {name: f for name, f in given.items() if isinstance(f, str)}
-        read = {
-            name: self.hamiltonian if name == "H" else self._function(cast("Any", f))
-            for name, f in given.items()
-            if name not in texts or is_partial(texts[name])
-        }
-        return {name: function for name, function in read.items() if has_partial_functions(function)}
+        found: dict[str, TapeFunction | Expr] = {}
+        for name, given in {"H": self._given_hamiltonian, **self._given_integrals}.items():
+            if isinstance(given, str):
+                if is_partial(given) and has_partial_operations(tape := self.function_tape(given)):
+                    found[name] = tape
+                continue
+            function = self.hamiltonian if name == "H" else self._function(cast("Any", given))
+            if has_partial_functions(function):
+                found[name] = function
+        return found
 
     @cached_property
     def casimir_part(self) -> CasimirPart:
@@ -605,17 +639,20 @@ class System:
             UnsupportedFieldError: a function is not smooth.
             ParameterError: a parameter is symbolic.
         """
-        from liepoisson.compile.lowering import tape_of_functions, tape_of_polynomials
+        from liepoisson.compile.lowering import functions_of, tape_of_functions
 
-        polynomials = [self.polynomial(function) for function in functions]
-        found = [polynomial for polynomial in polynomials if polynomial is not None]
-        if len(found) == len(polynomials):
-            return tape_of_polynomials(len(self.component_names), found)
+        texts = [function for function in functions if isinstance(function, str)]
+        if len(texts) == len(functions) and self._typed_functions is not None:
+            try:
+                return functions_of(self._typed_functions.functions(texts))
+            except LiePoissonError:  # SymPy says what is wrong
+                pass
         return tape_of_functions(self.variables, [self._function(function, angles=True) for function in functions])
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: everything but what is made again when it is asked for."""
-        return {name: value for name, value in self.__dict__.items() if name not in {"functions", "moving"}}
+        made_again = {"functions", "moving", "_typed", "_typed_functions"}
+        return {name: value for name, value in self.__dict__.items() if name not in made_again}
 
     def __str__(self) -> str:
         """The bracket, the Hamiltonian, the equations and the invariants; `inspect` has the full report."""
@@ -649,6 +686,8 @@ class System:
     def _recognise_top(self) -> TopParameters | None:
         if self.bracket.dimension != 9 or self.bracket.constant:
             return None
+        if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
+            return None  # the equations of a top are of degree two
         return function_of("System.top_parameters")(self)
 
     def _states(self, x: ArrayLike) -> NDArray[np.float64]:

@@ -41,6 +41,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import Exact
+from liepoisson.compile.typed import names_of, read_system
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.formula.expression import read_formula
 from liepoisson.formula.parameters import GivenValue, Shape, Value, read_values
@@ -248,7 +249,7 @@ class SystemFile:
         names = self.bracket.coordinate_names_in_order
         for keys, text in self.formulas.items():
             try:
-                if read_polynomial(text, self.scope, names) is None:
+                if read_polynomial(text, self.scope, names) is None and not self._is_read_by_the_core(text):
                     read_formula(text, self.scope)
             except ExpressionError as error:
                 raise self.error(keys, error.within_formula()) from error
@@ -269,6 +270,12 @@ class SystemFile:
             )
         except ParameterError as error:
             raise SystemFileError(f"{self.path}: {error}") from error
+
+    def _is_read_by_the_core(self, text: str) -> bool:
+        """Whether the core takes a formula, as SymPy then does; where it does not, SymPy says what is wrong."""
+        if self.symbols or self.quadratures:
+            return False
+        return read_system(names_of(self.bracket), None, text, self.parameters) is not None
 
     def canonical_system(self) -> System:
         """The same as a `CanonicalSystem`, with its quadratures; the bracket must be canonical."""

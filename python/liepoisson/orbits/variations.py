@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.compile.field import Field
-from liepoisson.errors import OrbitError, ParameterError, UnsupportedFieldError
+from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.inputs.arrays import Array
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.orbits.stable_manifolds import OFF, StableManifold
@@ -57,14 +57,11 @@ class Variations:
         """Quadratic if the system is linear or quadratic, else a tape."""
         from sympy import Dummy, Matrix
 
-        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+        from liepoisson.compile.lowering import field_of_equations
 
         v = [Dummy(f"d{name}", real=True) for name in self.system.component_names]
         rates = [*self.system.equations.values(), *(self.system.jacobian * Matrix(v))]
-        try:
-            return quadratic_of_equations([*self.system.variables, *v], rates)
-        except UnsupportedFieldError:
-            return tape_of_equations([*self.system.variables, *v], rates)
+        return field_of_equations([*self.system.variables, *v], rates)
 
     def without_value(self, states: Array) -> dict[str, NDArray[np.bool_]]:
         """Where invariants of the system of x are no real numbers, by name."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import Field
-from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array
 from liepoisson.inputs.arrays import Array, check_shape, read_only
 from liepoisson.inputs.calls import shows_progress
@@ -268,7 +268,7 @@ class FrameSystem:
         """Quadratic if the Hamiltonian is of degree two, else a tape."""
         from sympy import Dummy
 
-        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+        from liepoisson.compile.lowering import field_of_equations
 
         q = [Dummy(f"q{i}", real=True) for i in range(4)]
         r = [Dummy(f"r{i}", real=True) for i in range(3)] if self._centre_line else []
@@ -276,10 +276,7 @@ class FrameSystem:
         if self._centre_line:
             rates += third_director(q)
         variables = [*self._system.variables, *q, *r]
-        try:
-            return quadratic_of_equations(variables, rates)
-        except UnsupportedFieldError:
-            return tape_of_equations(variables, rates)
+        return field_of_equations(variables, rates)
 
 
 def angular_velocity(system: System) -> list[Expr]:

@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import Field
 from liepoisson.equilibrium.critical_points import HamiltonianFields
-from liepoisson.errors import ExpressionError, LeafError, ParameterError, ShapeError, UnsupportedFieldError
+from liepoisson.errors import ExpressionError, LeafError, ParameterError, ShapeError
 from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_positive
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
@@ -81,17 +81,14 @@ class CommutingFlows:
     def _field(self) -> Field:
         from sympy import Add, Dummy, Integer
 
-        from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
+        from liepoisson.compile.lowering import field_of_equations
 
         times = [Dummy(f"t{k}", real=True) for k in range(len(self.functions))]
         flows = [self.system.bracket.vector_field(f.expression) for f in self.functions]
         rates = [Add(*(t * one for t, one in zip(times, rate, strict=True))) for rate in zip(*flows, strict=True)]
         variables = [*self.system.variables, *times]
         rates: list[Expr] = [*rates, *(Integer(0) for _ in times)]
-        try:
-            return quadratic_of_equations(variables, rates)
-        except UnsupportedFieldError:
-            return tape_of_equations(variables, rates)
+        return field_of_equations(variables, rates)
 
     def without_value(self, states: Array) -> dict[str, NDArray[np.bool_]]:
         """Where invariants of the system of x are no real numbers, by name."""

@@ -1,0 +1,67 @@
+"""Systems and functions that are given as texts, as the core reads them: without SymPy, in the grouping of the user."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, TypeAlias
+
+from liepoisson import _core
+from liepoisson.algebra.exact_numbers import Exact, symbols_of
+from liepoisson.errors import LiePoissonError
+from liepoisson.formula.parameters import Value, flattened
+
+if TYPE_CHECKING:
+    from liepoisson.structure.bracket import Bracket
+
+Names: TypeAlias = "Sequence[str] | Sequence[tuple[str, Sequence[str]]]"
+"""Of scalar coordinates, or of fields with those of their components."""
+
+
+def names_of(bracket: Bracket) -> Names:
+    """The coordinates of a bracket, as formulas call them."""
+    fields = list(bracket.field_names)
+    return fields if bracket.has_scalar_fields else [(field, list(bracket.algebra.basis_names)) for field in fields]
+
+
+def read_system(
+    names: Names, bracket: Bracket | None, hamiltonian: str, values: Mapping[str, Value]
+) -> _core.TypedSystem | None:
+    """The system that the core reads; None where it refuses it, or where a number is a symbol.
+
+    SymPy then reads the system, and says what is wrong with it.
+
+    Args:
+        names: The coordinates.
+        bracket: The bracket with numbers; None where functions alone are wanted.
+        hamiltonian: The Hamiltonian.
+        values: Of the parameters.
+    """
+    numbers: list[tuple[int, int, int | None, Exact]] = []
+    if bracket is not None:
+        numbers += bracket.entries()
+        numbers += ((i, j, None, c) for (i, j), c in bracket.constant.items())
+    if any(symbols_of(c) for *_, c in numbers) or any(map(symbols_of, flattened(values).values())):
+        return None
+    try:
+        terms = [(i, j, m, _text(c)) for i, j, m, c in numbers]
+        return _core.TypedSystem(
+            names, terms, hamiltonian, [(name, _texts(value)) for name, value in values.items()], []
+        )
+    except LiePoissonError:
+        return None
+
+
+def _texts(value: Value) -> str | list[str] | list[list[str]]:
+    """A parameter as the core takes it: a number, a vector, or a matrix by its rows."""
+    if not isinstance(value, tuple):
+        return _text(value)
+    return [_texts(entry) for entry in value]  # pyright: ignore[reportReturnType]
+
+
+def _text(value: Exact) -> str:
+    if isinstance(value, Fraction):
+        return str(value)
+    from liepoisson.compile.printing import printed_number
+
+    return printed_number(value)
