@@ -34,7 +34,8 @@ impl Taylor {
     /// Without an `order` the cheapest for that tolerance is taken: the work of a step grows as the square of the order,
     /// its length as `tolerance^(1/order)`, which gives `-ln(tolerance)/2` for the products alone; the part of the work
     /// that grows more slowly moves the optimum upwards. Measured on the twisted Kovalevskaya top with one tangent
-    /// vector (AVX-512): 20 to 22 are best at 1e-13, 14 to 16 at 1e-8, and within 5% of one another.
+    /// vector (AVX-512): 20 to 22 are best at 1e-13, 14 to 16 at 1e-8, and within 5% of one another. A tape has an order
+    /// of its own: [`Taylor::for_tape`].
     ///
     /// # Errors
     /// Tolerance outside `[2^-53, 0.1]`, order outside `2..=64`.

@@ -3,7 +3,7 @@
 use crate::field::{Field, Space, Straight, Tape};
 use crate::lanes::{Body, Lane, Wide};
 use crate::method::step_end::{StepEnd, look_registers, n_looks};
-use crate::method::taylor::{Advance, MAX_ORDER, TaylorBlock};
+use crate::method::taylor::{Advance, TaylorBlock};
 use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping, Taylor};
 
 /// A step that is shortened to less than this part of the largest so far, so that no branch is left, is none.
@@ -11,6 +11,10 @@ const NO_STEP: f64 = 1e-9;
 
 /// The lowest order that is chosen.
 const LEAST_ORDER: usize = 4;
+
+/// The highest one, what the general rule takes at round-off: the law counts with a radius of convergence, and where there is none steps
+/// would become so long that large terms cancel, those of a solution that oscillates as `exp(step)`.
+const HIGHEST_ORDER: usize = 25;
 
 /// Orders that cost so much more than the cheapest are as good: about it the cost hardly changes, and a lower order takes less memory.
 const AS_GOOD: f64 = 1.02;
@@ -30,9 +34,9 @@ impl Taylor {
             let work = tape.cost_of_a_step(order, n_looks(tape, order));
             work * libm::exp(-libm::log(self.tolerance()) / (order as f64 - 1.0))
         };
-        let least = (LEAST_ORDER..=MAX_ORDER).map(of_unit).fold(f64::INFINITY, f64::min);
-        let order = (LEAST_ORDER..=MAX_ORDER).find(|&order| of_unit(order) <= AS_GOOD * least);
-        self.with_order(order.unwrap_or(MAX_ORDER))
+        let least = (LEAST_ORDER..=HIGHEST_ORDER).map(of_unit).fold(f64::INFINITY, f64::min);
+        let order = (LEAST_ORDER..=HIGHEST_ORDER).find(|&order| of_unit(order) <= AS_GOOD * least);
+        self.with_order(order.unwrap_or(HIGHEST_ORDER))
     }
 }
 
