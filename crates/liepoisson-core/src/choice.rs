@@ -41,8 +41,8 @@ macro_rules! methods {
         })+
 
         impl AnyMethod {
-            /// Its order.
-            pub fn order(self) -> usize {
+            /// Its order, unless it depends on the field: [`AnyField::order`].
+            fn order(self) -> usize {
                 match self {
                     $(AnyMethod::$name($method) => $order,)+
                 }
@@ -104,6 +104,14 @@ impl AnyField {
         match self {
             AnyField::Tape(field) => field.kernel(simd),
             _ => simd.name(),
+        }
+    }
+
+    /// The order of a method for this field.
+    pub fn order(&self, method: AnyMethod) -> usize {
+        match (self, method) {
+            (AnyField::Tape(tape), AnyMethod::Taylor(taylor)) => taylor.for_tape(tape).order(),
+            _ => method.order(),
         }
     }
 

@@ -104,6 +104,16 @@ pub trait Field: Space {
         }
     }
 
+    /// Whether [`Field::run_compiled`] can do anything.
+    const IS_COMPILED: bool = false;
+
+    /// Runs `code` on `memory` as it has been compiled, once it was asked for often. False, and nothing that can be relied on, where it
+    /// has not been; other code must have another key.
+    #[inline(always)]
+    fn run_compiled<V: Lane>(&self, _code: &impl Straight, _memory: &mut [V]) -> bool {
+        false
+    }
+
     /// The vector field itself: from `x`, the state and every tangent vector, their rates of change; in both the components
     /// of group after group, and nothing else.
     ///
@@ -126,6 +136,18 @@ pub trait Field: Space {
         point.write(x);
         self.rates(x, n_tangents, work, rates);
     }
+}
+
+/// Code that does the same at every call, without a look at its numbers.
+pub trait Straight {
+    /// What tells it from other code for the same field, below `2^62`.
+    fn key(&self) -> u64;
+
+    /// How often it asks for the rates of the field.
+    fn n_rates(&self) -> usize;
+
+    /// Does it: reads registers of the memory, and writes some.
+    fn run<V: Lane>(&self, memory: &mut [V]);
 }
 
 /// A state with its tangent vectors, group after group, that a field can ask for in parts: what is computed in registers need not
@@ -160,6 +182,13 @@ impl<F: Field> Instance for &F {
 }
 
 impl<F: Field> Field for &F {
+    const IS_COMPILED: bool = F::IS_COMPILED;
+
+    #[inline(always)]
+    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
+        (**self).run_compiled(code, memory)
+    }
+
     fn group(&self) -> usize {
         (**self).group()
     }
@@ -228,6 +257,20 @@ pub(crate) fn over<V: Lane>(sum: V, order: usize) -> V {
     } else {
         quotient
     }
+}
+
+/// The same with the remainder at every order, so that orders differ in numbers alone: they share compiled code.
+#[inline(always)]
+pub(crate) fn over_uniformly<V: Lane>(sum: V, order: usize) -> V {
+    if order == 1 {
+        return sum;
+    }
+    if !IS_FUSED {
+        return sum.div(V::splat(order as f64));
+    }
+    let inverse = V::splat(1.0 / order as f64);
+    let quotient = sum.mul(inverse);
+    quotient.neg_mul_add(V::splat(order as f64), sum).mul_add(inverse, quotient)
 }
 
 /// The vector field as the first coefficient of its series.

@@ -13,6 +13,7 @@ pub(super) const RAX: General = 0;
 pub(super) const RCX: General = 1;
 pub(super) const RDX: General = 2;
 pub(super) const RBX: General = 3;
+const RSP: General = 4;
 pub(super) const RSI: General = 6;
 pub(super) const RDI: General = 7;
 pub(super) const R8: General = 8;
@@ -63,6 +64,8 @@ pub(super) const NEG_MUL_ADD_213: Opcode = Opcode(2, true, 0xAC);
 /// `d = d - a b`
 pub(super) const NEG_MUL_ADD_231: Opcode = Opcode(2, true, 0xBC);
 
+pub(super) const ADD_OF_INTEGERS: Opcode = Opcode(1, false, 0xD4);
+const SHIFT_LEFT: Opcode = Opcode(1, false, 0x73);
 const SIGNS: Opcode = Opcode(1, false, 0x50);
 
 /// The predicate "larger, and none is NaN".
@@ -125,6 +128,17 @@ impl Assembler {
     pub(super) fn zero(&mut self, d: u8) {
         let opcode = if self.instructions == Instructions::Vex { XOR } else { XOR_OF_INTEGERS };
         self.operate(opcode, d, d, Place::Register(d));
+    }
+
+    /// `d = a` as integers, times `2^52`.
+    pub(super) fn shift_to_exponents(&mut self, d: u8, a: u8) {
+        /// What is part of the opcode in the place of a register.
+        const LEFT: u8 = 6;
+        match self.instructions {
+            Instructions::Vex => self.vex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1),
+            Instructions::Evex => self.evex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1, 0),
+        }
+        self.code.push(52);
     }
 
     /// `d = value`, zero in the lanes where `other` is zero; `zero` is where that constant is, and `d` another register than `value`.
@@ -279,15 +293,43 @@ impl Assembler {
         self.code.extend([0xFF, 0xD0]);
     }
 
-    pub(super) fn push_rbx(&mut self) {
-        self.code.push(0x53);
+    /// Calls what begins at this byte of the code.
+    pub(super) fn call(&mut self, to: usize) {
+        self.code.push(0xE8);
+        let distance = to as i64 - (self.code.len() as i64 + 4);
+        self.code.extend((distance as i32).to_le_bytes());
     }
 
-    /// Clears the upper halves of the vector registers, gives `rbx` back, and returns whether the code is left before its end.
-    pub(super) fn leave(&mut self, is_early: bool) {
-        self.code.extend([0xB8, u8::from(is_early), 0, 0, 0]); // mov eax, is_early
+    pub(super) fn give_back(&mut self) {
+        self.code.push(0xC3);
+    }
+
+    pub(super) fn push(&mut self, register: General) {
+        self.with_short(0x50, register);
+    }
+
+    pub(super) fn pop(&mut self, register: General) {
+        self.with_short(0x58, register);
+    }
+
+    fn with_short(&mut self, opcode: u8, register: General) {
+        if register > 7 {
+            self.code.push(0x41);
+        }
+        self.code.push(opcode | register & 7);
+    }
+
+    /// Clears the upper halves of the vector registers, gives `rbx` back, and returns `result`.
+    pub(super) fn leave(&mut self, result: u8) {
+        self.code.extend([0xB8, result, 0, 0, 0]); // mov eax, result
         self.clear_upper_halves();
-        self.code.extend([0x5B, 0xC3]);
+        self.pop(RBX);
+        self.give_back();
+    }
+
+    /// Drops the address that a call has left.
+    pub(super) fn drop_return(&mut self) {
+        self.add_to(RSP, 8);
     }
 
     pub(super) fn clear_upper_halves(&mut self) {

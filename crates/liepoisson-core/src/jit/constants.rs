@@ -1,6 +1,7 @@
 //! The numbers that compiled code reads: in pages before it, in which nothing is run.
 
 use super::assembler::{General, Place};
+use super::memory::PAGE;
 use crate::lanes::Instructions;
 use std::collections::HashMap;
 
@@ -63,10 +64,20 @@ impl Constants {
         starts.collect()
     }
 
-    /// All numbers as they are to lie before the code, a multiple of so many.
-    pub(super) fn into_numbers(self, multiple: usize) -> Vec<u64> {
+    /// Where a number counted from the start of all is, in bytes from the start of the code, once all are known.
+    pub(super) fn place_of(&self, number: usize) -> i32 {
+        8 * (number as i32 - self.count() as i32)
+    }
+
+    /// Numbers in all, in whole pages.
+    fn count(&self) -> usize {
+        (self.rows.len() + self.before.len()).next_multiple_of(PAGE / 8)
+    }
+
+    /// All numbers as they are to lie before the code.
+    pub(super) fn into_numbers(self) -> Vec<u64> {
+        let n = self.count();
         let mut numbers = self.rows;
-        let n = (numbers.len() + self.before.len()).next_multiple_of(multiple);
         numbers.resize(n - self.before.len(), 0);
         numbers.extend(self.before.iter().rev());
         numbers

@@ -12,27 +12,16 @@ use super::shape::{Relative, Shape};
 use crate::lanes::Instructions;
 use crate::lanes::recorded::{Loop, Operation, Value};
 
-/// What each piece of code is called with: addresses and numbers, of eight bytes each.
-#[repr(C)]
-pub(super) struct Arguments {
-    /// The bases of addresses.
-    pub(super) bases: [usize; 4],
-    /// The constants that depend on the order.
-    pub(super) constants: usize,
-    /// Memory for values that no register is left for.
-    pub(super) spilled: usize,
-    /// What the lengths of loops are counted from.
-    pub(super) counts: [usize; 3],
-}
-
-const BASES: [General; 4] = [RDI, RSI, RDX, R8];
-const CONSTANTS: General = RCX;
-const SPILLED: General = R9;
-/// Where the arguments are, also after a call.
-const ARGUMENTS: General = RBX;
-const AT_CONSTANTS: i32 = 32;
-const AT_SPILLED: i32 = 40;
-const AT_COUNTS: i32 = 48;
+/// The bases of addresses.
+pub(super) const BASES: [General; 4] = [RDI, RSI, RDX, R8];
+/// The constants that depend on the order.
+pub(super) const CONSTANTS: General = RCX;
+/// Memory for values that no register is left for.
+pub(super) const SPILLED: General = R9;
+/// What the lengths of loops are counted from.
+pub(super) const COUNTS: General = RBX;
+/// What a call may change and is needed after it; an odd number of them, so that the stack is as a call expects it.
+const KEPT: [General; 7] = [RDI, RSI, RDX, R8, RCX, R9, R10];
 
 /// Registers of memory for values that no register is left for: a piece that needs more is not compiled.
 pub(super) const MOST_SPILLED: usize = 256;
@@ -42,6 +31,35 @@ pub(super) fn emit(shape: &Shape, constants: &mut Constants, function: usize, as
     let mut emitter = Emitter::new(shape, constants, function, assembler)?;
     emitter.run()?;
     (emitter.n_spilled <= MOST_SPILLED).then_some(())
+}
+
+/// The code that runs pieces in turn, each given where it begins, its bases, in registers after the first, its constants, and what the
+/// lengths of its loops are counted from, these two in bytes from the start of the code. It is called with the addresses of the memory
+/// and of that for spilled values; what it returns is zero unless a piece has left it. None where an address is beyond 31 bits.
+pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<usize> {
+    let width: usize = if assembler.instructions == Instructions::Vex { 32 } else { 64 };
+    assembler.align();
+    let start = assembler.code.len();
+    assembler.push(COUNTS);
+    assembler.address(SPILLED, RSI, 0);
+    for turn in turns {
+        for (register, base) in BASES[1..].iter().zip(&turn.bases[1..]) {
+            assembler.address(*register, BASES[0], i32::try_from(base * width).ok()?);
+        }
+        assembler.address_of_constant(CONSTANTS, turn.constants);
+        assembler.address_of_constant(COUNTS, turn.counts);
+        assembler.call(turn.at);
+    }
+    assembler.leave(0);
+    Some(start)
+}
+
+/// What a piece of code is called with.
+pub(super) struct Turn {
+    pub(super) at: usize,
+    pub(super) bases: [usize; 4],
+    pub(super) constants: i32,
+    pub(super) counts: i32,
 }
 
 /// A vector register's number.
@@ -63,6 +81,10 @@ struct Emitter<'a> {
     contents: Vec<Option<Value>>,
     is_pinned: Vec<bool>,
     n_spilled: usize,
+    /// Where calls have their two registers in the spill memory, in bytes.
+    called: Option<i32>,
+    /// Places in the spill memory whose values are no longer needed.
+    unused: Vec<Place>,
     /// The results of each loop and call, by their numbers.
     results: Vec<Vec<(usize, Value)>>,
     /// The stores of each value that are made at once.
@@ -95,6 +117,8 @@ impl<'a> Emitter<'a> {
             contents: vec![None; registers],
             is_pinned: vec![false; registers],
             n_spilled: 0,
+            called: None,
+            unused: vec![],
             results: vec![vec![]; n],
             stores: vec![vec![]; n],
             exits: vec![],
@@ -140,9 +164,6 @@ impl<'a> Emitter<'a> {
     }
 
     fn run(&mut self) -> Option<()> {
-        self.assembler.push_rbx();
-        self.assembler.address(ARGUMENTS, RDI, 0);
-        self.get_addresses();
         for at in 0..self.shape.operations.len() {
             // what is stored and not computed here
             let operation = self.shape.operations[at];
@@ -174,22 +195,15 @@ impl<'a> Emitter<'a> {
             self.assembler.store(register, to);
             self.is_pinned.fill(false);
         }
-        self.assembler.leave(false);
+        self.assembler.give_back();
         if !self.exits.is_empty() {
             for exit in std::mem::take(&mut self.exits) {
                 self.assembler.land(exit);
             }
-            self.assembler.leave(true);
+            self.assembler.drop_return();
+            self.assembler.leave(1);
         }
         Some(())
-    }
-
-    fn get_addresses(&mut self) {
-        for (i, &base) in BASES.iter().enumerate() {
-            self.assembler.get(base, ARGUMENTS, 8 * i as i32);
-        }
-        self.assembler.get(CONSTANTS, ARGUMENTS, AT_CONSTANTS);
-        self.assembler.get(SPILLED, ARGUMENTS, AT_SPILLED);
     }
 
     fn operation(&mut self, at: usize) -> Option<()> {
@@ -231,6 +245,17 @@ impl<'a> Emitter<'a> {
                 let to = self.result(value, &[], at);
                 self.assembler.where_not_zero(to, from, other, zero);
                 self.finish(&[a, b], at);
+            }
+            Operation::PowerOfTwo(a) => {
+                /// A number whose lowest bits are those of the whole number that is added to it.
+                const WHOLE: f64 = 6_755_399_441_055_744.0;
+                let whole = self.constants.place(&[WHOLE.to_bits()], CONSTANTS);
+                let one = self.constants.place(&[1.0_f64.to_bits()], CONSTANTS);
+                let from = self.register(a, at);
+                let to = self.result(value, &[a], at);
+                self.assembler.operate(ADD, to, from, whole);
+                self.assembler.shift_to_exponents(to, to);
+                self.assembler.operate(ADD_OF_INTEGERS, to, to, one);
             }
             Operation::Call(function, x) => self.call(value, function, x),
             Operation::Loop(one) => self.products(value, &self.shape.loops[one], one)?,
@@ -290,9 +315,8 @@ impl<'a> Emitter<'a> {
                 copy
             }
             None => {
-                let from = self.home[replaced as usize].expect("a value is in a register or in memory");
                 let copy = self.free_register(at);
-                self.assembler.load(copy, from);
+                self.load(copy, replaced);
                 copy
             }
         };
@@ -307,7 +331,12 @@ impl<'a> Emitter<'a> {
     fn call(&mut self, value: Value, function: [u64; 2], x: Value) {
         let at = value as usize;
         let from = self.register(x, at);
-        let places = [self.spill_place(), self.spill_place()];
+        // two registers of the spill memory, side by side, for all calls
+        let first = *self.called.get_or_insert_with(|| {
+            self.n_spilled += 2;
+            (self.n_spilled as i32 - 2) * self.width
+        });
+        let places = [0, 1].map(|result| Place::Memory(SPILLED, first + result * self.width));
         self.assembler.store(from, places[0]);
         for register in 0..self.contents.len() as Register {
             let is_needed = self.contents[register as usize].is_some_and(|value| !self.ends(value, at));
@@ -316,21 +345,19 @@ impl<'a> Emitter<'a> {
             }
             self.forget(register);
         }
-        let Place::Memory(base, offset) = places[0] else { unreachable!("a place to spill to is memory") };
         let at_function = self.constants.shared(&function);
         self.assembler.clear_upper_halves();
-        self.assembler.address(RDI, base, offset);
+        KEPT.into_iter().for_each(|register| self.assembler.push(register));
+        self.assembler.address(RDI, SPILLED, first);
         self.assembler.address_of_constant(RSI, at_function);
         self.assembler.set_rax(self.function as u64);
         self.assembler.call_rax();
-        self.get_addresses();
+        KEPT.into_iter().rev().for_each(|register| self.assembler.pop(register));
         for (number, result) in std::mem::take(&mut self.results[at]) {
-            self.home[result as usize] = Some(places[number]);
-            if !self.stores[result as usize].is_empty() {
-                self.register(result, at);
-                self.store(result);
-                self.is_pinned.fill(false);
-            }
+            let register = self.free_register(at);
+            self.assembler.load(register, places[number]);
+            self.put(result, register);
+            self.store(result);
         }
     }
 }

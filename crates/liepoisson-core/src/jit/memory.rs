@@ -1,6 +1,6 @@
 //! Memory that holds code, and the two ways between it and the rest: the one file of this folder with unsafe code.
 
-use super::emit::{Arguments, MOST_SPILLED};
+use super::emit::MOST_SPILLED;
 use crate::lanes::{Body, Lane};
 use std::ffi::{c_int, c_void};
 use std::marker::PhantomData;
@@ -59,24 +59,18 @@ impl Pages {
         is_protected.then_some(pages)
     }
 
-    /// The address of a constant.
-    pub(super) fn constant(&self, number: usize) -> usize {
-        self.start as usize + 8 * number
-    }
-
-    /// Runs the code from this byte on, with memory for what it spills; whether up to its end.
+    /// Runs the code from this byte on, on memory and with more for what it spills; whether up to its end.
     ///
     /// # Safety
-    /// The byte is the first of a piece that was compiled for registers `V`, which this processor has, and the arguments are
-    /// addresses from which all that it reads and writes is inside of memory that the caller may write.
-    pub(super) unsafe fn run<V: Lane>(&self, at: usize, arguments: &mut Arguments) -> bool {
+    /// The byte is the first of code that was compiled for registers `V`, which this processor has, and all that it reads and writes
+    /// is inside of memory that the caller may write.
+    pub(super) unsafe fn run<V: Lane>(&self, at: usize, memory: *mut V) -> bool {
         let mut spilled = MaybeUninit::<[V; MOST_SPILLED]>::uninit();
-        arguments.spilled = spilled.as_mut_ptr() as usize;
-        // SAFETY: the caller has said so; a piece reads what it has spilled, and spills at most so many registers.
+        // SAFETY: the caller has said so; code reads what it has spilled, and spills at most so many registers.
         unsafe {
-            let code: unsafe extern "sysv64" fn(*const Arguments) -> u32 =
+            let code: unsafe extern "sysv64" fn(*mut V, *mut V) -> u32 =
                 std::mem::transmute(self.start.byte_add(self.n_constants + at));
-            code(arguments) == 0
+            code(memory, spilled.as_mut_ptr().cast()) == 0
         }
     }
 }

@@ -19,8 +19,8 @@ use crate::lanes::recorded::Recording;
 use crate::lanes::{Instructions, Lane};
 use assembler::Assembler;
 use constants::Constants;
-use emit::{Arguments, emit};
-use memory::{PAGE, Pages, caller};
+use emit::{Turn, emit, emit_turns};
+use memory::{Pages, caller};
 use shape::{Order, Shape, count_bases, reads};
 
 /// What is recorded for one order of a series, or for a function.
@@ -39,17 +39,11 @@ pub(crate) struct Code {
     /// Registers of the memory that it works on.
     registers: usize,
     pages: Pages,
-    orders: Vec<Entry>,
-}
-
-/// The piece that completes an order.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    /// Its first byte.
+    /// The first byte of the code that runs all orders.
     at: usize,
-    /// Its own constants.
-    constants: usize,
-    order: Order,
+    /// The pieces of the orders: where each begins.
+    #[cfg(test)]
+    pieces: Vec<usize>,
 }
 
 impl Code {
@@ -75,7 +69,7 @@ impl Code {
             shapes.extend(shape);
         }
         let (mut assembler, mut constants) = (Assembler::new(instructions), Constants::new(instructions));
-        let mut orders = vec![];
+        let mut entries = vec![];
         for shape in &shapes {
             if !shape.fits(registers) {
                 return None;
@@ -84,11 +78,29 @@ impl Code {
             let at = assembler.code.len();
             emit(shape, &mut constants, caller::<V, F>(), &mut assembler)?;
             let starts = constants.end_piece(shape.orders.len());
-            orders.extend(shape.orders.iter().zip(starts).map(|(&order, constants)| Entry { at, constants, order }));
+            for (order, start) in shape.orders.iter().zip(starts) {
+                let counts = constants.shared(&count_bases(order.k).map(|count| count as u64));
+                entries.push((order, at, start, counts));
+            }
         }
-        orders.sort_by_key(|entry| entry.order.k);
-        let pages = Pages::new(&constants.into_numbers(PAGE / 8), &assembler.code)?;
-        Some(Code { instructions, registers, pages, orders })
+        entries.sort_by_key(|(order, ..)| order.k);
+        let turn = |&(order, at, start, counts): &(&Order, usize, usize, i32)| Turn {
+            at,
+            bases: order.bases,
+            constants: constants.place_of(start),
+            counts,
+        };
+        let turns: Vec<Turn> = entries.iter().map(turn).collect();
+        let at = emit_turns(&turns, &mut assembler)?;
+        let pages = Pages::new(&constants.into_numbers(), &assembler.code)?;
+        Some(Code {
+            instructions,
+            registers,
+            pages,
+            at,
+            #[cfg(test)]
+            pieces: turns.iter().map(|turn| turn.at).collect(),
+        })
     }
 
     /// Runs all orders in turn. False, and nothing that can be relied on, if a number is beyond the limits that the code is made for.
@@ -98,18 +110,9 @@ impl Code {
     #[inline]
     pub(crate) fn run<V: Lane>(&self, memory: &mut [V]) -> bool {
         assert!(V::INSTRUCTIONS == Some(self.instructions) && memory.len() == self.registers, "code for other memory");
-        let start = memory.as_mut_ptr();
-        self.orders.iter().all(|entry| {
-            let mut arguments = Arguments {
-                bases: entry.order.bases.map(|base| start as usize + base * size_of::<V>()),
-                constants: self.pages.constant(entry.constants),
-                spilled: 0,
-                counts: count_bases(entry.order.k),
-            };
-            // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
-            // compared all addresses of this order with the number of registers.
-            unsafe { self.pages.run::<V>(entry.at, &mut arguments) }
-        })
+        // SAFETY: the code was compiled for these instructions, which a processor has that has such registers; `Shape::fits` has
+        // compared all addresses of each order with the number of registers.
+        unsafe { self.pages.run(self.at, memory.as_mut_ptr()) }
     }
 }
 
@@ -174,7 +177,7 @@ mod tests {
             let mut compiled = memory.clone();
             orders.iter().for_each(|&k| code(&mut memory, k));
             let made = Code::new::<V, Nothing>(REGISTERS, &sources, |_| true).unwrap();
-            assert!(made.orders.iter().all(|entry| entry.at == made.orders[0].at), "one piece of code");
+            assert!(made.pieces.iter().all(|&at| at == made.pieces[0]), "one piece of code");
             assert!(made.run(&mut compiled));
             for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
                 assert!(x.to_bits() == y.to_bits(), "{x} {y} in register {}", i / V::WIDTH);

@@ -194,6 +194,17 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
         self
     }
 
+    /// `2^self` for whole numbers from -1022 to 1023; NaN for NaN, and any number for others.
+    #[inline(always)]
+    fn power_of_two(mut self) -> Self {
+        for lane in self.as_scalars_mut() {
+            let exponent = lane.to_f64();
+            let biased = ((exponent as i64).clamp(-1022, 1023) + 1023) as u64;
+            *lane = Self::Number::of(f64::from_bits(biased << 52) + 0.0 * exponent);
+        }
+        self
+    }
+
     /// Records a function that is not made of operations of this trait, `function` being what the caller knows it by, with two results.
     /// None: to be computed.
     #[inline(always)]

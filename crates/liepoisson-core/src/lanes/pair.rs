@@ -11,6 +11,18 @@ impl<T: Sealed> Sealed for Pair<T> {}
 pub struct Pair<T>(pub(super) [T; 2]);
 
 impl<T: Lane> Pair<T> {
+    /// Two registers as one.
+    #[inline(always)]
+    pub(crate) fn new(registers: [T; 2]) -> Self {
+        Pair(registers)
+    }
+
+    /// Them.
+    #[inline(always)]
+    pub(crate) fn registers(self) -> [T; 2] {
+        self.0
+    }
+
     #[inline(always)]
     fn map(self, operation: impl Fn(T) -> T) -> Self {
         Pair([operation(self.0[0]), operation(self.0[1])])
@@ -25,6 +37,7 @@ impl<T: Lane> Lane for Pair<T> {
     type Number = T::Number;
     const WIDTH: usize = 2 * T::WIDTH;
     const REGISTERS: usize = T::REGISTERS / 2;
+    const IS_RECORDED: bool = T::IS_RECORDED;
     #[inline(always)]
     fn splat(x: f64) -> Self {
         Pair([T::splat(x); 2])
@@ -66,5 +79,22 @@ impl<T: Lane> Lane for Pair<T> {
     #[inline(always)]
     fn outline<B: Body>(body: B) {
         T::outline(body);
+    }
+    #[inline(always)]
+    fn where_not_zero(self, other: Self) -> Self {
+        self.zip(other, T::where_not_zero)
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        self.map(T::power_of_two)
+    }
+    #[inline(always)]
+    fn record_call(function: [u64; 2], x: Self) -> Option<[Self; 2]> {
+        let [[a, b], [c, d]] = [T::record_call(function, x.0[0])?, T::record_call(function, x.0[1])?];
+        Some([Pair([a, c]), Pair([b, d])])
+    }
+    #[inline(always)]
+    fn record_limit(self, limit: f64) -> bool {
+        self.0[0].record_limit(limit) && self.0[1].record_limit(limit)
     }
 }

@@ -3,12 +3,13 @@
 use super::sealed::Sealed;
 use super::{Body, Lane};
 use std::cell::RefCell;
+use std::collections::HashMap;
 
 /// What a recorded register stands for: the number of an operation.
 pub(crate) type Value = u32;
 
 /// One operation on registers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Operation {
     /// What this register of the memory held before.
     Memory(usize),
@@ -28,6 +29,8 @@ pub(crate) enum Operation {
     NegMulAdd(Value, Value, Value),
     /// The first, zero in the lanes where the second is zero.
     WhereNotZero(Value, Value),
+    /// `2^a`, as [`Lane::power_of_two`] has it, and some number of NaN.
+    PowerOfTwo(Value),
     /// A function of a register, with two results; what it is only the caller knows.
     Call([u64; 2], Value),
     /// The loop of this number.
@@ -51,6 +54,7 @@ impl Operation {
             Operation::MulAdd(a, b, c) => Operation::MulAdd(to(a), to(b), to(c)),
             Operation::NegMulAdd(a, b, c) => Operation::NegMulAdd(to(a), to(b), to(c)),
             Operation::WhereNotZero(a, b) => Operation::WhereNotZero(to(a), to(b)),
+            Operation::PowerOfTwo(a) => Operation::PowerOfTwo(to(a)),
             Operation::Call(function, a) => Operation::Call(function, to(a)),
             Operation::Result(a, result) => Operation::Result(to(a), result),
         }
@@ -74,6 +78,8 @@ pub(crate) struct Recording {
     pub(crate) loops: Vec<Loop>,
     /// What each register of the memory holds in the end.
     pub(crate) memory: Vec<Value>,
+    /// The number of each operation: what is computed twice is recorded once.
+    known: HashMap<Operation, Value>,
 }
 
 thread_local! {
@@ -99,12 +105,22 @@ impl Recorded {
     fn value(self) -> Value {
         self.0.to_bits() as Value
     }
+
+    /// Whether it is this number in every lane.
+    fn is(self, number: f64) -> bool {
+        let constant = Operation::Constant(number.to_bits());
+        RECORDING.with_borrow(|recording| recording.operations[self.value() as usize] == constant)
+    }
 }
 
 fn put(operation: Operation) -> Recorded {
     RECORDING.with_borrow_mut(|recording| {
-        recording.operations.push(operation);
-        Recorded(f64::from_bits(recording.operations.len() as u64 - 1))
+        let next = recording.operations.len() as Value;
+        let value = *recording.known.entry(operation).or_insert(next);
+        if value == next {
+            recording.operations.push(operation);
+        }
+        Recorded(f64::from_bits(u64::from(value)))
     })
 }
 
@@ -128,15 +144,29 @@ impl Lane for Recorded {
         put(Operation::Sub(self.value(), other.value()))
     }
 
+    // a factor of one changes nothing, and with one of -1 a fused operation rounds as a sum does
+
     fn mul(self, other: Self) -> Self {
+        if other.is(1.0) {
+            return self;
+        }
         put(Operation::Mul(self.value(), other.value()))
     }
 
     fn mul_add(self, factor: Self, addend: Self) -> Self {
+        if factor.is(1.0) {
+            return addend.add(self);
+        }
+        if factor.is(-1.0) {
+            return addend.sub(self);
+        }
         put(Operation::MulAdd(self.value(), factor.value(), addend.value()))
     }
 
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        if factor.is(1.0) {
+            return addend.sub(self);
+        }
         put(Operation::NegMulAdd(self.value(), factor.value(), addend.value()))
     }
 
@@ -158,6 +188,10 @@ impl Lane for Recorded {
 
     fn where_not_zero(self, other: Self) -> Self {
         put(Operation::WhereNotZero(self.value(), other.value()))
+    }
+
+    fn power_of_two(self) -> Self {
+        put(Operation::PowerOfTwo(self.value())).add(self.mul(Recorded::splat(0.0)))
     }
 
     fn as_scalars(&self) -> &[f64] {

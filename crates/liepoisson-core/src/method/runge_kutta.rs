@@ -5,7 +5,7 @@
 //! step), II.5 and II.10 (the method, known as DOP853).
 
 use crate::error::Error;
-use crate::field::{Field, SinglePrecision};
+use crate::field::{Field, SinglePrecision, Straight};
 use crate::lanes::{Body, Lane, Number, Wide};
 use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
@@ -162,6 +162,10 @@ struct RungeKuttaBlock<'f, F, V> {
     method: RungeKutta,
     system: Variational<'f, F, V>,
     rates: Vec<V>,
+    /// What the error of each group follows from: [`RungeKuttaBlock::estimate`].
+    estimates: Vec<[V; 3]>,
+    /// The memory of a step of compiled code: values, the size of the step, estimates; empty where there is none.
+    memory: Vec<V>,
     controls: Vec<Control>,
     errors: Vec<f64>,
     factors: Vec<f64>,
@@ -170,8 +174,11 @@ struct RungeKuttaBlock<'f, F, V> {
 impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     fn new(method: RungeKutta, field: &'f F, n_tangents: usize) -> Self {
         let system = Variational::new(field, n_tangents, method.compensated);
+        let n_memory = if F::IS_COMPILED { system.n_values() + 1 + 3 * (1 + n_tangents) } else { 0 };
         RungeKuttaBlock {
             method,
+            estimates: vec![[V::splat(0.0); 3]; 1 + n_tangents],
+            memory: vec![V::splat(0.0); n_memory],
             rates: vec![V::splat(0.0); (1 + STAGES.len()) * system.row()],
             controls: vec![Control::FRESH; V::WIDTH],
             errors: vec![0.0; V::WIDTH],
@@ -190,17 +197,54 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
         }
     }
 
-    /// For each lane the estimated error of the step over what is allowed; NaN if a number is not finite.
-    ///
-    /// With the estimates `e5` and `e3` of orders 5 and 3, which are sums of absolute values over a group, the error is
-    /// `h e5^2 / sqrt(e5^2 + 0.01 e3^2)`, of order 8 in `h`; the largest over the groups, each relative to its own size,
-    /// decides. Tangent vectors have a say because an equilibrium allows any step, and the flow about it does not.
+    /// A step from the present values and their rates; its start is kept where errors are estimated.
     #[inline(always)]
-    fn estimate_errors(&mut self, sizes: &[f64]) {
+    fn step(&mut self, step: V) {
+        self.stages(step);
+        if self.method.tolerance().is_some() {
+            self.system.remember();
+        }
+        self.system.update(step, WEIGHTS, &self.rates);
+        if self.method.tolerance().is_some() {
+            self.estimate();
+        }
+    }
+
+    /// A step with the rates at its start.
+    #[inline(always)]
+    fn step_with_first_rates(&mut self, step: V) {
         let row = self.system.row();
-        let Steps::Adaptive { tolerance } = self.method.steps else { return };
-        self.errors.fill(0.0);
-        for group in self.system.groups() {
+        self.system.rates(&mut self.rates[..row]);
+        self.step(step);
+    }
+
+    /// The same as compiled code; false, and nothing, where there is none.
+    #[inline(always)]
+    fn step_compiled(&mut self, step: V) -> bool {
+        if !F::IS_COMPILED {
+            return false;
+        }
+        let RungeKuttaBlock { method, system, estimates, memory, .. } = self;
+        let (n, whole) = (system.n_values(), WholeStep { method: *method, field: system.field, n_tangents: system.n_tangents });
+        system.write(&mut memory[..n]);
+        memory[n] = step;
+        if !system.field.run_compiled(&whole, memory) {
+            return false;
+        }
+        if method.tolerance().is_some() {
+            system.remember();
+            estimates.as_flattened_mut().copy_from_slice(&memory[n + 1..]);
+        }
+        system.read_back(&memory[..n]);
+        true
+    }
+
+    /// What the error of each group follows from: `2 e5 / (sqrt(1 + 0.01 (e3/e5)^2) size)`, `e5`, and zero, or NaN where a number is
+    /// not finite; see [`RungeKuttaBlock::judge_errors`].
+    #[inline(always)]
+    fn estimate(&mut self) {
+        let row = self.system.row();
+        for (group, estimate) in self.system.groups().zip(&mut self.estimates) {
             let known = &self.rates[group.start..];
             let mut error_sizes = ErrorSizes {
                 of_order_5: Sum { terms: ERROR_OF_ORDER_5, known, row },
@@ -215,6 +259,20 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
             let relative = e5.mul(twice).div(root.mul(size));
             // zero times infinity is NaN
             let defect = e5.add(e3).add(size).mul(V::splat(0.0));
+            *estimate = [relative, e5, defect];
+        }
+    }
+
+    /// For each lane the estimated error of the step over what is allowed; NaN if a number is not finite.
+    ///
+    /// With the estimates `e5` and `e3` of orders 5 and 3, which are sums of absolute values over a group, the error is
+    /// `h e5^2 / sqrt(e5^2 + 0.01 e3^2)`, of order 8 in `h`; the largest over the groups, each relative to its own size,
+    /// decides. Tangent vectors have a say because an equilibrium allows any step, and the flow about it does not.
+    #[inline(always)]
+    fn judge_errors(&mut self, sizes: &[f64]) {
+        let Steps::Adaptive { tolerance } = self.method.steps else { return };
+        self.errors.fill(0.0);
+        for [relative, e5, defect] in &self.estimates {
             let (relative, e5, defect) = (relative.as_scalars(), e5.as_scalars(), defect.as_scalars());
             for (lane, largest) in self.errors[..V::WIDTH].iter_mut().enumerate() {
                 let relative = if e5[lane].to_f64() > 0.0 { relative[lane].to_f64() } else { 0.0 };
@@ -298,7 +356,8 @@ impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
 
     fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
         let any_fresh = self.controls.iter().any(|control| control.fresh);
-        if any_fresh || self.method.tolerance().is_some() {
+        // compiled code begins with the rates at the start
+        if any_fresh || self.method.tolerance().is_some() && !F::IS_COMPILED {
             V::outline(FirstRates(self));
         }
         for (lane, longest) in longest.iter_mut().enumerate() {
@@ -357,10 +416,12 @@ impl<F: Field, V: Lane> Body for TrialStep<'_, '_, F, V> {
         let TrialStep { block, sizes, outcomes } = self;
         let (sizes, outcomes) = (&sizes[..V::WIDTH], &mut outcomes[..V::WIDTH]);
         let step: V = spread(sizes);
-        block.stages(step);
-        block.system.remember();
-        block.system.update(step, WEIGHTS, &block.rates);
-        block.estimate_errors(sizes);
+        if !F::IS_COMPILED {
+            block.step(step);
+        } else if !block.step_compiled(step) {
+            block.step_with_first_rates(step);
+        }
+        block.judge_errors(sizes);
         for lane in 0..V::WIDTH {
             let stays = sizes[lane] == 0.0;
             let (error, factor) = (block.errors[lane], block.factors[lane]);
@@ -385,12 +446,12 @@ impl<F: Field, V: Lane> Body for FixedSteps<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let FixedSteps { block, sizes, repeats, outcomes } = self;
-        let (step, row): (V, usize) = (spread(&sizes[..V::WIDTH]), block.system.row());
+        let step: V = spread(&sizes[..V::WIDTH]);
         block.system.remember();
         for _ in 0..repeats {
-            block.system.rates(&mut block.rates[..row]);
-            block.stages(step);
-            block.system.update(step, WEIGHTS, &block.rates);
+            if !block.step_compiled(step) {
+                block.step_with_first_rates(step);
+            }
         }
         let size = sum_of_sizes(&block.system.state);
         for lane in 0..V::WIDTH {
@@ -399,6 +460,36 @@ impl<F: Field, V: Lane> Body for FixedSteps<'_, '_, F, V> {
             if !finite || sizes[lane] == 0.0 {
                 block.system.restore(lane);
             }
+        }
+    }
+}
+
+/// A step as straight code: from values and the size of the step in the memory to new values, and estimates of errors.
+struct WholeStep<'f, F> {
+    method: RungeKutta,
+    field: &'f F,
+    n_tangents: usize,
+}
+
+impl<F: Field> Straight for WholeStep<'_, F> {
+    fn key(&self) -> u64 {
+        let (compensated, adaptive) = (self.method.compensated, self.method.tolerance().is_some());
+        (self.n_tangents as u64) << 2 | u64::from(compensated) << 1 | u64::from(adaptive)
+    }
+
+    fn n_rates(&self) -> usize {
+        (1 + STAGES.len()) * (1 + self.n_tangents)
+    }
+
+    #[inline(always)]
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        let mut block = RungeKuttaBlock::<F, V>::new(self.method, self.field, self.n_tangents);
+        let n = block.system.n_values();
+        block.system.read_back(&memory[..n]);
+        block.step_with_first_rates(memory[n]);
+        block.system.write(&mut memory[..n]);
+        if self.method.tolerance().is_some() {
+            memory[n + 1..].copy_from_slice(block.estimates.as_flattened());
         }
     }
 }

@@ -17,8 +17,8 @@
 //! Fields of degree two need no such look where a term vanishes exactly: a series that ends before half of its order and
 //! obeys the equations up to its order is a solution.
 
-use crate::field::{Field, Space, Tape, Terms};
-use crate::lanes::{Body, ROUNDINGS, Wide};
+use crate::field::{Field, Space, Straight, Tape, Terms};
+use crate::lanes::{Body, Lane, Pair, ROUNDINGS, Wide};
 use crate::method::taylor::sum_of_sizes;
 
 /// Passes over the nodes of one step at most; each at least halves it, or is the last one.
@@ -45,11 +45,16 @@ const NO_ROUND_OFF: f64 = 1e-6;
 /// What the last terms of an honest series leave at most, in units of the order times the tolerance.
 const HONEST: f64 = 64.0;
 
+/// Nodes at which a step is looked at unless it is as long as it may grow.
+pub(super) fn n_looks(field: &Tape, order: usize) -> usize {
+    if field.has_steep_barriers(order) { MANY / EVERY } else { 1 }
+}
+
 /// Places to compute in, and what is known of each lane.
 pub(super) struct StepEnd<V> {
-    x: Vec<V>,
-    slope: Vec<V>,
-    rates: Vec<V>,
+    /// What was found at the node that was looked at last, as [`look`] leaves it.
+    found: Vec<V>,
+    n: usize,
     work: Vec<V>,
     defects: Vec<f64>,
     /// The steps that lead to `x`.
@@ -81,16 +86,14 @@ struct Look {
 
 impl<V: Wide> StepEnd<V> {
     pub(super) fn new(field: &Tape, order: usize, tolerance: f64) -> Self {
-        let zero = vec![V::splat(0.0); field.n_components()];
         let allowed = |node: usize| {
             let truncation =
                 HONEST * order as f64 * tolerance * libm::pow(node as f64 / MANY as f64, order as f64 - 1.0);
             truncation.max(HARMLESS)
         };
         StepEnd {
-            x: zero.clone(),
-            slope: zero.clone(),
-            rates: zero,
+            found: vec![V::splat(0.0); 3 * field.n_components() + 2],
+            n: field.n_components(),
             work: vec![V::splat(0.0); field.registers(0, 1)],
             defects: vec![0.0; V::WIDTH],
             at: vec![f64::NAN; V::WIDTH],
@@ -104,7 +107,7 @@ impl<V: Wide> StepEnd<V> {
 
     /// The states after these steps, if they were looked at last.
     pub(super) fn states_after(&self, steps: &[f64]) -> Option<&[V]> {
-        (self.at == steps).then_some(&self.x)
+        (self.at == steps).then_some(&self.found[..self.n])
     }
 
     /// Forgets the steps of a lane.
@@ -137,11 +140,12 @@ impl<V: Wide> StepEnd<V> {
 
     /// Shortens the steps, one for each lane and zero for one that stays, along which the series fails the equations.
     ///
-    /// `rows` are the coefficients from order 0 to `order`, `row` registers each, those of the state first.
+    /// `memory` holds the coefficients from order 0 to `order`, `row` registers each, those of the state first, and in the end room
+    /// for [`look_registers`].
     pub(super) fn keep_to_the_field(
         &mut self,
         field: &Tape,
-        rows: &[V],
+        memory: &mut [V],
         (row, order): (usize, usize),
         steps: &mut [f64],
     ) {
@@ -150,7 +154,11 @@ impl<V: Wide> StepEnd<V> {
         }
         let mut nodes = std::mem::take(&mut self.nodes);
         let every = if self.has_steep_barriers { EVERY } else { MANY };
-        for _ in 0..MOST_PASSES {
+        let mut are_good = false;
+        if self.has_steep_barriers && !self.looks.iter().any(|look| look.is_open && look.is_free) {
+            V::outline(CommonNodes { field, memory, row, order, steps, are_good: &mut are_good, to: self });
+        }
+        for _ in 0..if are_good { 0 } else { MOST_PASSES } {
             if !self.looks.iter().any(|look| look.is_open) {
                 break;
             }
@@ -158,12 +166,13 @@ impl<V: Wide> StepEnd<V> {
                 (look.good, look.bad) = (0.0, 0.0);
             }
             let is_free = self.looks.iter().any(|look| look.is_open && look.is_free);
-            for node in (1..=MANY).filter(|node| is_free || node.is_multiple_of(every)) {
+            let stride = if is_free { 1 } else { every };
+            for node in (stride..=MANY).step_by(stride) {
                 let part = node as f64 / MANY as f64;
                 for (node, step) in nodes.iter_mut().zip(steps.iter()) {
                     *node = part * step;
                 }
-                V::outline(Defects { field, rows, row, order, steps: &nodes, part, to: self });
+                V::outline(Defects { field, memory, row, order, steps: &nodes, part, to: self });
                 let is_common = node.is_multiple_of(every);
                 for lane in 0..V::WIDTH {
                     let look = &self.looks[lane];
@@ -173,7 +182,7 @@ impl<V: Wide> StepEnd<V> {
                     let (defect, allowed) = (self.defects[lane], self.allowed[node - 1]);
                     let is_good = defect <= allowed
                         || defect < NO_ROUND_OFF
-                            && self.excess(field, rows, (row, order), lane, (nodes[lane], steps[lane])) <= allowed;
+                            && self.excess(field, memory, (row, order), lane, (nodes[lane], steps[lane])) <= allowed;
                     *(if is_good { &mut self.looks[lane].good } else { &mut self.looks[lane].bad }) = part;
                 }
                 if !self.looks.iter().any(|look| look.is_open && look.bad == 0.0) {
@@ -204,11 +213,13 @@ impl<V: Wide> StepEnd<V> {
         (node, step): (f64, f64),
     ) -> f64 {
         let Errors { start, x, state, slope, terms } = &mut self.errors;
-        let n = self.x.len();
+        let n = self.n;
+        let (values, slopes) = self.found.split_at(n);
+        let (slopes, rates) = slopes.split_at(n);
         start.clear();
         start.extend(rows[..n].iter().map(|x| x.get(lane)));
         x.clear();
-        x.extend(self.x.iter().map(|x| x.get(lane)));
+        x.extend(values.iter().map(|x| x.get(lane)));
         state.clear();
         state.resize(n, 0.0);
         slope.clear();
@@ -230,7 +241,7 @@ impl<V: Wide> StepEnd<V> {
         let size: f64 = start.iter().map(|x| x.abs()).sum();
         let mut excess = 0.0;
         for i in 0..n {
-            let defect = (self.slope[i].get(lane) - self.rates[i].get(lane)).abs();
+            let defect = (slopes[i].get(lane) - rates[i].get(lane)).abs();
             excess += (defect - slope[i] - terms.linear[i]).max(0.0);
         }
         excess * step.abs() / size
@@ -250,29 +261,170 @@ struct Errors {
     terms: Terms,
 }
 
-impl<V: Wide> StepEnd<V> {
-    /// The values of some components and their slopes after the step, by Horner's rule; as many as were computed.
+/// Registers behind the series for a look at two nodes: the steps to them, what [`look`] finds at the second, and the defect of the
+/// first. A look at one node has the first step alone.
+pub(super) fn look_registers(field: &Tape) -> usize {
+    3 * field.n_components() + 5
+}
+
+/// Looks at a node: the state, its slope by the series and by the field, the sum of `|x'(h) - f(x(h))| |h|` over the components, and
+/// the size of the state at the start; into `found` in this order.
+#[inline(always)]
+fn look<V: Lane>(field: &Tape, rows: &[V], (row, order): (usize, usize), step: V, work: &mut [V], found: &mut [V]) {
+    let n = field.n_components();
+    let (x, rest) = found.split_at_mut(n);
+    let (slope, rest) = rest.split_at_mut(n);
+    let (rates, sums) = rest.split_at_mut(n);
+    let (mut i, place) = (0, (row, order));
+    while i < n {
+        i += match n - i {
+            6.. => expand::<V, 6>(i, rows, place, step, x, slope),
+            4 => expand::<V, 4>(i, rows, place, step, x, slope),
+            3.. => expand::<V, 3>(i, rows, place, step, x, slope),
+            2 => expand::<V, 2>(i, rows, place, step, x, slope),
+            _ => expand::<V, 1>(i, rows, place, step, x, slope),
+        };
+    }
+    field.rates(x, 0, work, rates);
+    sums[0] = V::splat(0.0);
+    for i in 0..n {
+        sums[0] = sums[0].add(slope[i].sub(rates[i]).mul(step).abs());
+    }
+    sums[1] = sum_of_sizes(&rows[..n]);
+}
+
+/// The values of some components and their slopes after the step, by Horner's rule; as many as were computed.
+#[inline(always)]
+fn expand<V: Lane, const M: usize>(
+    first: usize,
+    rows: &[V],
+    (row, order): (usize, usize),
+    step: V,
+    x: &mut [V],
+    slopes: &mut [V],
+) -> usize {
+    let (mut value, mut slope) = ([V::splat(0.0); M], [V::splat(0.0); M]);
+    value.copy_from_slice(&rows[order * row + first..][..M]);
+    for k in (0..order).rev() {
+        let coefficients = &rows[k * row + first..][..M];
+        for i in 0..M {
+            slope[i] = slope[i].mul_add(step, value[i]);
+            value[i] = value[i].mul_add(step, coefficients[i]);
+        }
+    }
+    x[first..first + M].copy_from_slice(&value);
+    slopes[first..first + M].copy_from_slice(&slope);
+    M
+}
+
+/// [`look`] as straight code on a memory with the series and, in the end, room for the look.
+struct NodeLook<'f> {
+    field: &'f Tape,
+    row: usize,
+    order: usize,
+}
+
+impl Straight for NodeLook<'_> {
+    fn key(&self) -> u64 {
+        1 << 32 | (self.row as u64) << 8 | self.order as u64
+    }
+
+    fn n_rates(&self) -> usize {
+        1
+    }
+
     #[inline(always)]
-    fn expand<const M: usize>(&mut self, first: usize, rows: &[V], (row, order): (usize, usize), step: V) -> usize {
-        let (mut value, mut slope) = ([V::splat(0.0); M], [V::splat(0.0); M]);
-        value.copy_from_slice(&rows[order * row + first..][..M]);
-        for k in (0..order).rev() {
-            let coefficients = &rows[k * row + first..][..M];
-            for i in 0..M {
-                slope[i] = slope[i].mul_add(step, value[i]);
-                value[i] = value[i].mul_add(step, coefficients[i]);
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        let NodeLook { field, row, order } = *self;
+        let (rows, room) = memory.split_at_mut(memory.len() - look_registers(field));
+        let mut work = vec![V::splat(0.0); field.registers(0, 1)];
+        let (steps, found) = room.split_at_mut(2);
+        look(field, rows, (row, order), steps[0], &mut work, &mut found[..3 * field.n_components() + 2]);
+    }
+}
+
+/// The same at two nodes: operations on both side by side, so that neither waits for the other.
+struct TwoNodes<'f> {
+    field: &'f Tape,
+    row: usize,
+    order: usize,
+}
+
+impl Straight for TwoNodes<'_> {
+    fn key(&self) -> u64 {
+        4 << 32 | (self.row as u64) << 8 | self.order as u64
+    }
+
+    fn n_rates(&self) -> usize {
+        2
+    }
+
+    #[inline(always)]
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        let TwoNodes { field, row, order } = *self;
+        let (rows, room) = memory.split_at_mut(memory.len() - look_registers(field));
+        let (n, zero) = (field.n_components(), Pair::new([V::splat(0.0); 2]));
+        let both: Vec<Pair<V>> =
+            rows.chunks(row).take(order + 1).flat_map(|row| &row[..n]).map(|&c| Pair::new([c; 2])).collect();
+        let (mut work, mut found) = (vec![zero; field.registers(0, 1)], vec![zero; 3 * n + 2]);
+        look(field, &both, (n, order), Pair::new([room[0], room[1]]), &mut work, &mut found);
+        for (to, found) in room[2..].iter_mut().zip(&found) {
+            *to = found.registers()[1];
+        }
+        room[3 * n + 4] = found[3 * n].registers()[0];
+    }
+}
+
+/// Looks at the nodes that all steps have, by compiled code; whether nothing is wrong at any. False where there is no such code, or
+/// something has to be looked at again.
+struct CommonNodes<'a, V> {
+    field: &'a Tape,
+    memory: &'a mut [V],
+    row: usize,
+    order: usize,
+    steps: &'a [f64],
+    are_good: &'a mut bool,
+    to: &'a mut StepEnd<V>,
+}
+
+impl<V: Wide> Body for CommonNodes<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        /// Smaller than one by more than round-off: what is good here is good by [`Defects`].
+        const CLEARLY: f64 = 0.999;
+        let CommonNodes { field, memory, row, order, steps, are_good, to } = self;
+        let (room, n) = (memory.len() - look_registers(field), to.n);
+        let mut step = V::splat(0.0);
+        step.as_scalars_mut().copy_from_slice(&steps[..V::WIDTH]);
+        let mut is_good = true;
+        for node in (2 * EVERY..=MANY).step_by(2 * EVERY) {
+            let nodes = [node - EVERY, node];
+            for (to, node) in memory[room..].iter_mut().zip(nodes) {
+                *to = step.mul(V::splat(node as f64 / MANY as f64));
+            }
+            if !field.run_compiled(&TwoNodes { field, row, order }, memory) {
+                return;
+            }
+            let found = &memory[room + 2..];
+            let size = found[3 * n + 1];
+            for (node, defect) in nodes.into_iter().zip([found[3 * n + 2], found[3 * n]]) {
+                let part = node as f64 / MANY as f64;
+                let bound = size.mul(V::splat(CLEARLY * part * to.allowed[node - 1]));
+                for ((look, defect), bound) in to.looks.iter().zip(defect.as_scalars()).zip(bound.as_scalars()) {
+                    is_good &= defect <= bound || !look.is_open;
+                }
             }
         }
-        self.x[first..first + M].copy_from_slice(&value);
-        self.slope[first..first + M].copy_from_slice(&slope);
-        M
+        to.found.copy_from_slice(&memory[room + 2..][..3 * n + 2]);
+        to.at.copy_from_slice(&steps[..V::WIDTH]);
+        *are_good = is_good;
     }
 }
 
 /// For each lane the sum of `|x'(h) - f(x(h))| |h|` over the components, in units of the size of the state.
 struct Defects<'a, V> {
     field: &'a Tape,
-    rows: &'a [V],
+    memory: &'a mut [V],
     row: usize,
     order: usize,
     steps: &'a [f64],
@@ -284,26 +436,18 @@ struct Defects<'a, V> {
 impl<V: Wide> Body for Defects<'_, V> {
     #[inline(always)]
     fn run(self) {
-        let Defects { field, rows, row, order, steps, part, to } = self;
+        let Defects { field, memory, row, order, steps, part, to } = self;
         let mut step = V::splat(0.0);
         step.as_scalars_mut().copy_from_slice(&steps[..V::WIDTH]);
         to.at.copy_from_slice(&steps[..V::WIDTH]);
-        let (mut i, n) = (0, to.x.len());
-        while i < n {
-            i += match n - i {
-                6.. => to.expand::<6>(i, rows, (row, order), step),
-                4 => to.expand::<4>(i, rows, (row, order), step),
-                3.. => to.expand::<3>(i, rows, (row, order), step),
-                2 => to.expand::<2>(i, rows, (row, order), step),
-                _ => to.expand::<1>(i, rows, (row, order), step),
-            };
+        let room = memory.len() - look_registers(field);
+        memory[room] = step;
+        if field.run_compiled(&NodeLook { field, row, order }, memory) {
+            to.found.copy_from_slice(&memory[room + 2..][..3 * to.n + 2]);
+        } else {
+            look(field, memory, (row, order), step, &mut to.work, &mut to.found);
         }
-        let size = sum_of_sizes(&rows[..n]);
-        field.rates(&to.x, 0, &mut to.work, &mut to.rates);
-        let mut defect = V::splat(0.0);
-        for i in 0..to.x.len() {
-            defect = defect.add(to.slope[i].sub(to.rates[i]).mul(step).abs());
-        }
+        let (defect, size) = (to.found[3 * to.n], to.found[3 * to.n + 1]);
         let (defect, size) = (defect.as_scalars(), size.as_scalars());
         for ((to, &defect), &size) in to.defects.iter_mut().zip(defect).zip(size) {
             *to = if defect == 0.0 { 0.0 } else { defect / (part * size) };

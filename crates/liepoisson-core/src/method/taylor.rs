@@ -22,6 +22,8 @@ pub(crate) const MAX_ORDER: usize = 64;
 pub struct Taylor {
     tolerance: f64,
     order: usize,
+    /// Whether a caller chose the order.
+    has_own_order: bool,
     max_steps: u64,
 }
 
@@ -32,7 +34,8 @@ impl Taylor {
     /// Without an `order` the cheapest for that tolerance is taken: the work of a step grows as the square of the order,
     /// its length as `tolerance^(1/order)`, which gives `-ln(tolerance)/2` for the products alone; the part of the work
     /// that grows more slowly moves the optimum upwards. Measured on the twisted Kovalevskaya top with one tangent
-    /// vector (AVX-512): 20 to 22 are best at 1e-13, 14 to 16 at 1e-8, and within 5% of one another.
+    /// vector (AVX-512): 20 to 22 are best at 1e-13, 14 to 16 at 1e-8, and within 5% of one another. A tape has an order
+    /// of its own: [`Taylor::for_tape`].
     ///
     /// # Errors
     /// Tolerance outside `[2^-53, 0.1]`, order outside `2..=64`.
@@ -40,11 +43,12 @@ impl Taylor {
         if !(f64::EPSILON / 2.0..=0.1).contains(&tolerance) {
             return Err(Error::Tolerance { got: tolerance });
         }
+        let has_own_order = order.is_some();
         let order = order.unwrap_or_else(|| (3.5 - 0.58 * libm::log(tolerance)).ceil() as usize);
         if !(2..=MAX_ORDER).contains(&order) {
             return Err(Error::Order { got: order });
         }
-        Ok(Taylor { tolerance, order, max_steps })
+        Ok(Taylor { tolerance, order, has_own_order, max_steps })
     }
 
     /// Relative size of the last retained terms.
@@ -55,6 +59,15 @@ impl Taylor {
     /// Order of the series.
     pub fn order(&self) -> usize {
         self.order
+    }
+
+    /// Whether a caller chose it.
+    pub(super) fn has_own_order(&self) -> bool {
+        self.has_own_order
+    }
+
+    pub(super) fn with_order(self, order: usize) -> Taylor {
+        Taylor { order, ..self }
     }
 
     /// Most steps that a trajectory may take.
@@ -84,6 +97,9 @@ pub(super) struct TaylorBlock<F, V> {
     trend: Trend,
     pub(super) n_tangents: usize,
     pub(super) row: usize,
+    /// Registers of the series, with all that the field keeps.
+    pub(super) n_registers: usize,
+    /// These, and what else a method keeps behind them.
     pub(super) rows: Vec<V>,
 }
 
@@ -185,11 +201,13 @@ impl<F: Field, V: Wide> Series for TaylorBlock<F, V> {
 
 impl<F: Field, V: Wide> TaylorBlock<F, V> {
     pub(super) fn new(method: Taylor, field: F, n_tangents: usize) -> Self {
+        let n_registers = field.registers(n_tangents, method.order);
         TaylorBlock {
             trend: Trend::new(method.tolerance, method.order),
             n_tangents,
             row: field.row(n_tangents),
-            rows: vec![V::splat(0.0); field.registers(n_tangents, method.order)],
+            n_registers,
+            rows: vec![V::splat(0.0); n_registers],
             method,
             field,
         }
@@ -267,8 +285,8 @@ struct Expansion<'b, F, V>(&'b mut TaylorBlock<F, V>);
 impl<F: Field, V: Wide> Body for Expansion<'_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let TaylorBlock { field, method, n_tangents, rows, .. } = self.0;
-        field.expand(rows, *n_tangents, method.order);
+        let TaylorBlock { field, method, n_tangents, rows, n_registers, .. } = self.0;
+        field.expand(&mut rows[..*n_registers], *n_tangents, method.order);
     }
 }
 

@@ -1,26 +1,60 @@
 //! The Taylor method of tapes, whose series can hide a term of the field and pass from one branch of it to another.
 
-use crate::field::{Field, Tape};
-use crate::lanes::{Body, Wide};
-use crate::method::step_end::StepEnd;
+use crate::field::{Field, Space, Straight, Tape};
+use crate::lanes::{Body, Lane, Wide};
+use crate::method::step_end::{StepEnd, look_registers, n_looks};
 use crate::method::taylor::{Advance, TaylorBlock};
 use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping, Taylor};
 
 /// A step that is shortened to less than this part of the largest so far, so that no branch is left, is none.
 const NO_STEP: f64 = 1e-9;
 
+/// The lowest order that is chosen.
+const LEAST_ORDER: usize = 4;
+
+/// The highest one, what the general rule takes at round-off: the law counts with a radius of convergence, and where there is none steps
+/// would become so long that large terms cancel, those of a solution that oscillates as `exp(step)`.
+const HIGHEST_ORDER: usize = 25;
+
+/// Orders that cost so much more than the cheapest are as good: about it the cost hardly changes, and a lower order takes less memory.
+const AS_GOOD: f64 = 1.02;
+
+impl Taylor {
+    /// The method for a tape: of the order that a caller chose, or of the one that is cheapest for the tape.
+    ///
+    /// A series of radius `rho` whose last two terms are within the tolerance allows a step of `rho tolerance^(1/(N-1))`. With `W(N)`
+    /// the operations of a step, counted in the tape, the time up to a given moment goes as `W(N) tolerance^(-1/(N-1))`; the cheapest
+    /// order is `1 - ln(tolerance)/2` where only sums of products count (Jorba and Zou), more where other operations do. It depends on
+    /// the tape and the tolerance alone, so that all processors take the same.
+    pub fn for_tape(self, tape: &Tape) -> Taylor {
+        if self.has_own_order() {
+            return self;
+        }
+        let of_unit = |order: usize| {
+            let work = tape.cost_of_a_step(order, n_looks(tape, order));
+            work * libm::exp(-libm::log(self.tolerance()) / (order as f64 - 1.0))
+        };
+        let least = (LEAST_ORDER..=HIGHEST_ORDER).map(of_unit).fold(f64::INFINITY, f64::min);
+        let order = (LEAST_ORDER..=HIGHEST_ORDER).find(|&order| of_unit(order) <= AS_GOOD * least);
+        self.with_order(order.unwrap_or(HIGHEST_ORDER))
+    }
+}
+
 impl Method<Tape> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f Tape, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let method = self.for_tape(field);
+        let mut taylor = TaylorBlock::new(method, field, n_tangents);
+        taylor.rows.extend(vec![V::splat(0.0); look_registers(field)]);
         Box::new(TapeBlock::<V> {
-            taylor: TaylorBlock::new(*self, field, n_tangents),
-            end: StepEnd::new(field, self.order(), self.tolerance()),
+            taylor,
+            end: StepEnd::new(field, method.order(), method.tolerance()),
             steps: vec![0.0; V::WIDTH],
             largest: vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }],
         })
     }
 
     fn registers(&self, field: &Tape, n_tangents: usize) -> usize {
-        field.registers(n_tangents, self.order())
+        field.registers(n_tangents, self.for_tape(field).order()) + look_registers(field)
     }
 
     fn max_steps(&self) -> u64 {
@@ -78,10 +112,7 @@ impl<V: Wide> Block for TapeBlock<'_, V> {
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
         let states = self.end.states_after(sizes);
-        V::outline(Advance { block: &mut self.taylor, sizes, first_group: usize::from(states.is_some()) });
-        if let Some(states) = states {
-            self.taylor.rows[..states.len()].copy_from_slice(states);
-        }
+        V::outline(AdvanceTape { taylor: &mut self.taylor, sizes, states });
         self.end.take(sizes);
         for (largest, &size) in self.largest.iter_mut().zip(sizes) {
             *largest = if size.abs() > largest.abs() { size } else { *largest };
@@ -109,7 +140,7 @@ impl<V: Wide> TapeBlock<'_, V> {
             let is_open = longest > 0.0 && ahead != 0.0;
             *step = if is_open { longest.min(ahead.abs()).copysign(ahead) } else { 0.0 };
         }
-        end.keep_to_the_field(taylor.field, &taylor.rows, (taylor.row, taylor.method.order()), steps);
+        end.keep_to_the_field(taylor.field, &mut taylor.rows, (taylor.row, taylor.method.order()), steps);
         for (step, largest) in steps.iter_mut().zip(largest) {
             // what is hidden is the corner of a root, where the branch ends, and no barrier
             if step.abs() < NO_STEP * largest.abs() {
@@ -136,6 +167,64 @@ impl<V: Wide> Body for Branches<'_, '_, V> {
     fn run(self) {
         let Branches { taylor, largest, steps } = self;
         let order = taylor.method.order();
-        taylor.field.keep_to_branches(&taylor.rows, taylor.n_tangents, order, largest, &mut steps[..V::WIDTH]);
+        let rows = &taylor.rows[..taylor.n_registers];
+        taylor.field.keep_to_branches(rows, taylor.n_tangents, order, largest, &mut steps[..V::WIDTH]);
+    }
+}
+
+/// Advances every lane by its own step, to states that may be known already.
+struct AdvanceTape<'b, 'f, V> {
+    taylor: &'b mut TaylorBlock<&'f Tape, V>,
+    sizes: &'b [f64],
+    states: Option<&'b [V]>,
+}
+
+impl<V: Wide> Body for AdvanceTape<'_, '_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let AdvanceTape { taylor, sizes, states } = self;
+        let first_group = usize::from(states.is_some());
+        let (field, row, n_registers) = (taylor.field, taylor.row, taylor.n_registers);
+        let mut step = V::splat(0.0);
+        step.as_scalars_mut().copy_from_slice(sizes);
+        taylor.rows[n_registers] = step;
+        let n = field.n_components();
+        let sum = Sum { n_registers, row, first: first_group * n, order: taylor.method.order() };
+        if !field.run_compiled(&sum, &mut taylor.rows) {
+            V::outline(Advance { block: taylor, sizes, first_group });
+        }
+        if let Some(states) = states {
+            taylor.rows[..n].copy_from_slice(states);
+        }
+    }
+}
+
+/// The sum of the series of a row's components from the first wanted one on, as straight code: Horner's rule.
+struct Sum {
+    n_registers: usize,
+    row: usize,
+    first: usize,
+    order: usize,
+}
+
+impl Straight for Sum {
+    fn key(&self) -> u64 {
+        (2 + u64::from(self.first > 0)) << 32 | (self.row as u64) << 8 | self.order as u64
+    }
+
+    fn n_rates(&self) -> usize {
+        0
+    }
+
+    #[inline(always)]
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        let step = memory[self.n_registers];
+        for i in self.first..self.row {
+            let mut value = memory[self.order * self.row + i];
+            for k in (0..self.order).rev() {
+                value = value.mul_add(step, memory[k * self.row + i]);
+            }
+            memory[i] = value;
+        }
     }
 }

@@ -11,8 +11,8 @@ pub(super) type Term = (usize, f64);
 ///
 /// States and rates lie group after group, components only; one of either is a *row*.
 pub(super) struct Variational<'f, F, V> {
-    field: &'f F,
-    n_tangents: usize,
+    pub(super) field: &'f F,
+    pub(super) n_tangents: usize,
     /// The present values.
     pub(super) state: Vec<V>,
     /// What rounding took from the state; empty where that is not followed.
@@ -66,6 +66,27 @@ impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
         let (low, sum) = (&mut self.low, |first: usize| Sum { terms, known: &rates[first..], row });
         in_chunks::<V>(n, &mut CompensatedUpdate { state: compensated, low, step, sum: sum(0) });
         in_chunks::<V>(row - n, &mut Update { state: rest, step, sum: sum(n) });
+    }
+
+    /// Registers of [`Variational::write`].
+    pub(super) fn n_values(&self) -> usize {
+        self.state.len() + self.low.len()
+    }
+
+    /// Writes the present values, and what rounding took from them.
+    #[inline(always)]
+    pub(super) fn write(&self, to: &mut [V]) {
+        let (state, low) = to.split_at_mut(self.state.len());
+        state.copy_from_slice(&self.state);
+        low.copy_from_slice(&self.low);
+    }
+
+    /// Reads them back.
+    #[inline(always)]
+    pub(super) fn read_back(&mut self, from: &[V]) {
+        let (state, low) = from.split_at(self.state.len());
+        self.state.copy_from_slice(state);
+        self.low.copy_from_slice(low);
     }
 
     /// Registers in a row.

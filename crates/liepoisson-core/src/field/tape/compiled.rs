@@ -1,8 +1,9 @@
-//! Expansions of a tape as compiled code: made when a run turns out to be long, once for all threads.
+//! Expansions of a tape, and straight code that asks for its rates, as compiled code: made when a run turns out to be long, once for all threads.
 
 use super::Tape;
 use super::elementary::Called;
-use crate::field::Field;
+use super::frame::Frame;
+use crate::field::{Field, Straight};
 use crate::jit::{Code, Functions, Source};
 use crate::lanes::recorded::Recorded;
 use crate::lanes::{Instructions, Lane};
@@ -19,16 +20,34 @@ const WORTH_IT: u64 = 500;
 /// 100 MB.
 const MOST_WORK: usize = 1 << 17;
 
-/// Code of a tape for each kind of registers, number of tangent vectors and order that it is expanded to.
+/// Code of a tape for each kind of registers and purpose.
 #[derive(Debug, Default)]
 pub(super) struct Compiled(OnceLock<Box<Plan>>);
 
+/// What tells code from other code for the same tape: its registers, what it does, and on how much memory, as one number each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Key {
+    purpose: u64,
+    registers: usize,
+}
+
+impl Key {
+    /// The series up to an order, with so many tangent vectors.
+    #[inline(always)]
+    fn series(instructions: Instructions, n_tangents: usize, order: usize, registers: usize) -> Key {
+        Key { purpose: (n_tangents as u64) << 16 | (order as u64) << 2 | instructions as u64, registers }
+    }
+
+    /// Straight code with a key of its own.
+    #[inline(always)]
+    fn straight(instructions: Instructions, key: u64, registers: usize) -> Key {
+        Key { purpose: key << 2 | 2 | instructions as u64, registers }
+    }
+}
+
 #[derive(Debug)]
 struct Plan {
-    instructions: Instructions,
-    n_tangents: usize,
-    order: usize,
-    registers: usize,
+    key: Key,
     /// How often it was asked for.
     runs: AtomicU64,
     /// None inside where it cannot be compiled.
@@ -41,11 +60,25 @@ impl Compiled {
     #[inline(always)]
     pub(super) fn expand<V: Lane>(&self, tape: &Tape, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
-        let plan = self.plan(instructions, n_tangents, order, rows.len());
+        let key = Key::series(instructions, n_tangents, order, rows.len());
+        self.run_for(key, rows, |registers| compile_series::<V>(tape, n_tangents, order, registers))
+    }
+
+    /// Runs straight code: [`Field::run_compiled`].
+    #[inline(always)]
+    pub(super) fn run<V: Lane>(&self, tape: &Tape, straight: &impl Straight, memory: &mut [V]) -> bool {
+        let Some(instructions) = V::INSTRUCTIONS else { return false };
+        let key = Key::straight(instructions, straight.key(), memory.len());
+        self.run_for(key, memory, |registers| compile_straight::<V>(tape, straight, registers))
+    }
+
+    #[inline(always)]
+    fn run_for<V: Lane>(&self, key: Key, memory: &mut [V], compile: impl FnOnce(usize) -> Option<Code>) -> bool {
+        let plan = self.plan(key);
         if let Some(code) = plan.code.get() {
-            code.as_ref().is_some_and(|code| code.run(rows))
+            code.as_ref().is_some_and(|code| code.run(memory))
         } else {
-            plan.count::<V>(tape);
+            plan.count(compile);
             false
         }
     }
@@ -54,19 +87,15 @@ impl Compiled {
     pub(super) fn has_code(&self, instructions: Instructions) -> bool {
         self.0.get().is_some_and(|plan| {
             let is_compiled = plan.code.get().is_some_and(Option::is_some);
-            (plan.instructions == instructions && is_compiled) || plan.next.has_code(instructions)
+            (plan.key.purpose & 1 == instructions as u64 && is_compiled) || plan.next.has_code(instructions)
         })
     }
 
-    fn plan(&self, instructions: Instructions, n_tangents: usize, order: usize, registers: usize) -> &Plan {
-        let make = || {
-            let (runs, code, next) = (AtomicU64::new(0), OnceLock::new(), Compiled::default());
-            Box::new(Plan { instructions, n_tangents, order, registers, runs, code, next })
-        };
+    #[inline(always)]
+    fn plan(&self, key: Key) -> &Plan {
+        let make = || Box::new(Plan { key, runs: AtomicU64::new(0), code: OnceLock::new(), next: Compiled::default() });
         let mut plan = self.0.get_or_init(make);
-        while (plan.instructions, plan.n_tangents, plan.order, plan.registers)
-            != (instructions, n_tangents, order, registers)
-        {
+        while plan.key != key {
             plan = plan.next.0.get_or_init(make);
         }
         plan
@@ -74,36 +103,44 @@ impl Compiled {
 }
 
 impl Plan {
-    /// Counts an expansion by other means, and compiles if they were many.
+    /// Counts a run by other means, and compiles if they were many.
     #[inline(never)]
-    fn count<V: Lane>(&self, tape: &Tape) {
+    fn count(&self, compile: impl FnOnce(usize) -> Option<Code>) {
         if self.runs.fetch_add(1, Ordering::Relaxed) == WORTH_IT {
-            self.code.get_or_init(|| if is_wanted() { self.compile::<V>(tape) } else { None });
+            self.code.get_or_init(|| if is_wanted() { compile(self.key.registers) } else { None });
         }
     }
+}
 
-    fn compile<V: Lane>(&self, tape: &Tape) -> Option<Code> {
-        let Plan { n_tangents, order, registers, .. } = *self;
-        if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
-            return None;
-        }
-        let row = tape.row(n_tangents);
-        let source = |k: usize| Source {
-            recording: Recorded::record(registers, |rows| {
+fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registers: usize) -> Option<Code> {
+    if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
+        return None;
+    }
+    let (row, n_orders) = (tape.row(n_tangents), order + 1);
+    // an order whose sums are formed along with those of the order before is one piece with that
+    let is_second = |k: usize| k < order && Frame::is_second(k, n_orders);
+    let source = |k: usize| Source {
+        recording: Recorded::record(registers, |rows| {
+            for k in k..=k + usize::from(is_second(k + 1)) {
                 tape.derive_work(rows, n_tangents, k);
                 tape.extend(rows, n_tangents, k);
-            }),
-            k,
-            bases: [k, k / 2, k * row],
-        };
-        // the rest of the memory matters as far as a later order reads it
-        let (n_orders, work) = (order + 1, row * (order + 1));
-        let in_branches = |register: usize| {
-            register >= work && tape.program.branches.iter().any(|series| (register - work) / n_orders == *series)
-        };
-        let sources: Vec<Source> = (0..order).map(source).collect();
-        Code::new::<V, Elementary>(registers, &sources, |register| register < work || in_branches(register))
+            }
+        }),
+        k,
+        bases: [k, k / 2, k * row],
+    };
+    // series are kept up to the last order, so that it shares code; single registers as far as a later order reads them
+    let n_series = tape.program.state.series + n_tangents * tape.program.tangent.series;
+    let sources: Vec<Source> = (0..order).filter(|&k| !is_second(k)).map(source).collect();
+    Code::new::<V, Elementary>(registers, &sources, |register| register < (row + n_series) * n_orders)
+}
+
+fn compile_straight<V: Lane>(tape: &Tape, straight: &impl Straight, registers: usize) -> Option<Code> {
+    if tape.instructions.len() * straight.n_rates() > MOST_WORK {
+        return None;
     }
+    let recording = Recorded::record(registers, |memory| straight.run(memory));
+    Code::new::<V, Elementary>(registers, &[Source { recording, k: 0, bases: [0; 3] }], |_| true)
 }
 
 /// Whether the environment variable `LIEPOISSON_JIT` is anything but `0`.
@@ -124,6 +161,7 @@ impl Functions for Elementary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::tape::enclosure::enclose;
     use crate::field::{Instruction, Space};
     use crate::lanes::{Simd, Task, Wide, as_scalars, as_scalars_mut, dispatch};
     use proptest::prelude::*;
@@ -141,7 +179,9 @@ mod tests {
 
         fn run<V: Wide>(self) {
             let Both { tape, n_tangents, order, starts } = self;
-            let Some(instructions) = V::INSTRUCTIONS else { return };
+            if V::INSTRUCTIONS.is_none() {
+                return;
+            }
             let registers = tape.registers(n_tangents, order);
             let mut rows = vec![V::splat(f64::NAN); registers];
             let row = tape.row(n_tangents);
@@ -152,19 +192,18 @@ mod tests {
                 tape.derive_work(&mut rows, n_tangents, k);
                 tape.extend(&mut rows, n_tangents, k);
             }
-            let own = Compiled::default();
-            let plan = own.plan(instructions, n_tangents, order, registers);
-            let code = plan.compile::<V>(tape).expect("a tape that can be compiled");
+            let code = compile_series::<V>(tape, n_tangents, order, registers).expect("a tape that can be compiled");
             if !code.run(&mut compiled) {
-                // an angle that is too large for the code
-                assert!(starts.iter().any(|x| x.abs() > 1.0));
+                // an angle or an exponent that is too large for the code
+                assert!((0..V::WIDTH).any(|lane| is_large(tape, |i| compiled[i].get(lane))));
                 return;
             }
             let numbers = as_scalars(&rows).iter().zip(as_scalars(&compiled));
-            let n_orders = order + 1;
+            let (n_orders, program) = (order + 1, &tape.program);
+            let n_series = program.state.series + n_tangents * program.tangent.series;
             for (i, (x, y)) in numbers.enumerate() {
                 let work = (i / V::WIDTH).checked_sub(n_orders * row);
-                if work.is_some_and(|at| !tape.program.branches.contains(&(at / n_orders)) || at % n_orders == order) {
+                if work.is_some_and(|at| at / n_orders >= n_series || at % n_orders == order) {
                     continue;
                 }
                 let at = (i / V::WIDTH / row, i / V::WIDTH % row, i % V::WIDTH, i / V::WIDTH < (order + 1) * row);
@@ -173,9 +212,80 @@ mod tests {
         }
     }
 
+    /// Whether a register of the tape is beyond what exponentials are compiled for.
+    fn is_large(tape: &Tape, component: impl Fn(usize) -> f64) -> bool {
+        let state: Vec<f64> = (0..tape.n_components()).map(component).collect();
+        let mut found = vec![];
+        enclose(&tape.instructions, &state, |_| (0.0, 0.0), f64::EPSILON.into(), &mut found);
+        found.iter().any(|register| !(register.value.abs() <= 700.0))
+    }
+
+    /// Two steps of the midpoint rule, the first register of the memory after the values being the size of the step.
+    struct Midpoints<'t> {
+        tape: &'t Tape,
+        n_tangents: usize,
+    }
+
+    impl Straight for Midpoints<'_> {
+        fn key(&self) -> u64 {
+            self.n_tangents as u64
+        }
+
+        fn n_rates(&self) -> usize {
+            4
+        }
+
+        fn run<V: Lane>(&self, memory: &mut [V]) {
+            let Midpoints { tape, n_tangents } = *self;
+            let row = tape.row(n_tangents);
+            let mut rates = vec![V::splat(0.0); row];
+            let mut work = vec![V::splat(0.0); tape.registers(n_tangents, 1)];
+            let (values, rest) = memory.split_at_mut(row);
+            for _ in 0..2 {
+                let mut x = values.to_vec();
+                tape.rates(&x, n_tangents, &mut work, &mut rates);
+                for i in 0..row {
+                    x[i] = rates[i].mul_add(rest[0].mul(V::splat(0.5)), values[i]);
+                }
+                tape.rates(&x, n_tangents, &mut work, &mut rates);
+                for i in 0..row {
+                    values[i] = rates[i].mul_add(rest[0], values[i]);
+                }
+            }
+        }
+    }
+
+    /// Two steps by both executors, with the same bits.
+    struct BothStraight<'t>(Midpoints<'t>, &'t [f64]);
+
+    impl Task for BothStraight<'_> {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            let BothStraight(straight, starts) = self;
+            if V::INSTRUCTIONS.is_none() {
+                return;
+            }
+            let row = straight.tape.row(straight.n_tangents);
+            let mut memory = vec![V::splat(1.0 / 64.0); row + 1];
+            let mut numbers = starts.iter().cycle();
+            as_scalars_mut(&mut memory[..row]).fill_with(|| *numbers.next().unwrap());
+            let mut compiled = memory.clone();
+            straight.run(&mut memory);
+            let code = compile_straight::<V>(straight.tape, &straight, row + 1).expect("a tape that can be compiled");
+            if code.run(&mut compiled) {
+                for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
+                    let (register, lane) = (i / V::WIDTH, i % V::WIDTH);
+                    assert!(x.to_bits() == y.to_bits() || x.is_nan() && y.is_nan(), "{x} {y} at {register}, {lane}");
+                }
+            }
+        }
+    }
+
     fn compare(tape: &Tape, n_tangents: usize, order: usize, starts: &[f64]) {
         for simd in [Simd::Avx2, Simd::Avx512] {
             dispatch(simd, Both { tape, n_tangents, order, starts });
+            dispatch(simd, BothStraight(Midpoints { tape, n_tangents }, starts));
         }
     }
 

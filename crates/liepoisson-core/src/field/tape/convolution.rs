@@ -30,7 +30,9 @@ fn convolve<V: Lane, const L: usize, const R: usize, const BLOCK: usize, const S
         }
     }
     let n = last[0].saturating_sub(1); // terms from j = 2 that both orders have
-    if n > 0 && !(V::IS_RECORDED && record_terms::<V, L, R, SUMS, SKIP>(&mut sums, left, right, k, n)) {
+    // a loop over nothing is recorded, too, so that the first orders share the code of the others
+    let is_recorded = V::IS_RECORDED && k > 2 && record_terms::<V, L, R, SUMS, SKIP>(&mut sums, left, right, k, n);
+    if n > 0 && !is_recorded {
         let lefts = left.map(|series| series[2..2 + n].as_chunks::<BLOCK>());
         let rights = right.map(|series| series[k - 1 - n..k - 1].as_rchunks::<BLOCK>());
         let mut before = right.map(|series| series[k - 1]);

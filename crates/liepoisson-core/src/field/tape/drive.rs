@@ -5,7 +5,7 @@ use super::joint::{self, Phase};
 use super::program::Program;
 use super::rules::{advance_tangent, start};
 use super::sums;
-use crate::field::over;
+use crate::field::over_uniformly;
 use crate::lanes::Lane;
 
 /// Completes order `k` of all series, given the components of that order (of the state, then of each tangent vector).
@@ -48,20 +48,20 @@ pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mu
     if frame.n_tangents == 0 {
         for (i, to) in next[..n].iter_mut().enumerate() {
             let [value, _] = joint::output::<V, false>(program, frame, work, i);
-            *to = over(value, order).add(defect);
+            *to = over_uniformly(value, order).add(defect);
         }
     } else {
         let (values, derivatives) = next.split_at_mut(n);
         for (i, (to, derivative_to)) in values.iter_mut().zip(derivatives.iter_mut()).enumerate() {
             let [value, derivative] = joint::output::<V, true>(program, frame, work, i);
-            *to = over(value, order).add(defect);
-            *derivative_to = over(derivative, order);
+            *to = over_uniformly(value, order).add(defect);
+            *derivative_to = over_uniformly(derivative, order);
         }
     }
     for tangent in 1..frame.n_tangents {
         let group = frame.tangent(program, tangent);
         for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {
-            *to = over(group.form(work, form), order);
+            *to = over_uniformly(group.form(work, form), order);
         }
     }
 }

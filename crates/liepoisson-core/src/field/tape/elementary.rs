@@ -127,13 +127,8 @@ pub(super) fn exp<V: Lane>(x: V) -> V {
     let n = round_product(x, LOG2_E);
     let (r, tail) = reduce(x, n, LN_2, LN_2_LOW, 0.0);
     let above_one = r.add(r.mul(r).mul_add(polynomial(&EXPONENTIAL, r), tail));
-    let mut power = n;
-    for lane in power.as_scalars_mut() {
-        // in range for every lane that keeps this result; whatever the others get is overwritten below
-        let exponent = lane.to_f64();
-        *lane =
-            Number::of(f64::from_bits((((exponent as i64).clamp(-1022, 1023) + 1023) as u64) << 52) + 0.0 * exponent);
-    }
+    // in range for every lane that keeps this result
+    let power = n.power_of_two();
     let mut result = power.mul_add(above_one, power);
     if !all_within(x, LARGEST_EXPONENT) {
         for lane in 0..V::WIDTH {
@@ -167,9 +162,9 @@ pub(super) enum Called {
 impl Called {
     #[inline(always)]
     pub(super) fn of<V: Lane>(self, x: V) -> [V; 2] {
-        // sines and cosines are operations on registers but for large angles
-        let is_recorded = self != (Called::Pair { hyperbolic: false });
-        if is_recorded && let Some(recorded) = V::record_call(self.code(), x) {
+        // sines, cosines and exponentials are operations on registers but for large arguments
+        let is_called = !matches!(self, Called::Pair { hyperbolic: false } | Called::One(Function::Exp));
+        if is_called && let Some(recorded) = V::record_call(self.code(), x) {
             return recorded;
         }
         self.compute(x)

@@ -31,11 +31,15 @@ impl Frame {
         let singles = program.state.singles + n_tangents * program.tangent.singles;
         let series = program.state.series + n_tangents * program.tangent.series;
         let n_orders = (registers - singles) / (row + series);
-        // Sums are formed for two orders at once, so that the last order (n_orders - 2) is a second one: at an odd
-        // distance from it. Orders 0 and 1 have no sums, and order 2 those of one term.
         assert!(k < n_orders, "order {k} of a series of {n_orders}");
-        let is_second = k > 2 && (n_orders - k).is_multiple_of(2);
-        Frame { n_orders, n_tangents, k, is_second }
+        Frame { n_orders, n_tangents, k, is_second: Frame::is_second(k, n_orders) }
+    }
+
+    /// Whether the sums of an order are formed along with those of the order before: sums are formed for two orders at once, so that
+    /// the last order that needs some (`n_orders - 2`) is a second one. Orders 0 and 1 have no sums, and order 2 those of one term.
+    #[inline(always)]
+    pub(super) fn is_second(k: usize, n_orders: usize) -> bool {
+        k > 2 && (n_orders - k).is_multiple_of(2)
     }
 
     #[inline(always)]

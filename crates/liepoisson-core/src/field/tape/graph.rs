@@ -200,14 +200,15 @@ impl Graph {
     /// The order up to which derivatives tell that a rule is not constant: infinite for an exponential, which can be below
     /// round-off with all its derivatives and large nearby. Sines with their cosines are never small together; a sine is level
     /// to the second order at most. Roots, quotients and logarithms vary as a power of the distance from where they are singular,
-    /// which does not hide them.
+    /// which does not hide them; elsewhere `a/b` is as near to a number c as `a - c b` is to zero.
     pub(super) fn degree(&self) -> f64 {
         let mut degrees: Vec<f64> = Vec::with_capacity(self.rules.len());
         for rule in &self.rules {
             let degree = match *rule {
                 Rule::Component(_) => 1.0,
                 Rule::Affine(ref form) => form.terms.iter().map(|&(node, _)| degrees[node]).fold(0.0, f64::max),
-                Rule::Product(a, b) | Rule::Quotient(Some(a), b) => degrees[a] + degrees[b],
+                Rule::Product(a, b) => degrees[a] + degrees[b],
+                Rule::Quotient(Some(a), b) => f64::max(degrees[a], degrees[b]),
                 Rule::Square(a) => 2.0 * degrees[a],
                 Rule::Quotient(None, a) | Rule::Sqrt(a) | Rule::DividedIntegral { of: a, .. } => degrees[a],
                 Rule::Integral { function: Function::Power(exponent), of, .. } => exponent.abs().max(1.0) * degrees[of],

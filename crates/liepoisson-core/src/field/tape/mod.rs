@@ -4,6 +4,7 @@ mod branch;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod compiled;
 mod convolution;
+mod cost;
 mod drive;
 mod elementary;
 mod enclosure;
@@ -21,7 +22,7 @@ pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::{Bounds, Field, Majorant, Space, Terms};
+use super::{Bounds, Field, Majorant, Space, Straight, Terms};
 use crate::error::Error;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 use crate::lanes::Instructions;
@@ -198,6 +199,14 @@ impl Field for Tape {
             self.derive_work(rows, n_tangents, k);
             self.extend(rows, n_tangents, k);
         }
+    }
+
+    const IS_COMPILED: bool = cfg!(all(target_arch = "x86_64", target_os = "linux"));
+
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    #[inline(always)]
+    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
+        self.compiled.run(self, code, memory)
     }
 
     #[inline(always)]

@@ -72,23 +72,23 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
         let value = match *step {
             Step::Component { from, to } => {
                 work[state.at(to)] = row[from];
-                row[from]
+                Some(row[from])
             }
             Step::Affine { ref form, to } => {
                 let value = state.form(work, form);
                 work[state.at(to)] = value;
-                zero
+                None
             }
             Step::Product { a, b, to, .. } => {
                 let value = work[state.start(a)].mul(work[state.start(b)]);
                 work[state.at(to)] = value;
-                zero
+                None
             }
             Step::Square { a, to, .. } => {
                 let a = work[state.start(a)];
                 let value = a.mul(a);
                 work[state.at(to)] = value;
-                zero
+                None
             }
             Step::Quotient { a, b, inverse, to, .. } => {
                 let b = work[state.start(b)];
@@ -96,30 +96,30 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
                 let value = a.map_or(reciprocal, |a| work[state.at(a)].div(b));
                 work[state.singles + inverse] = reciprocal;
                 work[state.start(to)] = value;
-                value.add(reciprocal)
+                Some(value.add(reciprocal))
             }
             Step::Sqrt { a, inverse, to, .. } => {
                 let value = work[state.at(a)].sqrt();
                 let reciprocal = V::splat(0.5).div(value);
                 work[state.singles + inverse] = reciprocal;
                 work[state.start(to)] = value;
-                reciprocal
+                Some(reciprocal)
             }
             Step::Weigh { to, .. } => {
                 work[state.start(to)] = zero;
-                zero
+                None
             }
             Step::Integral { function, a, to, .. } => {
                 let [value, _] = Called::One(function).of(work[state.at(a)]);
                 work[state.at(to)] = value;
-                if function == Function::Exp { zero } else { value }
+                (function != Function::Exp).then_some(value)
             }
             Step::Pair { a, hyperbolic, first, second, .. } => {
                 let a = work[state.at(a)];
                 let [one, other] = Called::Pair { hyperbolic }.of(a);
                 work[state.start(first)] = one;
                 work[state.start(second)] = other;
-                if hyperbolic { zero } else { one.add(other) }
+                (!hyperbolic).then(|| one.add(other))
             }
             Step::DividedIntegral { function, a, divisor, weighted, inverse, to, .. } => {
                 let [value, _] = Called::One(function).of(work[state.at(a)]);
@@ -127,10 +127,12 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
                 work[state.singles + inverse] = reciprocal;
                 work[state.start(weighted)] = zero;
                 work[state.at(to)] = value;
-                value.add(reciprocal)
+                Some(value.add(reciprocal))
             }
         };
-        defect = value.mul_add(zero, defect);
+        if let Some(value) = value {
+            defect = value.mul_add(zero, defect);
+        }
     }
     work[state.singles + program.defect] = defect;
 }

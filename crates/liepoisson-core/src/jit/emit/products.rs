@@ -1,9 +1,9 @@
 //! Sums of products of coefficients, which are loops: nearly all of the work of a series.
 
-use super::{ARGUMENTS, AT_COUNTS, Emitter, Register};
+use super::{COUNTS, Emitter, Register};
 use crate::jit::assembler::{Assembler, Condition, General, MUL_ADD_231, Place, R10, R11, RAX};
 use crate::jit::shape::Relative;
-use crate::lanes::recorded::{Loop, Operation, Value};
+use crate::lanes::recorded::{Loop, Value};
 
 impl Emitter<'_> {
     /// The sums of products, term by term: as many terms at a time as there are sums for one product, and at least two, so that what
@@ -52,7 +52,7 @@ impl Emitter<'_> {
         } else {
             self.assembler.address(R10, left_base, 0);
             self.assembler.address(R11, right_base, 0);
-            self.assembler.get(RAX, ARGUMENTS, AT_COUNTS + 8 * base as i32);
+            self.assembler.get(RAX, COUNTS, 8 * base as i32);
             self.assembler.add_to(RAX, i32::try_from(more).ok()? - block as i32);
             let skip = (fewest < block).then(|| {
                 self.assembler.compare(RAX, 0);
@@ -94,30 +94,19 @@ impl Emitter<'_> {
 
     /// A register that starts with this value and can be overwritten. `others` are values that are yet to be put into such registers.
     pub(super) fn summand(&mut self, value: Value, at: usize, others: &[Value]) -> Register {
-        let bits = match self.shape.operations[value as usize] {
-            Operation::Constant(number) => self.shape.columns[number as usize].iter().all(|&bits| bits == 0),
-            _ => false,
-        };
-        if bits {
-            let register = self.free_register(at);
-            self.assembler.zero(register);
-            return register;
-        }
         let ends = self.ends(value, at) && !others.contains(&value);
         if let Some(register) = self.register_of[value as usize].filter(|_| ends) {
             self.forget(register);
             self.is_pinned[register as usize] = true;
             return register;
         }
-        let from = match self.register_of[value as usize] {
-            Some(register) => {
-                self.is_pinned[register as usize] = true;
-                Place::Register(register)
-            }
-            None => self.home[value as usize].expect("a value is in a register or in memory"),
-        };
+        let of_value = self.register_of[value as usize];
+        of_value.into_iter().for_each(|register| self.is_pinned[register as usize] = true);
         let register = self.free_register(at);
-        self.assembler.load(register, from);
+        match of_value {
+            Some(from) => self.assembler.load(register, Place::Register(from)),
+            None => self.load(register, value),
+        }
         register
     }
 

@@ -49,6 +49,9 @@ impl Emitter<'_> {
     }
 
     pub(super) fn spill_place(&mut self) -> Place {
+        if let Some(place) = self.unused.pop() {
+            return place;
+        }
         self.n_spilled += 1;
         Place::Memory(SPILLED, (self.n_spilled as i32 - 1) * self.width)
     }
@@ -71,11 +74,22 @@ impl Emitter<'_> {
             self.is_pinned[register as usize] = true;
             return register;
         }
-        let from = self.home[value as usize].expect("a value is in a register or in memory");
         let register = self.free_register(at);
-        self.assembler.load(register, from);
+        self.load(register, value);
         self.put(value, register);
         register
+    }
+
+    /// Loads a value from where it is beside registers.
+    pub(super) fn load(&mut self, to: Register, value: Value) {
+        let is_zero = match self.shape.operations[value as usize] {
+            Operation::Constant(number) => self.shape.columns[number as usize].iter().all(|&bits| bits == 0),
+            _ => false,
+        };
+        if is_zero {
+            return self.assembler.zero(to);
+        }
+        self.assembler.load(to, self.home[value as usize].expect("a value is in a register or in memory"));
     }
 
     /// Where an operation that may read memory finds a value: there, if nothing else needs it soon.
@@ -114,6 +128,11 @@ impl Emitter<'_> {
             let uses = &mut self.uses[value as usize];
             while uses.last().is_some_and(|&last| last <= at) {
                 uses.pop();
+                if uses.is_empty()
+                    && let Some(place @ Place::Memory(SPILLED, _)) = self.home[value as usize]
+                {
+                    self.unused.push(place);
+                }
             }
             value
         };
