@@ -55,8 +55,6 @@ ROUND_OFF = 2.0**-50
 """Eight units of round-off: errors below it count as equal."""
 SEARCHES = measure.HERE / "results" / "search"
 QUICK_STARTS = 64
-LONGER = 10
-"""How many times longer one orbit runs than many."""
 
 
 class Bench:
@@ -104,7 +102,7 @@ class Bench:
         }
 
     def _t_end(self, tangent: bool) -> float:
-        return self.one.t_end if tangent else LONGER * self.one.t_end
+        return self.one.t_end if tangent else self.one.t_one
 
     def _run(self, tangent: bool) -> dict[str, Any]:
         """What is asked of both sides, but for their settings; heyoka keeps compiled code between processes."""

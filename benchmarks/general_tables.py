@@ -14,8 +14,7 @@ NOTHING = "Not measured yet.\n"
 
 def ratios(processors: list[Record]) -> str:
     """For each processor and instruction set: a line for each system, a column for each kind of row."""
-    title = "### Systems as users type them: how many times faster than heyoka's best setting\n"
-    return "\n".join([title, *([_ratios_of(*one) for one in _measured(processors)] or [NOTHING])])
+    return "\n".join(_ratios_of(*one) for one in _measured(processors)) or NOTHING
 
 
 def details(processors: list[Record]) -> str:
@@ -41,8 +40,8 @@ def _ratios_of(one: Record, simd: str) -> str:
     for system, known in PROBLEMS.items():
         lines.append([known.name, *(_cell(one, name, simd) for name in ROWS if ROWS[name][0] == system)])
     found = [line["ratios"]["rounds"] for name in ROWS if (line := _line(one, name, simd))]
-    said = f"{heading(one, simd)}: {len(found)} rows, median {shown_ratios([statistics.median(found)])}"
-    return f"{said}, least {shown_ratios([min(found)])}.\n\n{markdown(lines)}"
+    said = f"median {shown_ratios([statistics.median(found)])}, least {shown_ratios([min(found)])}"
+    return f"{heading(one, simd)}; rows: {len(found)}, {said}.\n\n{markdown(lines)}"
 
 
 def _cell(one: Record, name: str, simd: str) -> str:

@@ -17,9 +17,8 @@ ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "benchmarks"
 
 
-report, processors, kernels, general, problems, measure, worker = modules_of(
-    FOLDER, "report", "processors", "kernels", "general", "general_problems", "measure", "general_liepoisson_worker"
-)
+NAMES = "report", "processors", "kernels", "measure", "general", "general_problems", "general_liepoisson_worker"
+report, processors, kernels, measure, general, problems, worker = modules_of(FOLDER, *NAMES)
 FILES = processors.load()
 KNOWN = next(one for one in FILES if one["processor"]["vendor_id"] == "GenuineIntel")
 BLOCK = re.compile(r"<!-- table ([\w.-]+) -->\n(.*?)<!-- end of table -->", re.DOTALL)
@@ -125,6 +124,32 @@ def test_a_kernel_of_two_precisions_is_compared_with_both_peaks():
     assert kernels.lines(data | {"measured": [one]})[1][2:] == ["5.0", "80.0", "160.0 (avx512 f64 and f32)", "50%"]
 
 
+def test_typed_systems_have_tables_of_their_own(tmp_path):
+    name = "general-toda-8-1e-8"
+    seconds = {
+        ("heyoka, batch 8", "", None): [2.0, 2.0, 2.0],
+        ("liepoisson RungeKutta", "double", None): [1.0, 1.0, 1.0],
+        ("liepoisson RungeKutta, not compiled", "not compiled", None): [4.0, 4.0, 4.0],
+        ("liepoisson Taylor, avx2", "double", "avx2"): [4.0, 4.0, 4.0],
+    }
+    table = row(seconds, model="999")
+    table["facts"]["commit"] = "abc"
+    largest = {what: {"error": 7e-12, "start": 3, "growth": 2.0} for what in ("state", "tangent")}
+    for k, one in enumerate(table["measured"]):
+        one["contender"]["setting"] |= {"largest": largest, "cold": 0.0 if k else 0.5}
+        one["answers"] = [{"cold": 0.3}, {"cold": 0.25}]
+    processors.update(tmp_path, {name: table})
+    found = report.blocks({name: table}, [*FILES, *processors.load(tmp_path)])
+    assert name not in found
+    assert name not in found["processors"]
+    assert "AVX-512; rows: 1, median 2.00, least 2.00." in found["general"]
+    assert "| Toda chain of 8 |  | 2.00 RungeKutta (0.50) |  |  |" in found["general"]
+    assert "| Toda chain of 8 |  | **0.50** Taylor |  |  |" in found["general"]
+    sides = ("RungeKutta, tol 1.0e-13 | 2.0e-14 / 3.0e-14 | 7.0e-12 / 7.0e-12 | 1 s | 250 ms",)
+    sides += ("batch 8, tol 1.0e-13 | 2.0e-14 / 3.0e-14 | 7.0e-12 / 7.0e-12 | 2 s | 500 ms",)
+    assert f"| toda-8-1e-8 | {' | '.join(sides)} | 2.00 / 2.00 / 2.00 |" in found["general-details"]
+
+
 each_problem = pytest.mark.parametrize("name", problems.PROBLEMS)
 
 
@@ -192,7 +217,9 @@ def test_the_worker_follows_them(name, tangent, tmp_path):
 @pytest.mark.parametrize("name", ["general-double-pendulum-1e-8", "general-henon-heiles-1e-13-one"])
 def test_a_small_row_beside_heyoka(name, tmp_path, monkeypatch):
     system = problems.ROWS[name][0]
-    monkeypatch.setitem(general.PROBLEMS, system, replace(problems.PROBLEMS[system], t_end=2.0, t_accuracy=1.0))
+    monkeypatch.setitem(
+        general.PROBLEMS, system, replace(problems.PROBLEMS[system], t_accuracy=1.0, t_end=2.0, t_one=5.0)
+    )
     monkeypatch.setattr(general, "SEARCHES", tmp_path)
     monkeypatch.setattr(general, "ORDERS", range(8, 20, 2))
     monkeypatch.setattr(general, "FLAGS", [{"fast_math": True, "compact_mode": True}])
