@@ -2,11 +2,11 @@
 
 Ten systems (`general_problems.py`), 512 orbits with a tangent vector each and one orbit of the state alone, at 1e-13
 and at 1e-8.  heyoka runs at the lowest order whose median errors of state and tangent vector are at most the level (its
-steps hardly depend on the order), with what is fastest there of `fast_math`, `compact_mode` and batches; liepoisson with
-the faster of `Taylor` and `RungeKutta`, at the loosest tolerance whose errors are at most heyoka's, and once more
+steps hardly depend on the order), with what is fastest there of `fast_math`, `compact_mode` and batches; liepoisson
+with the faster of `Taylor` and `RungeKutta`, at the loosest tolerance whose errors are at most heyoka's, and once more
 without compiled code (LIEPOISSON_JIT=0).  The reference is heyoka in 80-bit arithmetic at a tolerance of 1e-19.  Times
-are seconds of the processor in fresh processes, in turn on one core.  What heyoka is best with is searched once for each
-row, and kept in results/search/.  All rows take some MINUTES minutes, MINUTES where the search is kept.
+are seconds of the processor in fresh processes, in turn on one core.  What heyoka is best with is searched once for
+each row, and kept in results/search/.
 """
 
 from __future__ import annotations
@@ -55,6 +55,7 @@ ROUND_OFF = 2.0**-50
 """Eight units of round-off: errors below it count as equal."""
 SEARCHES = measure.HERE / "results" / "search"
 QUICK_STARTS = 64
+DURATION = "All rows take about an hour, some 45 minutes where heyoka's search is kept; --quick takes half of it."
 
 
 class Bench:
@@ -188,7 +189,7 @@ def _name(way: dict[str, Any]) -> str:
 
 def main() -> None:
     """Measure, print tables, and write their data."""
-    parser = argparse.ArgumentParser(description="systems that users type, against heyoka.py")
+    parser = argparse.ArgumentParser(description="systems that users type, against heyoka.py", epilog=DURATION)
     run.add_options(parser)
     parser.add_argument("--only", nargs="+", metavar="ROW", help="only these rows; an unknown one lists them")
     parser.add_argument("--avx2", action="store_true", help="ours also with LIEPOISSON_SIMD=avx2")
@@ -199,7 +200,7 @@ def main() -> None:
         parser.error(f"--only: wanted rows out of {', '.join(ROWS)}; got {', '.join(unknown)}")
     facts, rounds, folder = run.start(arguments)
     avx2 = arguments.avx2 and facts["liepoisson"]["kernel"] != "avx2"
-    print(report.environment_text(facts), flush=True)
+    print(f"{report.environment_text(facts)}\n{DURATION}", flush=True)
     for system in PROBLEMS:
         wanted = [name for name in arguments.only or ROWS if ROWS[name][0] == system]
         if wanted:
