@@ -59,9 +59,9 @@ audit: $(VENV)/.built ## evidence for each method: orders, drift, Poisson maps, 
 corpus: $(VENV)/.built ## record what the package answers into results/corpus (some six minutes of one core)
 	$(BIN)/python -m verification.corpus.record --out results/corpus
 
-bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (some 40 minutes; leave the machine alone meanwhile)
+bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (some 100 minutes; leave the machine alone meanwhile)
 	$(BIN)/python benchmarks/run.py
-	$(BIN)/python benchmarks/general.py
+	$(BIN)/python benchmarks/general.py --avx2
 	$(BIN)/python benchmarks/commands.py
 	$(BIN)/python benchmarks/spectra.py
 	$(BIN)/python benchmarks/periodic.py

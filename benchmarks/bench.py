@@ -95,7 +95,7 @@ class Bench:
         batches = [
             self.contender(f"{batch}", "heyoka", request | {"batch": batch}, chosen) for batch in BATCHES[precision]
         ]
-        batch = int(_quickest(batches).name)
+        batch = int(quickest(batches).name)
         name = "heyoka" + ("" if precision == "double" else ", single precision") + f", batch {batch}"
         request = request | {"batch": batch}
         fast = self._scan(
@@ -114,7 +114,7 @@ class Bench:
         request: dict[str, Any] = {"task": "ensemble", "t_end": problem.T_END, "repeats": REPEATS}
         theirs = self.heyoka_at(level, request, precision)
         ours = [self._of_family(family, request, (level, level)) for family in members]
-        best = _quickest([one for one in ours if one.kind != "mixed"])
+        best = quickest([one for one in ours if one.kind != "mixed"])
         family = members[ours.index(best)]
         errors = (theirs[0].setting["state"], theirs[0].setting["tangent"])
         strict = self._of_family(family, request, errors)
@@ -183,7 +183,7 @@ def _distance_to_typed(setting: Setting) -> float:
     return abs(tol - SINGLE_TOLERANCE)
 
 
-def _quickest(contenders: list[Contender]) -> Contender:
+def quickest(contenders: list[Contender]) -> Contender:
     """The fastest that meets its level, by a short look; of those that do not, if none does."""
     meeting = [one for one in contenders if one.setting["meets"]] or contenders
     if len(meeting) == 1:

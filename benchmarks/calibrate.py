@@ -6,7 +6,7 @@ must be at most the level.  A looser setting is the faster one on both sides, so
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,10 @@ class Setting:
         exponent: Median error of the finite-time exponent, in inverse time; 0 where there is none.
         exponent_largest: The largest of these errors.
         exponent_mean: Error of the mean exponent of the ensemble.
+        largest: For state and tangent vector the largest error, the number of its start, and how many times longer its
+            tangent vector has become.
+        seconds: The least of a first look, where there was one.
+        cold: Seconds of the processor from the start of a process to its first result, where they were measured.
     """
 
     request: dict[str, Any]
@@ -45,6 +49,9 @@ class Setting:
     exponent: float = 0.0
     exponent_largest: float = 0.0
     exponent_mean: float = 0.0
+    largest: dict[str, Any] = field(default_factory=dict)
+    seconds: float = 0.0
+    cold: float = 0.0
 
     def meets(self, state: float, tangent: float) -> bool:
         """Whether both errors are at most those given; an error that is not a number is not."""

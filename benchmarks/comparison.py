@@ -9,7 +9,8 @@ import numpy as np
 import environment
 
 Record = dict[str, Any]
-KINDS = ("double", "mixed", "single")
+NOT_COMPILED = "not compiled"
+KINDS = ("double", "mixed", "single", NOT_COMPILED)
 
 
 def ratios(peer: Record, ours: Record) -> tuple[float, float, float]:
@@ -39,7 +40,7 @@ def fastest(measured: list[Record]) -> Record | None:
 
 
 def of_kind(measured: list[Record], kind: str) -> list[Record]:
-    """Those that compete as "double", "mixed" or "single"."""
+    """Those that compete as one kind, a precision or double precision without code that is compiled for a field."""
     return [one for one in measured if one["contender"]["kind"] == kind]
 
 

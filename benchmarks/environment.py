@@ -92,9 +92,11 @@ def quiet_load(patience: float = PATIENCE) -> float:
 
 
 def facts(core: int) -> dict[str, Any]:
-    """Date, machine, versions, and the kernels of liepoisson that this processor has."""
+    """Date, commit, machine, versions, and the kernels of liepoisson that this processor has."""
+    commit = ["git", "-C", str(measure.ROOT), "describe", "--always", "--dirty", "--exclude=*"]
     return {
         "date": datetime.now(UTC).isoformat(timespec="minutes"),
+        "commit": subprocess.run(commit, capture_output=True, text=True, check=False).stdout.strip(),
         "processor": _processor(),
         "cores": os.cpu_count(),
         "pinned_to": core,

@@ -1,4 +1,7 @@
-"""liepoisson's side of `general.py`: the same systems, as a quadratic field or as a tape, by the public calls."""
+"""liepoisson's side of `general.py`: the same systems as users type them, by the public call.
+
+One request, one fresh process.
+"""
 
 from __future__ import annotations
 
@@ -11,86 +14,59 @@ import numpy as np
 
 import general_problems
 import liepoisson as lp
-from general_problems import Problem
+import problem
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
-    from liepoisson.compile.field import QuadraticField, TapeField
     from problem import Array
 
 
-def field_of(one: Problem) -> QuadraticField | TapeField:
-    """The field that the exact wing lowers the equations to."""
-    import sympy
-
-    from liepoisson.compile.lowering import quadratic_of_equations, tape_of_equations
-
-    x = sympy.symbols(f"x0:{one.n}")
-    rates = [sympy.sympify(rate) for rate in one.rates(list(x), sympy)]
-    return quadratic_of_equations(x, rates) if one.quadratic else tape_of_equations(x, rates)
+def integrate(system: lp.System, starts: Array, request: dict[str, Any], t_end: float) -> lp.results.Orbit:
+    """All starts in one call on one thread, each with its tangent vector if the request says so."""
+    arguments = dict(request["method"])
+    method = getattr(lp, arguments.pop("name"))(**arguments)
+    n = starts.shape[1] // 2
+    tangents = starts[:, None, n:] if request["tangent"] else None
+    return lp.integrate(system, starts[:, :n], times=[0.0, t_end], tangents=tangents, method=method, threads=1)
 
 
-def run(field: QuadraticField | TapeField, data: Array, t_end: float, tol: float) -> lp.results.FiniteTimeExponents:
-    """State and tangent vector of every start, on one thread."""
-    n = data.shape[1] // 2
-    growth = lp.finite_time_exponents(
-        field, data[:, :n], tangents=data[:, n:], times=[t_end], method=lp.Taylor(tol=tol), threads=1
-    )
-    if not (growth.outcome == "finished").all():
-        raise RuntimeError(f"trajectories did not finish: {np.unique(growth.outcome)}")
-    return growth
-
-
-def ensemble(request: dict[str, Any]) -> dict[str, Any]:
-    """Seconds of each repeat."""
-    one = general_problems.PROBLEMS[request["system"]]
-    data, field, seconds = np.load(request["problem"]), field_of(one), []
-    growth = run(field, data[:8], request["t_end"], request["tol"])
+def run(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of the processor: of each repeat, and from the start of the process to the first result."""
+    data, t_end, seconds = np.load(request["problem"]), request["t_end"], []
+    system = general_problems.PROBLEMS[request["system"]].typed(lp)
+    starts = data if request["tangent"] else data[: problem.N_SINGLE]
+    parts = [starts] if request["tangent"] else [starts[k : k + 1] for k in range(len(starts))]
+    orbits = [integrate(system, parts[0], request, t_end)]
+    cold = time.process_time()
     for _ in range(request["repeats"]):
-        begin = time.perf_counter()
-        growth = run(field, data, request["t_end"], request["tol"])
-        seconds.append(time.perf_counter() - begin)
-    return {"seconds": seconds, "order": growth.order, "kernel": growth.kernel}
+        begin = time.process_time()
+        orbits = [integrate(system, part, request, t_end) for part in parts]
+        seconds.append((time.process_time() - begin) / len(parts))
+    outcomes = np.concatenate([orbit.outcome for orbit in orbits])
+    if not (outcomes == "finished").all():
+        raise RuntimeError(f"trajectories did not finish: {np.unique(outcomes)}")
+    kernel, field = orbits[-1].kernel, system.field().kind
+    return {"seconds": seconds, "cold": cold, "order": orbits[-1].order, "kernel": kernel, "field": field}
 
 
 def scan(request: dict[str, Any]) -> dict[str, Any]:
-    """For each tolerance: states and tangent vectors at `t_end`, written to the file `request["out"]`."""
-    one = general_problems.PROBLEMS[request["system"]]
-    data, field = np.load(request["problem"]), field_of(one)
-    settings, ends = [], []
-    for tol in request["tols"]:
-        orbit = lp.integrate(
-            field,
-            data[:, : one.n],
-            tangents=data[:, None, one.n :],
-            times=[0.0, request["t_end"]],
-            method=lp.Taylor(tol=tol),
-            threads=1,
-        )
-        ends.append(np.concatenate([orbit.state[:, -1], orbit.tangent[:, -1, 0]], axis=1))
-        settings.append({"request": {"tol": tol}, "order": orbit.order})
-    np.save(request["out"], np.array(ends))
+    """For each method: what is reached at `t_accuracy`, written to the file `request["out"]`.
+
+    A setting that the package refuses is left out; an orbit that does not finish is NaN.
+    """
+    data, settings, found = np.load(request["problem"]), [], []
+    system = general_problems.PROBLEMS[request["system"]].typed(lp)
+    for method in request["methods"]:
+        try:
+            orbit = integrate(system, data, request | method, request["t_accuracy"])
+        except ParameterError:
+            continue
+        found.append(np.concatenate([orbit.state[:, -1], *orbit.tangent[:, -1].transpose(1, 0, 2)], axis=1))
+        settings.append({"request": method, "order": orbit.order})
+    np.save(request["out"], np.array(found))
     return {"settings": settings}
-
-
-def cold(request: dict[str, Any]) -> dict[str, Any]:
-    """One ensemble result as soon as possible, from a field given as plain data; the clock is the caller's."""
-    from liepoisson.compile.field import QuadraticField
-
-    field = QuadraticField(**json.loads(request["field"]))
-    growth = run(field, np.load(request["problem"]), request["t_end"], request["tol"])
-    return {"mean_exponent": float(growth.exponent[:, -1].mean()), "kernel": growth.kernel}
-
-
-def cold_text(request: dict[str, Any]) -> dict[str, Any]:
-    """The same from the text of the Hamiltonian, which takes the exact wing; a general quadratic field in the end."""
-    from liepoisson.compile.lowering import lower
-
-    system = lp.System(lp.so(3) @ lp.leibniz(3, 1), "l1^2/4 + l2^2/4 + l3^2/2 - alpha1")
-    field = lower(system.bracket, system.hamiltonian)
-    growth = run(field, np.load(request["problem"]), request["t_end"], request["tol"])
-    return {"mean_exponent": float(growth.exponent[:, -1].mean()), "kernel": growth.kernel}
 
 
 if __name__ == "__main__":
     asked: dict[str, Any] = json.loads(sys.argv[1])
-    print(json.dumps({"ensemble": ensemble, "scan": scan, "cold": cold, "cold_text": cold_text}[asked["task"]](asked)))
+    print(json.dumps({"run": run, "scan": scan}[asked["task"]](asked)))

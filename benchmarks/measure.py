@@ -39,7 +39,7 @@ class Contender:
         request: What its worker is asked.
         setting: Its choice and errors, for the table.
         simd: Kernel that liepoisson is told to use; by default the widest.
-        kind: What it competes as: "double", "mixed" or "single"; empty for one that is there for comparison.
+        kind: What it competes as, one of `comparison.KINDS`; empty for one that is there for comparison.
         work: Trajectories times time of its run, if it is not that of its row.
     """
 
@@ -93,6 +93,7 @@ def call(
     environment = {key: value for key, value in os.environ.items() if key != "LIEPOISSON_SIMD"}
     if simd is not None:
         environment["LIEPOISSON_SIMD"] = simd
+    environment |= request.get("environment", {})
     worker = f"general_{side}_worker.py" if "system" in request else f"{side}_worker.py"
     command = [str(PYTHON[side]), str(HERE / worker), json.dumps(request)]
     begin = time.perf_counter()
@@ -115,8 +116,9 @@ def run_row(row: Row, rounds: int) -> list[Measured]:
         for k in range(len(measured)):
             one = measured[(first + k) % len(measured)]
             answer, wall = call(one.contender.side, one.contender.request, one.contender.simd)
-            if one.contender.simd not in (None, answer.get("kernel")):
-                raise RuntimeError(f"asked for {one.contender.simd}, ran {answer.get('kernel')}")
+            kernel = answer.get("kernel", "").removesuffix(", compiled")
+            if one.contender.simd not in (None, kernel):
+                raise RuntimeError(f"asked for {one.contender.simd}, ran {kernel}")
             one.seconds.append(wall if row.wall else min(answer["seconds"]))
             one.answers.append(answer)
     return measured

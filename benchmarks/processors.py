@@ -11,6 +11,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import general_problems
 import kernels
 import measure
 from comparison import (
@@ -46,8 +47,7 @@ ROWS = (
     "cold-20",
     "cold-200",
 )
-"""Rows of the top that have a peer, in the order of the tables; those of `general.py` follow, by name."""
-GENERAL = "general-"
+"""Rows of the top that have a peer, in the order of the tables; those of `general.py` have tables of their own."""
 MAIN_ROW = "1e-13"
 """The processor on which this row was measured last is at the head of the page."""
 ERRORS = ("state", "tangent", "exponent_largest")
@@ -59,7 +59,7 @@ DIGITS = 10
 
 def has_row(name: str, data: Record) -> bool:
     """Whether a table becomes a row here: it compares liepoisson with heyoka."""
-    return data["kind"] == "row" and (name in ROWS or name.startswith(GENERAL))
+    return data["kind"] == "row" and (name in ROWS or name.startswith(general_problems.PREFIX))
 
 
 def row_of(data: Record, facts: Record) -> Record:
@@ -77,6 +77,7 @@ def row_of(data: Record, facts: Record) -> Record:
         "date": facts["date"],
         "rounds": data["rounds"],
         "liepoisson": facts["liepoisson"]["liepoisson"],
+        "commit": facts.get("commit", ""),
         "heyoka": facts["heyoka"]["heyoka"],
         "lines": lines,
     }
@@ -98,25 +99,30 @@ def _with_kind(one: Record, measured: list[Record]) -> Record:
 
 
 def _line(data: Record, ours: Record, peer: Record, simd: str) -> Record:
-    contender = ours["contender"]
-    setting = contender["setting"]
     best, median, rounds = map(_rounded, ratios(peer, ours))
     return {
-        "kind": contender["kind"],
+        "kind": ours["contender"]["kind"],
         "simd": simd,
-        "name": contender["name"],
-        "setting": measure.choice(setting["request"]),
-        "errors": {name: _rounded(setting[name]) for name in ERRORS if setting.get(name)},
-        **_speed(data, ours),
-        "heyoka": {"name": peer["contender"]["name"], **_speed(data, peer)},
+        **_side(data, ours),
+        "heyoka": _side(data, peer),
         "ratios": {"best": best, "median": median, "rounds": rounds},
     }
 
 
-def _speed(data: Record, one: Record) -> Record:
-    """The best time, and the rate at that time but where whole processes are timed."""
-    best = min(one["seconds"])
-    return {"seconds": _rounded(best), "rate": None if data["wall"] else _rounded(work_of(one) / best)}
+def _side(data: Record, one: Record) -> Record:
+    """Setting, errors, the best time, and the rate at that time but where whole processes are timed."""
+    contender, best = one["contender"], min(one["seconds"])
+    setting = contender["setting"]
+    cold = setting.get("cold") or min((answer.get("cold", 0.0) for answer in one["answers"]), default=0.0)
+    return {
+        "name": contender["name"],
+        "setting": measure.choice(setting["request"]),
+        "errors": {name: _rounded(setting[name]) for name in ERRORS if setting.get(name)},
+        **({"largest": setting["largest"]} if setting.get("largest") else {}),
+        **({"cold": _rounded(cold)} if cold else {}),
+        "seconds": _rounded(best),
+        "rate": None if data["wall"] else _rounded(work_of(one) / best),
+    }
 
 
 def _rounded(value: float) -> float:
@@ -173,7 +179,7 @@ def _renew(known: Record, name: str, data: Record) -> None:
         known["peak"] = peak_of(data, facts) | remark
         return
     known["rows"][name] = row_of(data, facts) | remark
-    if not name.startswith(GENERAL) and facts["date"] >= known["facts"]["date"]:
+    if not name.startswith(general_problems.PREFIX) and facts["date"] >= known["facts"]["date"]:
         known["processor"], known["facts"] = facts["processor"], facts
 
 
@@ -206,7 +212,8 @@ def columns(processors: list[Record]) -> list[tuple[Record, str]]:
     return found
 
 
-def _heading(one: Record, simd: str) -> str:
+def heading(one: Record, simd: str) -> str:
+    """A processor and an instruction set."""
     return f"{processor_name(one['processor'])}, {SETS[simd]}"
 
 
@@ -219,8 +226,8 @@ def marked(ratio: float) -> str:
 def table(processors: list[Record]) -> list[list[str]]:
     """A line for each row and kind, a column for each processor and instruction set."""
     across = columns(processors)
-    lines = [["row", "precision", *(_heading(*one) for one in across)]]
-    for name in order_of({name for one in processors for name in one["rows"]}):
+    lines = [["row", "precision", *(heading(*one) for one in across)]]
+    for name in ROWS:
         for kind in KINDS:
             cells = [_cell(one["rows"].get(name), kind, simd) for one, simd in across]
             if any(cells):
@@ -247,7 +254,7 @@ def peak_table(processors: list[Record]) -> list[list[str]]:
         (one, simd) for one in having for simd in SETS if any(part["simd"] == simd for part in one["peak"]["reached"])
     ]
     names = dict.fromkeys(name for name, _, _ in reached)
-    lines = [["kernel", *(_heading(*one) for one in across)]]
+    lines = [["kernel", *(heading(*one) for one in across)]]
     for name in names:
         fractions = [reached.get((name, processor_name(one["processor"]), simd)) for one, simd in across]
         lines.append([name, *("" if value is None else f"{100 * value:.0f}%" for value in fractions)])

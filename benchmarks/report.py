@@ -17,6 +17,8 @@ import numpy as np
 
 import commands
 import dispatch
+import general_problems
+import general_tables
 import kernels
 import measure
 import periodic
@@ -200,8 +202,10 @@ def blocks(tables: dict[str, Record], measured: list[Record]) -> dict[str, str]:
             "environment": processors.environment(measured),
             "processors": processors.render(measured),
         }
+    found |= {"general": general_tables.ratios(measured), "general-details": general_tables.details(measured)}
     found |= peers(tables, first)
-    return found | {name: render(data) + _from_where(data["facts"], first) for name, data in tables.items()}
+    own = {name: data for name, data in tables.items() if not name.startswith(general_problems.PREFIX)}
+    return found | {name: render(data) + _from_where(data["facts"], first) for name, data in own.items()}
 
 
 def _from_where(facts: Record, first: Record | None) -> str:
