@@ -189,7 +189,8 @@ fn growth<'py>(
     let found = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         lyapunov::finite_time_exponents(ensemble, threads, simd, control, watch)
     })?;
-    let result = result_of_run(py, &found.summaries, field.n_components(), field.0.kernel(simd), field.0.order(method.0))?;
+    let result =
+        result_of_run(py, &found.summaries, field.n_components(), field.0.kernel(simd), field.0.order(method.0))?;
     result.set_item("exponent", found.exponents.into_pyarray(py))?;
     Ok(result)
 }
@@ -226,7 +227,8 @@ fn carry_frames<'py>(
     let carried = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         tangent_frames::carry(ensemble, &schedule, threads, simd, control, watch)
     })?;
-    let result = result_of_run(py, &carried.summaries, field.n_components(), field.0.kernel(simd), field.0.order(method.0))?;
+    let result =
+        result_of_run(py, &carried.summaries, field.n_components(), field.0.kernel(simd), field.0.order(method.0))?;
     result.set_item("growth", carried.growth.into_pyarray(py))?;
     result.set_item("triangle", carried.triangles.into_pyarray(py))?;
     result.set_item("kept_frame", carried.kept_frames.into_pyarray(py))?;
@@ -267,7 +269,8 @@ fn sections<'py>(
     let sections = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         section::sections(ensemble, &surface, threads, simd, control, watch)
     })?;
-    let result = result_of_run(py, &sections.summaries, field.n_components(), field.0.kernel(simd), field.0.order(method.0))?;
+    let result =
+        result_of_run(py, &sections.summaries, field.n_components(), field.0.kernel(simd), field.0.order(method.0))?;
     let counts = |counts: Vec<usize>| PyArray1::from_iter(py, counts.into_iter().map(|count| count as i64));
     let uncertified = |count: &dyn Fn(&Uncertified) -> u64| {
         PyArray1::from_iter(py, sections.uncertified.iter().map(|uncertified| count(uncertified) as i64))

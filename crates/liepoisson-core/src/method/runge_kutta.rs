@@ -225,7 +225,8 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
             return false;
         }
         let RungeKuttaBlock { method, system, estimates, memory, .. } = self;
-        let (n, whole) = (system.n_values(), WholeStep { method: *method, field: system.field, n_tangents: system.n_tangents });
+        let (n, whole) =
+            (system.n_values(), WholeStep { method: *method, field: system.field, n_tangents: system.n_tangents });
         system.write(&mut memory[..n]);
         memory[n] = step;
         if !system.field.run_compiled(&whole, memory) {
