@@ -46,7 +46,8 @@ class Taylor:
     Args:
         tol: Relative size of the last retained terms, from 1.1e-16 to 0.1.  The local error is smaller by about
             $h/\rho$, the step over the radius of convergence (about 0.15).
-        order: $N$, from 2 to 64; by default the cheapest for `tol`.
+        order: $N$, from 2 to 64; by default the cheapest for `tol` and, of a system without a kernel of its own, for
+            its counted operations.
         precision: "double", or "mixed" (tops only): terms of the state's series below $2^{22}\,\mathrm{tol}$ of the
             state, and all of the tangent vectors, in single precision.  The state is as accurate as in double
             precision; a tangent vector gains a relative error of $\max(6\cdot10^{-8}, \mathrm{tol})$ in a

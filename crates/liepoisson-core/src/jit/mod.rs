@@ -2,7 +2,8 @@
 //!
 //! What is compiled is recorded from the code that runs otherwise ([`Recorded`]), so it has the same bits: there is no second formula.
 //! Orders of a series that differ only in how far it has come share one piece of code ([`shape`]), in which sums of products are
-//! loops: unrolled for all orders the code of a double pendulum would have some 100 KB, and the cache of instructions has 32.
+//! loops: unrolled for all orders the code of a double pendulum would have some 100 KB, and the cache of instructions has 32. The code of
+//! all orders calls the pieces in turn.
 //!
 //! The code is a function of integers that are compared with the size of the memory when it is made. Numbers of users are data, in
 //! pages that are not executable.

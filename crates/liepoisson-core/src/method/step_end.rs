@@ -158,7 +158,8 @@ impl<V: Wide> StepEnd<V> {
         if self.has_steep_barriers && !self.looks.iter().any(|look| look.is_open && look.is_free) {
             V::outline(CommonNodes { field, memory, row, order, steps, are_good: &mut are_good, to: self });
         }
-        for _ in 0..if are_good { 0 } else { MOST_PASSES } {
+        let passes = if are_good { 0 } else { MOST_PASSES };
+        for _ in 0..passes {
             if !self.looks.iter().any(|look| look.is_open) {
                 break;
             }

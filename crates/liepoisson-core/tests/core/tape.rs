@@ -763,6 +763,21 @@ fn extreme_factors_are_not_gathered() {
     assert!((rows[0][1][0] - 3.0).abs() < 1e-14, "{}", rows[0][1][0]);
 }
 
+/// The tape and the tolerance say which; an order that a caller chose stays.
+#[test]
+fn the_order_of_a_series_follows_from_the_tape() {
+    let order = |tape: &Tape, tolerance: f64, wanted: Option<usize>| {
+        liepoisson_core::method::Taylor::new(tolerance, wanted, 1).unwrap().for_tape(tape).order()
+    };
+    let of = |tape: &Tape| [1e-15, 1e-13, 1e-4].map(|tolerance| order(tape, tolerance, None));
+    // where products cost nothing a high order is cheap
+    let linear = of(&tape(2, &[("linear", &[0], &[-1.0, 0.0])], &[1, 2]));
+    assert_eq!(linear, [25, 25, 24]);
+    let pendulum = of(&double_pendulum());
+    assert!(pendulum.is_sorted_by(|a, b| a >= b) && pendulum[2] < linear[2], "{pendulum:?}");
+    assert_eq!([2, 15, 64].map(|wanted| order(&double_pendulum(), 1e-10, Some(wanted))), [2, 15, 64]);
+}
+
 /// Long enough for the expansions to be compiled, where they can be.
 #[test]
 fn orbits_of_compiled_code_are_those_of_the_kernels() {
@@ -786,10 +801,14 @@ fn orbits_of_compiled_code_are_those_of_the_kernels() {
         let by_series = Ensemble { field, method: taylor(1e-10), states, tangents, n_tangents: 1, times };
         let method = RungeKutta::new(1e-8, 1_000_000).unwrap();
         let by_stages = Ensemble { field, method, states, tangents, n_tangents: 1, times };
+        let method = RungeKutta::fixed(0.2, 1_000_000).unwrap().compensated();
+        let by_equal_steps = Ensemble { method, ..by_stages };
         let control = Control::default();
+        let by_equal_steps = orbits(&by_equal_steps, threads, simd, &control, false, |_| ()).unwrap();
         let by_series = orbits(&by_series, threads, simd, &control, false, |_| ()).unwrap();
         let by_stages = orbits(&by_stages, threads, simd, &control, false, |_| ()).unwrap();
-        [by_series.states, by_series.tangents, by_stages.states, by_stages.tangents].map(|numbers| bits(&numbers))
+        let of = [by_series, by_stages, by_equal_steps].map(|found| [found.states, found.tangents]);
+        of.map(|numbers| numbers.map(|numbers| bits(&numbers)))
     };
     let expected = of(&field(), Simd::Scalar, 1);
     for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {

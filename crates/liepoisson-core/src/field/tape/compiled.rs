@@ -1,4 +1,5 @@
-//! Expansions of a tape, and straight code that asks for its rates, as compiled code: made when a run turns out to be long, once for all threads.
+//! Expansions of a tape, and straight code that asks for its rates, as compiled code: made when a run turns out to be long, once for all
+//! threads.
 
 use super::Tape;
 use super::elementary::Called;
@@ -10,10 +11,10 @@ use crate::lanes::{Instructions, Lane};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Expansions after which they are compiled: what compiling takes, over what it saves in each. Both grow with the tape and the order, so
+/// Runs after which code is compiled: what compiling takes, over what it saves in each. Both grow with the tape and the order, so
 /// that one number does: of a double pendulum with a tangent vector 2 ms over 4.3 us at order 21, 1.7 ms over 3.4 us at order 15, and
-/// 0.13 ms over 0.3 us for the rates of a Runge-Kutta method, in registers of AVX2 and AVX-512 alike. A run then takes at most twice as
-/// long as it would, had its length been known.
+/// 0.13 ms over 0.3 us for rates, in registers of AVX2 and AVX-512 alike. A run then takes at most twice as long as it would, had its
+/// length been known.
 const WORTH_IT: u64 = 500;
 
 /// Instructions of a tape, for the state and each tangent vector and order, that are compiled at most: what is recorded of them takes some
