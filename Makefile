@@ -20,7 +20,7 @@ reproduce: $(VENV)/.built ## set up, then reproduce the paper: figure, data, cla
 	$(BIN)/liepoisson reproduce twisted-top --out $(OUT)
 
 # The extension is compiled by one thread; the Rust tests are compiled and run beside it, in a folder of their own.
-test: | tools ## set up, then run the tests (some 10 minutes on two cores)
+test: | tools ## set up, then run the tests (some 15 minutes from nothing on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 
@@ -156,8 +156,8 @@ test-as: $(VENV)/.built $(VENV)/.dev ## the tests as on another processor: PROCE
 instructions: | tools
 	$(PYTHON) benchmarks/instructions.py
 
-# All unsafe code is in the core's lanes, tiles and compiled code (jit, which Miri cannot run); these tests run every kernel in every register. The sanitizer comes
-# with the stable toolchain, its flag does not: hence RUSTC_BOOTSTRAP.
+# All unsafe code is in the core's lanes, tiles and compiled code (jit, which Miri cannot run); these tests run every kernel in every
+# register. The sanitizer comes with the stable toolchain, its flag does not: hence RUSTC_BOOTSTRAP.
 SANITIZED := ensemble:: mixed_taylor:: quadratic:: splitting:: top::
 sanitize: | tools
 	@if [ "$$(uname -sm)" = "Linux x86_64" ]; then \
