@@ -33,6 +33,7 @@ from liepoisson.leaf.leaf import Leaf as Leaf
 from liepoisson.model.system import System as System
 from liepoisson.model.system_file_reader import read_system as read_system
 from liepoisson.model.tops import Top as Top
+from liepoisson.model.vector_field import VectorField as VectorField
 from liepoisson.numeric.integrate import integrate as integrate
 from liepoisson.numeric.methods import Gauss as Gauss
 from liepoisson.numeric.methods import RungeKutta as RungeKutta

@@ -11,6 +11,7 @@ from liepoisson.model.system_file_reader import read_system as read_system
 from liepoisson.model.system_file_reader import read_system_file as read_system_file
 from liepoisson.model.system_text import write_system as write_system
 from liepoisson.model.tops import Top as Top
+from liepoisson.model.vector_field import VectorField as VectorField
 from liepoisson.report.describe import Report as Report
 from liepoisson.report.describe import inspect as inspect
 from liepoisson.report.vector_notation import vector_notation as vector_notation

@@ -9,12 +9,18 @@ from liepoisson.errors import ParameterError, did_you_mean
 
 T = TypeVar("T")
 
+NO_BRACKET = (
+    "a vector field has no bracket; what needs energies, Casimirs, leaves or their equilibria takes a System(bracket, "
+    "hamiltonian)"
+)
+
 _INSTEAD = {
     "LieAlgebra": "a Lie algebra is not a system yet: write System(algebra @ trivial(), hamiltonian)",
     "Extension": "write System(so(3) @ extension, hamiltonian)",
     "Bracket": "a bracket is not a system yet: write System(bracket, hamiltonian)",
     "str": 'write liepoisson.read_system(path), or liepoisson.catalog.system("kovalevskaya")',
     "Leaf": "its system is leaf.system",
+    "VectorField": NO_BRACKET,
     "TopField": "a field does not know its bracket: give the system that it is from",
     "QuadraticField": "a field does not know its bracket: give the system that it is from",
     "TapeField": "a field does not know its bracket: give the system that it is from",

@@ -2,44 +2,38 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
-from liepoisson.algebra.rational_polynomials import values_of
-from liepoisson.compile.field import Field, PiecesField, TapeFunction, field_of
+from liepoisson.algebra.exact_numbers import Exact, symbols_of
+from liepoisson.compile.field import Field, PiecesField, field_of
 from liepoisson.compile.typed import Names, names_of, read_system
-from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError, SystemFileError, did_you_mean
+from liepoisson.errors import ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.read_only import ReadOnlyDict
-from liepoisson.inputs.refusals import not_a, shown
+from liepoisson.inputs.refusals import not_a
+from liepoisson.model.equations_of_motion import EquationsOfMotion, check_source
 from liepoisson.model.hamiltonian import (
-    RESERVED_NAME,
     Hamiltonian,
     apply_function,
     check_hamiltonian,
     check_real,
     is_expression,
     read_declarations,
-    read_expression_in,
     read_functions,
     read_pairs_of_functions,
     scope_of,
-    with_exact_numbers,
 )
 from liepoisson.structure.bracket import Bracket, with_coefficients
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import ArrayLike, NDArray
-    from sympy import Expr, Matrix, Symbol
+    from sympy import Expr, Symbol
 
     from liepoisson._core import TypedSystem
     from liepoisson.algebra.rational_polynomials import RationalPolynomial
@@ -48,20 +42,6 @@ if TYPE_CHECKING:
     from liepoisson.model.polynomial_view import PolynomialView
     from liepoisson.model.top_parameters import TopParameters
     from liepoisson.structure.casimir_part import CasimirPart
-
-_NAME = re.compile(r"[A-Za-z_]\w*")
-
-
-@lru_cache(maxsize=1024)
-def _symbols_in(expressions: tuple[Expr, ...]) -> frozenset[Symbol]:
-    """The symbols of expressions, which are looked through once."""
-    return frozenset(cast("Symbol", symbol) for expression in expressions for symbol in expression.free_symbols)
-
-
-def _check_source(source: object) -> str:
-    if not isinstance(source, str) or not source.strip() or any("\ud800" <= c <= "\udfff" for c in source):
-        raise ParameterError(f"source: wanted a text that says where the system is described; got {shown(source)}")
-    return source
 
 
 def _bracket_hint(given: Any) -> str:
@@ -91,7 +71,7 @@ class AsGiven(NamedTuple):
 
 
 @explains_its_methods
-class System:
+class System(EquationsOfMotion):
     r"""A Lie-Poisson system, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
 
     Example:
@@ -151,7 +131,7 @@ class System:
         self.bracket: Bracket = bracket.substitute(of_bracket)
         default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
-        self.source: str | None = source if source is None else _check_source(source)
+        self.source: str | None = source if source is None else check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
         self._check_hamiltonian()
 
@@ -244,15 +224,6 @@ class System:
         view = self._polynomials
         return None if view is None else view.invariants(self.top_parameters, self._given_integrals)
 
-    def polynomial(self, function: str | Expr | PhaseFunction) -> RationalPolynomial | None:
-        """What `expression` returns, as a rational polynomial and without SymPy; None if it is not the text of one."""
-        if not isinstance(function, str) or self._polynomials is None:
-            return None
-        name = function.strip()
-        if RESERVED_NAME.fullmatch(name) or name in self._given_integrals:
-            return None  # may be the name of an invariant
-        return self._polynomials.read(function)
-
     @cached_property
     def _polynomials(self) -> PolynomialView | None:
         """The system in rational polynomials, if it consists of such."""
@@ -264,32 +235,9 @@ class System:
         return PolynomialView.of(self.symbolic_bracket, self.bracket, self.values, given)
 
     @cached_property
-    def _names_in_formulas(self) -> Scope:
-
-        return scope_of(self.symbolic_bracket, self.values, self._given_symbols)
-
-    @cached_property
-    def _parameter_names(self) -> tuple[str, ...]:
-        """The names of all parameters, and those in their values."""
-        in_values = set[str]().union(*map(symbols_of, self.parameters.values()))
-        return tuple(sorted((self._names_in_formulas.numbers() | in_values).difference(self.component_names)))
-
-    @cached_property
     def equations(self) -> dict[Symbol, Expr]:
         """The right-hand sides of the equations of motion, derived from the bracket, in the order of `variables`."""
         return ReadOnlyDict(zip(self.variables, self.bracket.vector_field(self.hamiltonian), strict=True))
-
-    @property
-    def jacobian(self) -> Matrix:
-        r"""The matrix $\partial\dot x_i / \partial x_j$ of the equations of motion, shape (N, N)."""
-        from sympy import Matrix
-
-        return Matrix(list(self.equations.values())).jacobian(self.variables)
-
-    @cached_property
-    def integrals(self) -> dict[str, Expr]:
-        """The integrals that were given, with the parameters inserted; claims, not proofs."""
-        return {name: self._function(text) for name, text in self._given_integrals.items()}
 
     @cached_property
     def partial_integrals(self) -> dict[str, tuple[Expr, Expr]]:
@@ -314,14 +262,7 @@ class System:
         top = self.top_parameters
         if top is not None:
             found |= known_integrals(top, *self.bracket.fields.values())
-        for name, integral in self.integrals.items():
-            if not self.is_constant(integral):
-                raise ParameterError(
-                    f"the integral {name} must be constant along the motion; got {integral}, which is not: "
-                    f"its derivative is {self.derivative(integral)}. Correct it, or give it as a partial integral."
-                )
-            found.setdefault(name, integral)
-        return ReadOnlyDict(found)
+        return ReadOnlyDict(self._with_integrals(found))
 
     def derivative(self, function: str | Expr) -> Expr:
         r"""The time derivative $\{f, H\}$ of a function on phase space, simplified when it is not a polynomial.
@@ -338,22 +279,6 @@ class System:
         polynomial = value == 0 or value.is_polynomial(*self.variables, *traces)
         simplified: Any = value if polynomial else simplify(cast("Expr", value))
         return simplified.xreplace(traces)
-
-    def is_constant(self, function: str | Expr) -> bool:
-        """Whether a function on phase space is found constant along every orbit.
-
-        Exact for polynomials and rational functions; for others SymPy has to simplify the derivative to zero, so True
-        is a proof and False may mean that it did not succeed.
-        """
-        polynomial = self.polynomial(function)
-        if polynomial is not None and self._polynomials is not None:
-            known = self._polynomials.is_constant(polynomial)
-            if known is not None:
-                return known
-        from liepoisson.algebra.exact_numbers import is_zero
-        from liepoisson.structure.trace import abbreviated
-
-        return is_zero(abbreviated(self.derivative(function))[0])
 
     def is_casimir(self, function: str | Expr | PhaseFunction) -> bool:
         r"""Whether $\{f, x_j\} = 0$ for all coordinates, as for a number and a Casimir."""
@@ -407,10 +332,13 @@ class System:
         occur = all(known & set(flattened({name: value})) for name, value in self.values.items())
         return typed if occur else None  # a parameter that drops out is refused where SymPy reads the formula
 
-    @cached_property
-    def _typed_functions(self) -> TypedSystem | None:
-        """The same for functions of the state alone, which may be typed whatever the Hamiltonian is."""
-        return None if self._given_symbols else read_system(self._names_of_state, None, "0", self.values)
+    def _scope(self, *further: str) -> Scope:
+        return scope_of(self.symbolic_bracket, self.values, (*self._given_symbols, *further))
+
+    @property
+    def _given_functions(self) -> dict[str, str | Expr]:
+        given = self._given_hamiltonian
+        return {"H": given if isinstance(given, str) else self.hamiltonian, **self._given_integrals}
 
     @property
     def _names_of_state(self) -> Names:
@@ -426,100 +354,6 @@ class System:
         from liepoisson.compile.split_terms import pieces_of
 
         return pieces_of(self.bracket, self.hamiltonian)
-
-    def vector_field(self, states: ArrayLike) -> NDArray[np.float64]:
-        r"""The right-hand side $J \nabla H$ at many states.
-
-        Args:
-            states: Shape (..., N), dimensionless.
-
-        Returns:
-            Time derivatives, shape (..., N).
-
-        Raises:
-            ShapeError: the last axis of `states` is not N.
-            ParameterError: a parameter is symbolic.
-        """
-        import numpy as np
-
-        if self.polynomial_rates is not None:
-            return values_of(self.polynomial_rates, self._states(states))
-        return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)
-
-    def right_hand_side(self, time: float, state: ArrayLike) -> NDArray[np.float64]:
-        """The vector field in the convention of SciPy, for `scipy.integrate.solve_ivp` and tools like it.
-
-        Args:
-            time: Not used: the system is autonomous.
-            state: One state, shape (N,).
-        """
-        return self.vector_field(state)
-
-    def invariant_values(self, states: ArrayLike) -> dict[str, NDArray[np.float64]]:
-        """The invariants at many states.
-
-        Args:
-            states: Shape (..., N), dimensionless.
-
-        Returns:
-            One array of shape (...) per name in `invariants`.
-
-        Raises:
-            ShapeError: the last axis of `states` is not N.
-            ParameterError: a parameter is symbolic.
-        """
-        if (known := self.polynomial_invariants) is not None:
-            values = values_of(known.values(), self._states(states))
-            return {name: values[..., k].copy() for k, name in enumerate(known)}
-        return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), states), strict=True))
-
-    def without_value(self, states: ArrayLike) -> dict[str, NDArray[np.bool_]]:
-        """Where the Hamiltonian and the given integrals are no real numbers, such as the logarithm of a negative one.
-
-        Args:
-            states: Shape (..., N), dimensionless.
-
-        Returns:
-            One array of shape (...) for each of them that has a logarithm, a root, or an inverse sine or cosine.
-
-        Raises:
-            ShapeError: the last axis of `states` is not N.
-            ParameterError: a parameter is symbolic.
-        """
-        import numpy as np
-
-        if not self._partial_functions:
-            return {}
-        x = self._states(states)
-        return {name: np.isnan(self._values(f, x)) for name, f in self._partial_functions.items()}
-
-    def _values(self, function: TapeFunction | Expr, states: NDArray[np.float64]) -> NDArray[np.float64]:
-        import numpy as np
-
-        from liepoisson.compile.tape_values import values_of_tape
-
-        if isinstance(function, TapeFunction):
-            return values_of_tape(function, states)[..., 0]
-        with np.errstate(all="ignore"):
-            return self._evaluate([function], states)[0]
-
-    @cached_property
-    def _partial_functions(self) -> dict[str, TapeFunction | Expr]:
-        """Those of the Hamiltonian and the given integrals that are not real at all states; of texts the tapes."""
-        from liepoisson.compile.tape_values import has_partial_operations
-        from liepoisson.formula.expression import is_partial
-        from liepoisson.model.hamiltonian import has_partial_functions
-
-        found: dict[str, TapeFunction | Expr] = {}
-        for name, given in {"H": self._given_hamiltonian, **self._given_integrals}.items():
-            if isinstance(given, str):
-                if is_partial(given) and has_partial_operations(tape := self.function_tape(given)):
-                    found[name] = tape
-                continue
-            function = self.hamiltonian if name == "H" else self._function(cast("Any", given))
-            if has_partial_functions(function):
-                found[name] = function
-        return found
 
     @cached_property
     def casimir_part(self) -> CasimirPart:
@@ -554,105 +388,6 @@ class System:
         from liepoisson.model.phase_functions import PhaseFunctions
 
         return PhaseFunctions(self)
-
-    def expression(self, function: str | Expr | PhaseFunction) -> Expr:
-        """A function on phase space with the parameters inserted.
-
-        Args:
-            function: A text like that of a Hamiltonian, in which angles `atan2(y, x)` may occur, too; or the name of an
-                invariant alone (one of the keys of `invariants`, such as "C1"); a SymPy expression; or a PhaseFunction.
-
-        Raises:
-            ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
-            ParameterError: the function is none of these, or a name alone stands for an invariant and for something
-                else, such as C1 for a Casimir and for a component of a parameter C.
-        """
-        from liepoisson.model.phase_functions import PhaseFunction
-
-        given: Any = function.expression if isinstance(function, PhaseFunction) else function
-        if not isinstance(given, str):
-            if not is_expression(given):
-                raise ParameterError(
-                    f"a function on phase space must be a text such as '{self.component_names[0]} - 1/2', a SymPy "
-                    f"expression or a PhaseFunction; got {given!r:.60}."
-                )
-            return self._function(given)
-        try:
-            expression = self._function(given, angles=True)
-        except ExpressionError as error:
-            return self._named_invariant(given, error)
-        self._check_that_it_names_one_thing(given, expression)
-        return expression
-
-    def _check_that_it_names_one_thing(self, text: str, expression: Expr) -> None:
-        """Refuse a text that is both a formula and the name of an invariant, where they differ."""
-        name = text.strip()
-        if not (RESERVED_NAME.fullmatch(name) or name in self._given_integrals):
-            return
-        invariant = self.invariants.get(name)
-        if invariant is not None and invariant != expression:
-            raise ParameterError(
-                f"a name must stand for one thing; {name} is {expression} in formulas, and the invariant {invariant}. "
-                f"Write 1*{name} for the former, system.invariants[{name!r}] for the latter."
-            )
-
-    def _named_invariant(self, text: str, error: ExpressionError) -> Expr:
-        """The invariant that a text names, which is no formula; if it only contains such a name, say what to write."""
-        names = set(_NAME.findall(text))
-        known = [name for name in self.invariants if name in names]
-        if not known:
-            raise error
-        if text.strip() == known[0]:
-            return self.invariants[known[0]]
-        hint = ", ".join(f"system.invariants[{name!r}]" for name in known)
-        raise ExpressionError(
-            f"{error.message}; an invariant is known by its name only where that is the whole text. Build the "
-            f"expression from {hint}",
-            text,
-            error.position,
-        ) from None
-
-    def function_of_invariants(self, text: str) -> Expr:
-        """A text like that of a Hamiltonian in which the names of invariants may occur, too: "C1 - 2*H".
-
-        Raises:
-            ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
-        """
-        from sympy import Symbol
-
-        from liepoisson.formula.expression import read_expression
-
-        try:
-            return self.expression(text)
-        except ExpressionError:
-            names = [name for name in self.invariants if name in set(_NAME.findall(text))]
-            if not names:
-                raise
-        scope = scope_of(self.symbolic_bracket, self.values, (*self._given_symbols, *names))
-        read: Any = self._with_parameters(read_expression(text, scope))
-        return read.xreplace({Symbol(name): self.invariants[name] for name in names})
-
-    def function_tape(self, *functions: str | Expr) -> TapeFunction:
-        """Functions on phase space as plain data for the numeric core, one output each.
-
-        Raises:
-            UnsupportedFieldError: a function is not smooth.
-            ParameterError: a parameter is symbolic.
-        """
-        from liepoisson.compile.lowering import functions_of, tape_of_functions
-
-        texts = [function for function in functions if isinstance(function, str)]
-        if len(texts) == len(functions) and self._typed_functions is not None:
-            try:
-                return functions_of(self._typed_functions.functions(texts))
-            except LiePoissonError:  # SymPy says what is wrong
-                pass
-        return tape_of_functions(self.variables, [self._function(function, angles=True) for function in functions])
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: everything but what is made again when it is asked for."""
-        made_again = {"functions", "moving", "_typed", "_typed_functions"}
-        return {name: value for name, value in self.__dict__.items() if name not in made_again}
 
     def __str__(self) -> str:
         """The bracket, the Hamiltonian, the equations and the invariants; `inspect` has the full report."""
@@ -689,52 +424,6 @@ class System:
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two
         return function_of("System.top_parameters")(self)
-
-    def _states(self, x: ArrayLike) -> NDArray[np.float64]:
-        from liepoisson.model.phase_functions import as_phase_points
-
-        return as_phase_points(x, self.component_names, self.parts_of_state)
-
-    def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
-        from liepoisson.compile.symbols import evaluated
-
-        states = self._states(x)
-        free = _symbols_in(tuple(expressions)) - set(self.variables)
-        if free:
-            names = ", ".join(sorted(map(str, free)))
-            raise ParameterError(
-                f"{self.name} must have numbers for all parameters; got none for {names}. Give values."
-            )
-        values = evaluated(self.variables, expressions, states)
-        return [values[..., k].copy() for k in range(len(expressions))]
-
-    def _read(self, given: str | Expr, *, angles: bool = False) -> Expr:
-        """A function on phase space with parameters as symbols: text is read in our grammar."""
-        if not isinstance(given, str):
-            return self.bracket.in_own_variables(with_exact_numbers(self._read_expression(given)))
-        from liepoisson.formula.expression import read_expression
-
-        return read_expression(given, self._names_in_formulas, angles=angles)
-
-    def _read_expression(self, given: object) -> Expr:
-        """A function on phase space that is given as an expression, as it is."""
-        return read_expression_in(given, self.component_names, self._parameter_names, self.parameters)
-
-    def _function(self, given: str | Expr, *, angles: bool = False) -> Expr:
-        return self._with_parameters(self._read(given, angles=angles))
-
-    def _with_parameters(self, expression: Expr) -> Expr:
-        """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""
-        return to_sympy(substituted(expression, self.parameters))
-
-    def _check_that_values_are_final(self) -> None:
-        """Refuse the value of a parameter that is, or contains, the name of another one with a value."""
-        for name, value in self.parameters.items():
-            if known := sorted(symbols_of(value) & self.parameters.keys() - {name}):
-                raise ParameterError(
-                    f"the value of a parameter must not depend on another one that has a value; {name} = {value}, and "
-                    f"{known[0]} is {self.parameters[known[0]]}. Write the number."
-                )
 
     def _check_that_parameters_occur(self) -> None:
         known = self.symbolic_bracket.symbols | {str(symbol) for symbol in self.symbolic_hamiltonian.free_symbols}

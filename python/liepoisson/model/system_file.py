@@ -30,6 +30,17 @@ and, where they are known, a source, a description, integrals and reference valu
     quantity = "H"
     value = "7/2"
 
+A plain vector field has its equations in the place of bracket and Hamiltonian:
+
+    name = "Lorenz"
+    [equations]
+    x = "sigma*(y - x)"
+    y = "x*(rho - z) - y"
+    z = "x*y - beta*z"
+    [parameters]
+    sigma = 10
+    ...
+
 The formulas are those of `liepoisson.formula.expression`.  No text of a file is ever run as code.
 """
 

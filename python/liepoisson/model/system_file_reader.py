@@ -25,6 +25,7 @@ from liepoisson.model.system_file import Integral, Reference, SystemFile
 
 if TYPE_CHECKING:
     from liepoisson.model.system import System
+    from liepoisson.model.vector_field import VectorField
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.extension import Extension
     from liepoisson.structure.lie_algebra import LieAlgebra
@@ -40,13 +41,14 @@ _KEYS: dict[str, tuple[str, ...]] = {
         "hamiltonian": "expression",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
+        "vector field": "name source description equations parameters integrals",
     }.items()
 }
 
 
 @explains_its_arguments
-def read_system(path: str | Path) -> System:
-    """The system that a file describes (`liepoisson.model.system_file` has the format).
+def read_system(path: str | Path) -> System | VectorField:
+    """The system or vector field that a file describes (`liepoisson.model.system_file` has the format).
 
     Example:
         >>> system = lp.read_system(lp.catalog.path("kovalevskaya"))
@@ -59,7 +61,8 @@ def read_system(path: str | Path) -> System:
     Raises:
         SystemFileError: as in `read_system_file`, or a formula has no meaning; the message names the key and the line.
     """
-    return read_system_file(path).system()
+    toml = read_toml(path)
+    return vector_field_of(toml) if "equations" in toml.tables else read_tables(toml).system()
 
 
 @explains_its_arguments
@@ -100,12 +103,22 @@ def read_tables(toml: TomlText) -> SystemFile:
     return _Reader(toml).file()
 
 
+def vector_field_of(toml: TomlText) -> VectorField:
+    """The vector field that the tables of a file describe.
+
+    Raises:
+        SystemFileError: they do not describe one; the message names the key, and the line where it can be found.
+    """
+    return _Reader(toml).vector_field()
+
+
 class _Reader(TomlReader):
     """Turns the tables of a file into its meaning; every method says which key is wrong."""
 
     def file(self) -> SystemFile:
         tables = self.toml.tables
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
+        below["equations"] = "A vector field has no bracket: lp.read_system reads it, and a command does not."
         self.check_keys((), tables, _KEYS[""], below)
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))
@@ -131,6 +144,32 @@ class _Reader(TomlReader):
         )
         self.check_formulas(file)
         return file
+
+    def vector_field(self) -> VectorField:
+        from liepoisson.model.vector_field import VectorField
+
+        tables = self.toml.tables
+        self.check_keys((), tables, _KEYS["vector field"], {"bracket": "A vector field has none: remove it."})
+        given = self.table(("parameters",), tables.get("parameters", {}))
+        read: dict[str, dict[str, str]] = {}
+        for key in ("equations", "integrals"):
+            table = self.table((key,), tables.get(key, {}))
+            read[key] = {name: self.text((key, name), formula) for name, formula in table.items()}
+        return self.guarded(
+            ("equations",),
+            lambda: VectorField(
+                read["equations"],
+                {
+                    name: cast("Any", self.value(("parameters", name), v))
+                    for name, v in given.items()
+                    if name != "symbols"
+                },
+                name=self.name(tables.get("name", Path(self.toml.path).stem)),
+                symbols=self.symbols({}, given),
+                integrals=read["integrals"],
+                source=self.optional_text(("source",), tables),
+            ),
+        )
 
     def name(self, given: object) -> str:
         """How the system is called: one line, of which every character can be written to files and terminals."""

@@ -13,13 +13,15 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.errors import LiePoissonError, SystemFileError
 from liepoisson.formula.scope import Scope
+from liepoisson.formula.toml_text import parse_toml
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import write_atomically
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.model.constructors import read_algebra, read_extension
 from liepoisson.model.system import System
-from liepoisson.model.system_file_reader import parse_system_file
+from liepoisson.model.system_file_reader import parse_system_file, vector_field_of
+from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.canonical_bracket import canonical
 
 if TYPE_CHECKING:
@@ -71,8 +73,51 @@ def read_system_text(text: str, kind: str = "System") -> System:
     return file.canonical_system() if kind == CanonicalSystem.__name__ else file.system()
 
 
+def vector_field_text(field: VectorField) -> str:
+    """The text of a file from which `read_system` gives the same vector field; all numbers exact.
+
+    Formulas that were given as texts are written as they were.
+
+    Raises:
+        SystemFileError: it has a function that the grammar does not have.
+    """
+    given = field.as_given
+    tables: dict[str, Any] = {"name": field.name} | ({"source": field.source} if field.source else {})
+    tables["equations"], tables["integrals"] = (
+        {name: f if isinstance(f, str) else formula_text(f) for name, f in formulas.items()}
+        for formulas in (given.equations, given.integrals)
+    )
+    tables["parameters"] = {name: _value(value) for name, value in field.values.items()}
+    if given.symbols:
+        tables["parameters"]["symbols"] = list(given.symbols)
+    text = _toml({name: table for name, table in tables.items() if table})
+    try:
+        found = read_vector_field_text(text)
+        same = found.as_given == given or (
+            _are_same(*({str(x): f for x, f in one.equations.items()} for one in (found, field)))
+            and _are_same(found.integrals, field.integrals)
+        )
+    except LiePoissonError as error:
+        raise SystemFileError(f"the vector field {field.name!r} cannot be written as a file ({error})") from error
+    if not same or found.parameters != field.parameters:
+        raise SystemFileError(
+            f"the vector field {field.name!r} cannot be written as a file: what is read back is not the same. Give its "
+            "equations as texts."
+        )
+    return text
+
+
+def read_vector_field_text(text: str) -> VectorField:
+    """The vector field that `vector_field_text` has written.
+
+    Raises:
+        SystemFileError: the text describes none; the message names the key and the line.
+    """
+    return vector_field_of(parse_toml(text, "the vector field of the file"))
+
+
 @explains_its_arguments
-def write_system(system: System, path: str | Path) -> Path:
+def write_system(system: System | VectorField, path: str | Path) -> Path:
     """Writes a system file, whole or not at all; `read_system` gives the same system back.
 
     Example:
@@ -84,21 +129,22 @@ def write_system(system: System, path: str | Path) -> Path:
         <System 'weakly twisted top' on so(3) ⊗ Leibniz(3, epsilon = 1/3)>
 
     Args:
-        system: The system.
+        system: The system, or the vector field.
         path: A name that ends in .toml.
 
     Raises:
         SystemFileError: as for `system_text`, or the name does not end in .toml.
         OutputError: the file cannot be written.
     """
-    if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
+    if not isinstance(system, (System, VectorField)):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise SystemFileError(f"wanted a system such as Top.kovalevskaya(); got {shown(system)}")
     if not isinstance(path, (str, Path)):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise SystemFileError(f"wanted the name of a file; got {shown(path)}. Write for example top.toml.")
     path = Path(path)
     if path.suffix != ".toml":
         raise SystemFileError(f"wanted a name that ends in .toml; got {path}. Write for example top.toml.")
-    write_atomically(path, system_text(system).encode())
+    text = vector_field_text(system) if isinstance(system, VectorField) else system_text(system)
+    write_atomically(path, text.encode())
     return path
 
 

@@ -269,9 +269,11 @@ def _system(dataset: Dataset) -> Any:
         return FieldSystem(
             str(dataset.attrs["system"]), tuple(map(str, stored(dataset, "component").to_numpy())), field
         )
-    from liepoisson.model.system_text import read_system_text
+    from liepoisson.model.system_text import read_system_text, read_vector_field_text
 
     kind = str(dataset.attrs.get("system_kind"))
+    if kind == "VectorField":
+        return read_vector_field_text(text)
     system = read_system_text(text, kind)
     if kind != "Top" or system.top_parameters is None:
         return system
