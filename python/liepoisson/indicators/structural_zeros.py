@@ -303,9 +303,13 @@ def _sum_line(spectrum: Spectrum, total: Array) -> str:
     states = np.concatenate([spectrum.start[finished], spectrum.end_state[finished]])
     if keeps_volume(spectrum.field, states, time=spectrum.interval, method=spectrum.method):
         return f"sum of all exponents: at most {_largest(total):.1e}"
+    divergence: Any = getattr(spectrum.system, "divergence", None)
+    if divergence is not None and divergence.is_number:
+        known = float(divergence)
+        return f"sum of all exponents: {known:.10g}, the divergence of the field, within {_largest(total - known):.1e}"
     return (
         f"sum of all exponents: from {total.min():.2g} to {total.max():.2g}; not expected to vanish, as the flow does "
-        "not keep the volume (div J grad H is not 0)"
+        f"not keep the volume (div {'f' if spectrum.structure is None else 'J grad H'} is not 0)"
     )
 
 

@@ -75,7 +75,7 @@ from liepoisson.integrability.derivation import (
     derivation_of_rates,
     level_of,
 )
-from liepoisson.model.system import System
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 
 _MOST_ROOTS = 5
 """Products of all subsets of more roots are not tested."""
@@ -110,7 +110,7 @@ class AlgebraicEquations:
         return cast("Expr", self.derivation.expression(polynomial).xreplace(self.functions))
 
 
-def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEquations, list[Polynomial]]:
+def algebraic_equations(system: EquationsOfMotion, *functions: Expr) -> tuple[AlgebraicEquations, list[Polynomial]]:
     """The equations of a system, and functions, in as many more variables as are needed; none for polynomials."""
     x = system.variables
     rates = list(system.equations.values())
@@ -126,7 +126,7 @@ def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEqua
     return AlgebraicEquations(derivation, reader.functions, tuple(read[:n])), read[n:]
 
 
-def is_algebraic(system: System, function: Expr) -> bool:
+def is_algebraic(system: EquationsOfMotion, function: Expr) -> bool:
     """Whether a function can be read along with the equations: log(x) cannot, though its derivatives may."""
     if not function.has(log):
         return True

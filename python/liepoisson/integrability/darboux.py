@@ -24,7 +24,13 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import CUT_SHORT, SEARCH_LIMIT
 from liepoisson.inputs.refusals import shown
 from liepoisson.integrability.cofactors import CofactorCases, Field, Values, cofactor_monomials
-from liepoisson.integrability.darboux_search import DarbouxSearch, RationalIntegral, rational_integrals
+from liepoisson.integrability.darboux_search import (
+    DarbouxSearch,
+    RationalIntegral,
+    TimeDependentIntegral,
+    rational_integrals,
+    time_dependent_integrals,
+)
 from liepoisson.integrability.derivation import (
     in_blocks,
     order,
@@ -40,7 +46,7 @@ from liepoisson.integrability.search_problem import (
     zeros_on_level,
 )
 from liepoisson.io.display import as_text
-from liepoisson.model.system import System
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.report.printing import Formula
 
 MOST_MONOMIALS = 1000
@@ -99,6 +105,7 @@ class DarbouxPolynomials:
         found: The Darboux polynomials that are no sums of products of others and of known integrals, lowest degree
             first. They are irreducible, over the numbers of `field`, if the search is complete.
         rational_integrals: Products of powers of these that are constant, from which all others are made.
+        time_dependent_integrals: Products whose cofactors add up to a number, with an exponential of the time.
         cofactor_monomials: The monomials of cofactors that were looked for; on all of phase space there are no others.
         n_monomials: Number of monomials of the search.
         n_blocks: Number of blocks, between which the equations do not mix.
@@ -107,7 +114,7 @@ class DarbouxPolynomials:
         is_cut_short: Whether the time limit ended the search.
     """
 
-    system: System
+    system: EquationsOfMotion
     degree: int | None
     weight: int | None
     weights: tuple[int, ...]
@@ -116,6 +123,7 @@ class DarbouxPolynomials:
     known: dict[str, Expr] = dataclass_field(hash=False)
     found: tuple[DarbouxPolynomial, ...]
     rational_integrals: tuple[RationalIntegral, ...]
+    time_dependent_integrals: tuple[TimeDependentIntegral, ...]
     cofactor_monomials: tuple[Expr, ...]
     n_monomials: int
     n_blocks: int
@@ -152,6 +160,7 @@ class DarbouxPolynomials:
         if not self.found:
             lines.append("no others than the known integrals")
         lines += [f"{r.name} = {r} is constant{r.remark}" for r in self.rational_integrals]
+        lines += [f"{e.name} = {e} is constant" for e in self.time_dependent_integrals]
         return "\n".join([*lines, *self._proof()])
 
     def _proof(self) -> list[str]:
@@ -175,7 +184,7 @@ class DarbouxPolynomials:
 
 @shows_progress
 def darboux_polynomials(
-    system: System,
+    system: EquationsOfMotion,
     *,
     degree: int | None = None,
     weight: int | None = None,
@@ -187,9 +196,9 @@ def darboux_polynomials(
 ) -> DarbouxPolynomials:
     r"""All Darboux polynomials up to a total degree or a weight: $\dot p = k p$ with a polynomial k, the cofactor.
 
-    p = 0 is then invariant, and products of powers whose cofactors add up to zero are rational integrals. Cofactors are
-    found by splitting the linear system $(D - k) p = 0$, whose parameters are the coefficients of k, into cases; there
-    are finitely many.
+    p = 0 is then invariant, and products of powers whose cofactors add up to zero are rational integrals; if they add
+    up to a number c, the product times $e^{-ct}$ is constant. Cofactors are found by splitting the linear system
+    $(D - k) p = 0$, whose parameters are the coefficients of k, into cases; there are finitely many.
 
     Example:
         >>> body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
@@ -198,12 +207,13 @@ def darboux_polynomials(
         [('l1 + 2*l3', '2*l2'), ('l1 - 2*l3', '-2*l2')]
 
     Args:
-        system: A system with polynomial equations and rational numbers in them.
+        system: A system or vector field with polynomial equations and rational numbers in them.
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The largest weight instead, for equations that are homogeneous for positive weights of the coordinates.
         on: Equations of an invariant level set to which the search is restricted, as for `first_integrals`. There only
             cofactors are looked for that are homogeneous where the equations are.
-        known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
+        known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs, and none of a
+            vector field.
         field: Which numbers the coefficients of cofactors may be: "complex", "real" or "rational". Those that are
             found have rational numbers and square roots; others are named in `left`.
         time_limit: Seconds after which the cases that are left are named; polynomials with the cofactors that were
@@ -275,6 +285,7 @@ def darboux_polynomials(
         known=given,
         found=found,
         rational_integrals=rational_integrals(search, new, [p.name for p in found], expressions),
+        time_dependent_integrals=time_dependent_integrals(search, new, [p.name for p in found], expressions),
         cofactor_monomials=tuple(derivation.expression({m: derivation.field.one}) for m in monomials),
         n_monomials=size,
         n_blocks=len(ordered),

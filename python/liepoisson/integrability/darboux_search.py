@@ -4,26 +4,28 @@ For each cofactor k the polynomials with $D p = k p$ are a vector space, which c
 cofactors add up to k. Its dimension modulo a prime is at least the true one. Where products span as much, there is
 nothing else; otherwise the space is computed exactly, and what is no sum of products is taken, lowest degree first.
 
-A product $\prod p_i^{n_i}$ is a rational integral if $\sum n_i k_i = 0$.
+A product $\prod p_i^{n_i}$ is a rational integral if $\sum n_i k_i = 0$, and an integral that depends on time with
+$e^{-ct}$ if $\sum n_i k_i$ is a number c.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 from math import lcm
 from operator import add
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from flint import fmpz_mat
-from sympy import Expr, Mul, expand
+from sympy import Expr, Mul, Symbol, exp, expand
 
 from liepoisson.algebra.echelon import Echelon, transposed
 from liepoisson.algebra.linear_algebra import nullspace, nullspace_mod, rank_mod
 from liepoisson.algebra.number_fields import Element, as_fraction
 from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, gradient_at, multiply, value_at
+from liepoisson.inputs.names import free_name
 from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Exponents, homogeneous_parts, order
 from liepoisson.integrability.search import Search, in_field, modular
@@ -208,10 +210,31 @@ class RationalIntegral:
 
     def __str__(self) -> str:
         """The product, by the names of its factors."""
-        above = [_power(name, n) for name, n in self.powers.items() if n > 0]
-        below = [_power(name, -n) for name, n in self.powers.items() if n < 0]
-        bottom = f"({'*'.join(below)})" if len(below) > 1 else "".join(below)
-        return ("*".join(above) or "1") + (f"/{bottom}" if below else "")
+        return _product(self.powers)
+
+
+@dataclass(frozen=True)
+class TimeDependentIntegral:
+    r"""A product of powers of Darboux polynomials that is constant when multiplied with an exponential of the time.
+
+    Attributes:
+        name: E1, E2, ...
+        powers: The power of each polynomial, by its name, those that occur.
+        rate: The number c that the cofactors add up to: the product grows like $e^{ct}$.
+        expression: The product times $e^{-ct}$.
+        time: The symbol t, called t_ where t is a coordinate.
+    """
+
+    name: str
+    powers: dict[str, int] = field(hash=False)
+    rate: Expr
+    expression: Expr
+    time: Symbol
+
+    def __str__(self) -> str:
+        """The product by the names of its factors, and the exponential."""
+        exponent: Any = -cast("Any", self.rate) * self.time
+        return f"{_product(self.powers)}*exp({str(exponent).replace('**', '^')})"
 
 
 def rational_integrals(
@@ -236,11 +259,44 @@ def rational_integrals(
     return tuple(found)
 
 
-def _relations(factors: Sequence[Factor]) -> list[list[int]]:
-    """A basis of the whole numbers n with sum n_i k_i = 0, short by the algorithm of Lenstra, Lenstra and Lovasz."""
+def time_dependent_integrals(
+    search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
+) -> tuple[TimeDependentIntegral, ...]:
+    """Products of powers whose cofactors add up to a number c that is not 0; all others follow with those of c = 0."""
+    numbers, variables = search.search.derivation.field, search.search.derivation.variables
+    constant = (0,) * len(variables)
+    if constant not in search.monomials:
+        return ()
+    place, time = search.monomials.index(constant), Symbol(free_name("t", [*map(str, variables)]))
+    found: list[TimeDependentIntegral] = []
+    for relation in _relations(factors, place):
+        rate: Any = sum(
+            n * cast("Any", numbers.to_sympy(f.cofactor[place])) for n, f in zip(relation, factors, strict=True)
+        )
+        if rate == 0:
+            continue
+        product = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
+        found.append(
+            TimeDependentIntegral(
+                f"E{len(found) + 1}",
+                {name: n for name, n in zip(names, relation, strict=True) if n},
+                rate,
+                cast("Expr", product * exp(-rate * time)),
+                time,
+            )
+        )
+    return tuple(found)
+
+
+def _relations(factors: Sequence[Factor], left_out: int | None = None) -> list[list[int]]:
+    """A basis of the whole numbers n with sum n_i k_i = 0, short by the algorithm of Lenstra, Lenstra and Lovasz.
+
+    Args:
+        left_out: The monomial of the cofactors whose coefficients do not count, by its place.
+    """
     if not factors:
         return []
-    table = [[x for c in f.cofactor for x in _coordinates(c)] for f in factors]
+    table = [[x for place, c in enumerate(f.cofactor) if place != left_out for x in _coordinates(c)] for f in factors]
     scale = lcm(*(x.denominator for row in table for x in row))
     rows = [[int(x * scale) for x in row] for row in table]
     rank = fmpz_mat(rows).rank() if rows[0] else 0
@@ -263,6 +319,14 @@ def _coordinates(number: Any) -> list[Fraction]:
     degree = len(number.mod_to_list()) - 1
     values = [as_fraction(c) for c in reversed(number.to_list())]
     return values + [Fraction(0)] * (degree - len(values))
+
+
+def _product(powers: Mapping[str, int]) -> str:
+    """A product of powers, by the names of its factors."""
+    above = [_power(name, n) for name, n in powers.items() if n > 0]
+    below = [_power(name, -n) for name, n in powers.items() if n < 0]
+    bottom = f"({'*'.join(below)})" if len(below) > 1 else "".join(below)
+    return ("*".join(above) or "1") + (f"/{bottom}" if below else "")
 
 
 def _power(name: str, n: int) -> str:

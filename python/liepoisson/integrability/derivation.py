@@ -42,7 +42,7 @@ from liepoisson.report.printing import Formula
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.model.system import System
+    from liepoisson.model.equations_of_motion import EquationsOfMotion
 
 Exponents: TypeAlias = Monomial
 
@@ -93,7 +93,7 @@ class Derivation:
         return sparse_polynomials.expression(polynomial.items(), self.variables, self.field.to_sympy)
 
 
-def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Polynomial]]:
+def derivation_of(system: EquationsOfMotion, *functions: Expr) -> tuple[Derivation, list[Polynomial]]:
     """The equations of a system as a derivation, and functions as polynomials over the same field."""
     return derivation_of_rates(system.variables, list(system.equations.values()), functions)
 

@@ -22,6 +22,7 @@ from liepoisson.integrability.search_problem import (
     where,
     zeros_on_level,
 )
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 from liepoisson.structure.casimir_part import normal_form
@@ -81,7 +82,7 @@ class FirstIntegrals:
             coordinates.
     """
 
-    system: System
+    system: EquationsOfMotion
     degree: int | None
     weight: int | None
     weights: tuple[int, ...]
@@ -161,7 +162,7 @@ class FirstIntegrals:
 
 @shows_progress
 def first_integrals(
-    system: System,
+    system: EquationsOfMotion,
     *,
     degree: int | None = None,
     weight: int | None = None,
@@ -171,9 +172,9 @@ def first_integrals(
 ) -> FirstIntegrals:
     r"""All polynomial first integrals up to a total degree, or of one weight.
 
-    They are the polynomials F with $\{F, H\} = 0$: the null vectors of $D = \sum_k\dot x_k\,\partial_k$ on monomials,
-    found modulo a prime and, where they are no products of known ones, lifted and checked exactly.  A rank modulo a
-    prime is at most the true one, so that "there are no others" is a proof, over the complex numbers as well.
+    They are the polynomials F with $\dot F = \{F, H\} = 0$: the null vectors of $D = \sum_k\dot x_k\,\partial_k$ on
+    monomials, found modulo a prime and, where they are no products of known ones, lifted and checked exactly.  A rank
+    modulo a prime is at most the true one, so that "there are no others" is a proof, over the complex numbers as well.
 
     Example:
         >>> top = lp.Top(inertia=(2, 2, 1), a=(0, 0, -1), epsilon=1)
@@ -182,9 +183,9 @@ def first_integrals(
         ['l3', 'alpha1*l1 + alpha2*l2 + alpha3*l3 - 2*beta3']
 
     Args:
-        system: A system whose equations are polynomials in the coordinates and in fractions, square roots of
-            polynomials, and exp, sin and cos of linear forms, which count as further coordinates.  Parameters that are
-            symbols count as generic.
+        system: A system or vector field whose equations are polynomials in the coordinates and in fractions, square
+            roots of polynomials, and exp, sin and cos of linear forms, which count as further coordinates.  Parameters
+            that are symbols count as generic.
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
@@ -192,7 +193,8 @@ def first_integrals(
             that vanish on it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The
             level must be invariant, and is the complex one.  Of one equation the squarefree part counts; with several,
             polynomials count modulo the ideal that these generate.
-        known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
+        known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs, and none of a
+            vector field.
         progress: As for `integrate`.
 
     Raises:
@@ -209,12 +211,13 @@ def first_integrals(
     zeros, size_asked = zeros_on_level(system, on), SizeAsked.of(degree, weight)
     if weight is None and degree is not None:  # before anything is written out
         size_asked.n_up_to_degree(len(system.variables), MOST_MONOMIALS)
+    energy = system.hamiltonian if isinstance(system, System) else None
     used = _of_degree(_with_low_hamiltonian(system, given), size_asked.value)
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
     slopes: list[Expr] = []
-    if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
-        used = {name: f for name, f in used.items() if f != system.hamiltonian}
-        slopes = [system.hamiltonian.diff(x) for x in system.variables]
+    if energy is not None and energy in used.values() and not is_algebraic(system, energy):
+        used = {name: f for name, f in used.items() if f != energy}
+        slopes = [energy.diff(x) for x in system.variables]
     equations, functions = algebraic_equations(system, *used.values(), *zeros, *slopes)
     n, derivation = len(used), equations.derivation
     on_level = [*equations.relations, *functions[n : n + len(zeros)]]
@@ -246,8 +249,10 @@ def first_integrals(
     )
 
 
-def _with_low_hamiltonian(system: System, known: Mapping[str, Expr]) -> dict[str, Expr]:
+def _with_low_hamiltonian(system: EquationsOfMotion, known: Mapping[str, Expr]) -> dict[str, Expr]:
     """The known integrals, with what is left of H modulo known Casimirs where that has a lower degree."""
+    if not isinstance(system, System):
+        return dict(known)
     casimirs = {*system.bracket.casimirs()}
     if system.hamiltonian not in known.values() or not casimirs <= {*known.values()}:
         return dict(known)

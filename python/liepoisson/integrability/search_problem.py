@@ -36,6 +36,7 @@ from liepoisson.integrability.derivation import (
     up_to_degree,
 )
 from liepoisson.integrability.search import Generator, Search
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.hamiltonian import symbols_in
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
@@ -56,7 +57,7 @@ class SearchProblem:
     zeros: list[Polynomial]  # the functions that vanish on the level set; empty for all of phase space
 
     @classmethod
-    def of(cls, system: System, known: Mapping[str, Expr], on: Sequence[Expr]) -> SearchProblem:
+    def of(cls, system: EquationsOfMotion, known: Mapping[str, Expr], on: Sequence[Expr]) -> SearchProblem:
         """The problem for a system with polynomial equations."""
         derivation, functions = derivation_of(system, *known.values(), *on)
         n = len(known)
@@ -184,9 +185,9 @@ def functions_by_name(known: object, what: str = "known") -> dict[str, Any]:
     return found
 
 
-def known_functions(system: System) -> dict[str, Expr]:
-    """H and the Casimirs."""
-    return {"H": system.hamiltonian} | casimirs_of(system)
+def known_functions(system: EquationsOfMotion) -> dict[str, Expr]:
+    """H and the Casimirs; of a vector field nothing."""
+    return {"H": system.hamiltonian} | casimirs_of(system) if isinstance(system, System) else {}
 
 
 def casimirs_of(system: System) -> dict[str, Expr]:
@@ -212,13 +213,13 @@ def where(functions: Sequence[Expr]) -> str:
     return ", ".join(f"{Formula(f).plain} = 0" for f in functions)
 
 
-def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
+def equations_of(system: EquationsOfMotion, on: Equations) -> tuple[str | Expr, ...]:
     """Equations as a caller gives them: one, several, or values by name, of which "C1 = 1" is made."""
     if isinstance(on, str) or is_sympy(on):
         return (cast("str | Expr", on),)
     if (values := named(on, "on")) is None:
         if (items := listed(on, "on")) is None:
-            name = "C1" if system.bracket.casimirs() else "H"
+            name = next(reversed(known_functions(system)), system.component_names[0])
             raise not_a("a sequence of equations", on, "on", f'write on="{name} = 0" or on={{"{name}": 0}}')
         return tuple(items)
     exact = {name: read_parameter(value, f"on: {name}") for name, value in values.items()}
@@ -227,7 +228,7 @@ def equations_of(system: System, on: Equations) -> tuple[str | Expr, ...]:
     )
 
 
-def zeros_on_level(system: System, on: Equations) -> list[Expr]:
+def zeros_on_level(system: EquationsOfMotion, on: Equations) -> list[Expr]:
     """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name."""
     zeros: list[Expr] = []
     for equation in equations_of(system, on):

@@ -14,6 +14,7 @@ from liepoisson.formula.scalars import as_array, as_time
 from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.numeric.systems import has_bracket, reads_formulas
 
 if TYPE_CHECKING:
@@ -75,9 +76,10 @@ def why_constant(system: Any, function: str | Expr) -> str | None:
 
     They say nothing about components that are found by quadrature, which stand in no bracket.
     """
-    if not has_bracket(system):
-        return None
     whole: Any = system
+    if not has_bracket(system):
+        is_constant = isinstance(system, EquationsOfMotion) and _is_constant_of_motion(system, function)
+        return "which is constant along each orbit" if is_constant else None
     n = whole.bracket.dimension
     if n < len(whole.component_names) and system.expression(function).free_symbols & {*whole.variables[n:]}:
         return None
@@ -91,10 +93,13 @@ def why_constant(system: Any, function: str | Expr) -> str | None:
 
 
 def _is_constant_of_motion(system: Any, function: str | Expr) -> bool:
-    """Whether the bracket with H is zero: certain for polynomials, and for others if it is when multiplied out."""
+    """Whether the rate is zero: certain for polynomials, and for others if it is when multiplied out."""
     if isinstance(function, str) and system.polynomial(function) is not None:
         return bool(system.is_constant(function))
-    return bool(system.bracket(system.expression(function), system.hamiltonian).expand() == 0)
+    f: Any = system.expression(function)
+    if has_bracket(system):
+        return bool(system.bracket(f, system.hamiltonian).expand() == 0)
+    return bool(sum(f.diff(x) * rate for x, rate in system.equations.items()).expand() == 0)
 
 
 def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:

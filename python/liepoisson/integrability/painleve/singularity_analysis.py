@@ -45,7 +45,7 @@ from liepoisson.integrability.painleve.quasi_homogeneous import (
     maximal_weights,
 )
 from liepoisson.io.display import as_text
-from liepoisson.model.system import System
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.report.printing import Formula
 
 Verdict: TypeAlias = Literal["passes", "passes weakly", "fails", "undecided", "no balances"]
@@ -92,7 +92,7 @@ class PainleveTest:
         left: What was not decided; empty if nothing is.
     """
 
-    system: System
+    system: EquationsOfMotion
     variables: tuple[Symbol, ...]
     functions: dict[str, Expr] = field(hash=False)
     weights: tuple[tuple[Fraction, ...], ...]
@@ -172,7 +172,7 @@ def _words(variables: Sequence[Symbol], weights: Sequence[Fraction]) -> str:
 
 @shows_progress
 def painleve_test(
-    system: System,
+    system: EquationsOfMotion,
     *,
     weights: Weights | None = None,
     time_limit: float = SEARCH_LIMIT,
@@ -192,8 +192,8 @@ def painleve_test(
         ([[-1, 1, 4, 6], [-3, -1, 6, 8]], 'passes')
 
     Args:
-        system: A system with rational numbers, and perhaps symbols, in its equations. Where these contain roots,
-            exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
+        system: A system or vector field with rational numbers, and perhaps symbols, in its equations. Where these
+            contain roots, exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
         weights: Orders of poles, by name of the coordinate or in the order of the state; by default all maximal ones.
         time_limit: Seconds after which what is left is named; the balances that were found are in the result.
         progress: As for `integrate`.
@@ -225,7 +225,7 @@ def painleve_test(
     )
 
 
-def _equations(system: System) -> tuple[Derivation, dict[str, Expr]]:
+def _equations(system: EquationsOfMotion) -> tuple[Derivation, dict[str, Expr]]:
     """The polynomial equations that are tested."""
     found, _ = algebraic_equations(system)
     derivation = found.derivation
