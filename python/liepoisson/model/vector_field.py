@@ -28,7 +28,7 @@ from liepoisson.model.polynomial_view import bracket_with, occurring, read_polyn
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-_OF_TIME = 'A field that depends on time has a coordinate for it, {"t": "1"}'
+_OF_TIME = '. For equations that depend on time make it a coordinate: {"t": "1"}'
 _MISSING = frozenset({"bracket", "hamiltonian", "functions", "symbolic_bracket", "symbolic_hamiltonian"})
 """What a system has and a vector field has not."""
 
@@ -153,7 +153,9 @@ class VectorField(EquationsOfMotion):
             try:
                 found.append(self._read(given))
             except ExpressionError as error:
-                raise ExpressionError(f"the rate of {name}: {error.message}", error.text, error.position) from None
+                of_time = "the name 't' is unknown" in error.message
+                words = f"the rate of {name}: {error.message}" + _OF_TIME * of_time
+                raise ExpressionError(words, error.text, error.position) from None
         return found
 
     def _check_that_parameters_occur(self, equations: Sequence[Expr]) -> None:
@@ -268,7 +270,7 @@ class VectorField(EquationsOfMotion):
     def _scope(self, *further: str) -> Scope:
         names = self.component_names
         symbols = (*names, *self._given_symbols, *further)
-        return Scope(parameters=cast("Any", self.values), symbols=symbols, scalars=names, remark=_OF_TIME)
+        return Scope(parameters=cast("Any", self.values), symbols=symbols, scalars=names)
 
     @cached_property
     def text(self) -> str | None:

@@ -1,0 +1,51 @@
+"""Exponents of flows that keep no volume and have no bracket: Lorenz's, known to five digits."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+
+RATES = {"x": "sigma*(y - x)", "y": "x*(rho - z) - y", "z": "x*y - beta*z"}
+LORENZ = lp.VectorField(RATES, {"sigma": 10, "rho": 28, "beta": "8/3"}, name="Lorenz")
+KNOWN = [0.9056, 0.0, -14.5723]
+"""Sprott, Chaos and Time-Series Analysis (2003), page 431; Viswanath (2004) has 0.90563 for the first."""
+
+
+def starts(n):
+    """States on the attractor: where random ones are after a while."""
+    given = 10 * lp.sample_states(LORENZ, n, seed=3) + [0, 0, 25]
+    return lp.integrate(LORENZ, given, times=[0, 30]).end_state
+
+
+@pytest.mark.parametrize(
+    ("n", "t_end"),
+    [(8, 200), pytest.param(64, 2000, marks=pytest.mark.slow)],
+)
+def test_the_spectrum_of_lorenz(n, t_end):
+    found = lp.lyapunov_spectrum(LORENZ, starts(n), t_end=t_end, transient=20, seed=1)
+    mean, error = found.mean
+    # the largest and the smallest within three of their errors, and the one along the flow below what passes for zero
+    assert np.abs(mean - KNOWN)[[0, 2]] == pytest.approx([0, 0], abs=3 * error[0] + 5e-5)
+    assert error[0] < 0.25 / np.sqrt(n * t_end) * 3
+    assert (np.abs(found.end_exponent[:, 1]) < found.residuals.zero_threshold).all()
+    # frames are made orthogonal with the volumes that the flow has: the sum is the divergence, -(sigma + 1 + beta)
+    assert np.abs(found.end_exponent.sum(axis=1) + 41 / 3).max() < 1e-12
+    assert found.structure is None
+    assert found.check().splitlines()[0].startswith("sum of all exponents: -13.66666667, the divergence of the field")
+
+
+def test_one_exponent_agrees_with_the_spectrum_and_the_rule_says_chaotic():
+    found = lp.lyapunov_exponent(LORENZ, starts(4), t_end=200)
+    assert (np.abs(found.exponent - KNOWN[0]) < 4 * found.error).all()
+    assert set(lp.decide(LORENZ, starts(4), t_end=100).verdict) == {"chaotic"}
+    quiet = lp.VectorField(RATES, {"sigma": 10, "rho": 14, "beta": "8/3"})  # all orbits end at rest
+    assert lp.lyapunov_exponent(quiet, [1, 1, 10], t_end=100).exponent[0] < 0
+
+
+def test_the_divergence_is_not_claimed_where_it_is_no_number():
+    """Van der Pol's oscillator: the sum is the mean of the divergence, mu (1 - x^2), along the cycle."""
+    field = lp.VectorField({"x": "y", "y": "mu*(1 - x^2)*y - x"}, {"mu": 1})
+    found = lp.lyapunov_spectrum(field, [2, 0], t_end=200, transient=50)
+    assert "not expected to vanish, as the flow does not keep the volume (div f is not 0)" in found.check()
+    assert abs(found.end_exponent[0, 0]) < found.residuals.zero_threshold[0]
+    assert found.end_exponent[0, 1] == pytest.approx(-1.0590, abs=2e-3)
