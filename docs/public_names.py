@@ -25,7 +25,7 @@ PAGE = Path(__file__).with_name("names.md")
 RESULTS = Path(lp.__file__).with_name("results.pyi")
 
 WORDS = {
-    "system": "what is studied: a `System`, a `Top`, anything that has a field",
+    "system": "what is studied: a `System`, a `Top`, a `VectorField`, anything that has a field",
     "box": "a set of states: a `Box`, a tuple of its bounds, or one state",
     "arithmetic": "of a proof: intervals of doubles, or balls of any precision",
     "leaf": "a `Leaf`, or the values of the Casimirs by name",

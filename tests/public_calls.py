@@ -274,6 +274,10 @@ def _of_systems(add):
         hamiltonian="dot(l, l)/2 + k*alpha3 + c", parameters={"k": 2}, symbols=["c"], integrals={"K": "l3"},
         partial_integrals={"P": ("l1", "l2")},
     )  # fmt: skip
+    add(
+        "systems.VectorField", "equations:v parameters:c symbols:o integrals:v", equations={"x": "k*y + c", "y": "-x"},
+        parameters={"k": 2}, symbols=["c"], integrals={"K": "x^2 + 2*y^2 + 2*c*y"},
+    )  # fmt: skip
     add("systems.CanonicalSystem.invariant_values", "states:N", TOP, states=X)
     add("systems.CanonicalSystem.right_hand_side", "state:N", TOP, time=0.0, state=X)
     add("systems.CanonicalSystem.vector_field", "states:N", TOP, states=X)

@@ -20,7 +20,7 @@ from liepoisson.cli.options import (
     show,
 )
 from liepoisson.cli.progress import listening
-from liepoisson.cli.systems import read_file, read_system, with_symbols
+from liepoisson.cli.systems import read_equations, read_file, read_system, with_symbols
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import FAMILY_LIMIT, SEARCH_LIMIT
 
@@ -92,7 +92,7 @@ def integrals(
     """
     from liepoisson.integrability.polynomial_integrals import first_integrals, search_record
 
-    chosen = read_system(system, common.values)
+    chosen = read_equations(system, common.values)
     with listening("searching", quiet=common.quiet) as listen:
         found = first_integrals(chosen, degree=degree, weight=weight, on=on or (), progress=listen)
     show(found, format_, search_record, integrals_in_latex)
@@ -145,7 +145,7 @@ def darboux(
     from liepoisson.integrability.darboux import darboux_polynomials
 
     check_limits(time_limit=time_limit)
-    chosen = read_system(system, common.values)
+    chosen = read_equations(system, common.values)
     with listening("searching", quiet=common.quiet) as listen:
         found = darboux_polynomials(
             chosen,

@@ -12,7 +12,7 @@ from liepoisson.cli.options import Common, Format, FormatOption, FreeOption, Sys
 from liepoisson.cli.output import checked_file
 from liepoisson.cli.progress import listening
 from liepoisson.cli.runs import check_limits
-from liepoisson.cli.systems import read_file, read_system, with_symbols
+from liepoisson.cli.systems import read_equations, read_system
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import SEARCH_LIMIT
 
@@ -98,7 +98,7 @@ def painleve(
     from liepoisson.integrability.painleve.singularity_analysis import painleve_test, record
 
     check_limits(time_limit=time_limit)
-    chosen = with_symbols(read_file(system), common.values, free or ()).system()
+    chosen = read_equations(system, common.values, free or ())
     orders = None if weights is None else [part.strip() for part in weights.split(",")]
     with listening("testing", quiet=common.quiet) as listen:
         found = painleve_test(chosen, weights=orders, time_limit=time_limit, progress=listen)

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
 if TYPE_CHECKING:
     from liepoisson.formula.parameters import Value
+    from liepoisson.formula.toml_text import TomlText
+    from liepoisson.model.equations_of_motion import EquationsOfMotion
     from liepoisson.model.system import System
     from liepoisson.model.system_file import SystemFile
 
@@ -22,11 +24,48 @@ def read_system(argument: str, settings: Sequence[str] = ()) -> System:
     return with_settings(read_file(argument), settings).system()
 
 
+def read_equations(argument: str, settings: Sequence[str] = (), free: Sequence[str] = ()) -> EquationsOfMotion:
+    """The same, or the vector field of a file with equations; parameters that are free have no values."""
+    from liepoisson.formula.toml_text import read_toml
+    from liepoisson.model.system_file_reader import vector_field_of
+
+    if _is_path(argument) and "equations" in (toml := read_toml(argument)).tables:
+        return vector_field_of(_with_values(toml, settings, free))
+    return with_symbols(read_file(argument), settings, free).system()
+
+
+def _with_values(toml: TomlText, settings: Sequence[str], free: Sequence[str]) -> TomlText:
+    """The tables of a vector field with other values of parameters, and with symbols for those that are free."""
+    if not settings and not free:
+        return toml
+    given: dict[str, Any] = dict(toml.tables.get("parameters", {}))
+    symbols = list(given.pop("symbols", []))
+    for setting in settings:
+        name, sign, text = (part.strip() for part in setting.partition("="))
+        if not (name and sign and text):
+            raise ParameterError(
+                f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write for example --set k=1."
+            )
+        items = [item.strip() for item in text.removeprefix("[").removesuffix("]").split(",")]
+        given[name] = items if len(items) > 1 or text.startswith("[") else text
+        symbols = [symbol for symbol in symbols if symbol.partition("[")[0].strip() != name]
+    for name in free:
+        if isinstance(value := given.pop(name, None), list) or value is None:
+            known = ", ".join(known for known, value in given.items() if not isinstance(value, list)) or "none"
+            raise ParameterError(f"--free must name a number that is a parameter; got {name!r:.60}. Known: {known}.")
+        symbols.append(name)
+    return replace(toml, tables={**toml.tables, "parameters": {**given, **({"symbols": symbols} if symbols else {})}})
+
+
+def _is_path(argument: str) -> bool:
+    return argument.endswith(".toml") or "/" in argument or "\\" in argument or Path(argument).is_file()
+
+
 def read_file(argument: str) -> SystemFile:
     """The system file that an argument names: a path if it looks like one or exists, else a name of the catalog."""
     from liepoisson.model.system_file_reader import read_system_file
 
-    if argument.endswith(".toml") or "/" in argument or "\\" in argument or Path(argument).is_file():
+    if _is_path(argument):
         return read_system_file(argument)
     from liepoisson.catalog import entry
 

@@ -118,7 +118,10 @@ class _Reader(TomlReader):
     def file(self) -> SystemFile:
         tables = self.toml.tables
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
-        below["equations"] = "A vector field has no bracket: lp.read_system reads it, and a command does not."
+        below["equations"] = (
+            "A vector field has no bracket: lp.read_system reads it, and so do the commands integrals, darboux and "
+            "painleve."
+        )
         self.check_keys((), tables, _KEYS[""], below)
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))
