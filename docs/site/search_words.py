@@ -25,8 +25,8 @@ WORDS = {
     "canonical": "canonical separable hamiltonian pendulum symplectic potential kinetic momenta coordinates escape "
     "time-dependent time dependent nonautonomous non-autonomous periodically driven forcing external "
     "kicked",
-    "vector-fields": "ode equations right-hand side dissipative friction forcing driven attractor lorenz strange polynomial "
-    "invariant surface volterra autonomous",
+    "vector-fields": "ode equations right-hand side dissipative friction forcing driven attractor lorenz strange "
+    "polynomial invariant surface volterra autonomous",
     "catalog": "models list examples library built-in ready-made literature",
     "tops": "rigid body spinning euler lagrange kovalevskaya goryachev chaplygin heavy top gyroscope quaternion",
     # Integrate.

@@ -86,6 +86,15 @@ def test_the_integrals_of_rabinovich_for_all_couplings():
     assert [f.is_independent for f in found.found] == [True, True]
 
 
+def test_a_scan_counts_the_integrals_of_each_coupling():
+    """x' = y z, y' = k x z, z' = x y has two integrals for each k; with a damping d only where it vanishes."""
+    rates = {"x": "y*z - d*x", "y": "k*x*z - d*y", "z": "x*y - d*z"}
+    field = lp.VectorField(rates, symbols=["k", "d"])
+    scan = lp.integrability.scan_integrals(field, axes={"k": [-1, 2], "d": [0, 1]}, degree=2)
+    assert scan.complete
+    assert scan.n_further.reshape(2, 2).tolist() == [[2, 0], [2, 0]]
+
+
 def test_a_damped_rabinovich_system_has_an_integral_of_the_time():
     """With all dampings equal to 1 and h = 0 both squares decay together: cofactor -2."""
     field = lp.VectorField({"x": "y*z - x", "y": "-x*z - y", "z": "x*y - z"})
@@ -93,7 +102,10 @@ def test_a_damped_rabinovich_system_has_an_integral_of_the_time():
     check(found)
     assert found.complete
     assert not first_integrals(field, degree=4).found
-    assert {p.cofactor for p in found.found if p.degree == 2} == {-2}
+    assert {e.rate for e in found.time_dependent_integrals} == {-2}
+    assert [e.is_independent for e in found.time_dependent_integrals] == [True, False, False]
+    (ratio,) = (r.expression for r in found.rational_integrals if r.is_independent)
+    assert not ratio.is_polynomial(x, y, z)
 
 
 def test_lotka_and_volterra_of_three_species():

@@ -196,7 +196,7 @@ def darboux_record(found: DarbouxPolynomials) -> dict[str, Any]:
         "found": [_fields(p, **polynomial, real="is_real") for p in found.found],
         "rational_integrals": [_fields(r, **integral, independent="is_independent") for r in found.rational_integrals],
         "time_dependent_integrals": [
-            _fields(e, name="name", powers="powers", rate="rate", expression="expression")
+            _fields(e, name="name", powers="powers", rate="rate", expression="expression", independent="is_independent")
             for e in found.time_dependent_integrals
         ],
         **_fields(found, complete="complete", left="left"),

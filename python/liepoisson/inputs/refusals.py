@@ -47,8 +47,8 @@ def not_a_whole_system(value: object) -> ParameterError:
         return not_a_system(value)
     return ParameterError(
         f"system: wanted a System, which has a bracket and a Hamiltonian; got {shown(value)}, which is a vector field "
-        "only; the equations dx/dt = f(x) are those of H = p1*f1(x) + p2*f2(x) + ... on canonical(names=..., "
-        "momenta=...)"
+        "only; the equations dx/dt = f(x) are a VectorField, for searches, and those of H = p1*f1(x) + p2*f2(x) + ... "
+        "on canonical(names=..., momenta=...)"
     )
 
 

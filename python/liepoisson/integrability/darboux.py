@@ -160,7 +160,7 @@ class DarbouxPolynomials:
         if not self.found:
             lines.append("no others than the known integrals")
         lines += [f"{r.name} = {r} is constant{r.remark}" for r in self.rational_integrals]
-        lines += [f"{e.name} = {e} is constant" for e in self.time_dependent_integrals]
+        lines += [f"{e.name} = {e} is constant{e.remark}" for e in self.time_dependent_integrals]
         return "\n".join([*lines, *self._proof()])
 
     def _proof(self) -> list[str]:

@@ -176,10 +176,10 @@ class DarbouxSearch:
         return total
 
     def rank(self, rows: Sequence[dict[int, Element]]) -> int:
-        """The rank of gradients at the same point, along the level."""
+        """The rank of gradients at the same point, along the level; their last entries are derivatives by the time."""
         residues, point = self.search.residues, self.search.point
         level = [gradient_at(modular(e, residues), point) for e in self.search.equations]
-        return rank_mod([*level, *rows], len(point), residues.p)
+        return rank_mod([*level, *rows], len(point) + 1, residues.p)
 
 
 @dataclass(frozen=True)
@@ -223,6 +223,7 @@ class TimeDependentIntegral:
         rate: The number c that the cofactors add up to: the product grows like $e^{ct}$.
         expression: The product times $e^{-ct}$.
         time: The symbol t, called t_ where t is a coordinate.
+        is_independent: Whether it is functionally independent of the known and rational integrals and those before it.
     """
 
     name: str
@@ -230,6 +231,12 @@ class TimeDependentIntegral:
     rate: Expr
     expression: Expr
     time: Symbol
+    is_independent: bool
+
+    @property
+    def remark(self) -> str:
+        """What is said behind it."""
+        return "" if self.is_independent else "   (depends on the others)"
 
     def __str__(self) -> str:
         """The product by the names of its factors, and the exponential."""
@@ -268,23 +275,22 @@ def time_dependent_integrals(
     if constant not in search.monomials:
         return ()
     place, time = search.monomials.index(constant), Symbol(free_name("t", [*map(str, variables)]))
+    residues = search.search.residues
+    rows = [search.gradient([f], [1]) for f in search.factors if not f.is_new]
+    rows += [search.gradient(factors, relation) for relation in _relations(factors)]
     found: list[TimeDependentIntegral] = []
     for relation in _relations(factors, place):
-        rate: Any = sum(
-            n * cast("Any", numbers.to_sympy(f.cofactor[place])) for n, f in zip(relation, factors, strict=True)
-        )
-        if rate == 0:
+        terms = (numbers.number(n) * f.cofactor[place] for n, f in zip(relation, factors, strict=True))
+        if not (rate := sum(terms, numbers.zero)):
             continue
-        product = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
-        found.append(
-            TimeDependentIntegral(
-                f"E{len(found) + 1}",
-                {name: n for name, n in zip(names, relation, strict=True) if n},
-                rate,
-                cast("Expr", product * exp(-rate * time)),
-                time,
-            )
-        )
+        row = search.gradient(factors, relation) | {len(variables): residues.field.number(residues(-rate))}
+        is_independent = search.rank([*rows, row]) > search.rank(rows)
+        rows.append(row)
+        product: Any = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
+        c: Any = numbers.to_sympy(rate)
+        powers = {name: n for name, n in zip(names, relation, strict=True) if n}
+        name = f"E{len(found) + 1}"
+        found.append(TimeDependentIntegral(name, powers, c, product * exp(-c * time), time, is_independent))
     return tuple(found)
 
 

@@ -39,6 +39,7 @@ from liepoisson.integrability.search_problem import (
     where,
     zeros_on_level,
 )
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.system import System
 from liepoisson.report.printing import Formula
 
@@ -306,7 +307,7 @@ def check_numbers(system: System, functions: Sequence[Expr]) -> None:
         )
 
 
-def check_parameters(system: System, derivation: Derivation, caller: str) -> None:
+def check_parameters(system: EquationsOfMotion, derivation: Derivation, caller: str) -> None:
     """Refuse a system without symbols."""
     symbols = derivation.field.parameters
     ring: Any = getattr(derivation.field.domain, "domain", None)

@@ -41,7 +41,7 @@ from liepoisson.integrability.search_problem import (
 )
 from liepoisson.io.files import exclusive
 from liepoisson.io.result import Result, labelled, names_along, recorded
-from liepoisson.model.system import System
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.report.printing import Formula
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ class IntegralScan(Result):
     made_by = "scan_integrals"
     rows = ("point",)
 
-    system: System
+    system: EquationsOfMotion
     degree: int
     on: tuple[str, ...]
     axes: dict[str, tuple[str, ...]] = recorded(
@@ -144,7 +144,7 @@ class IntegralScan(Result):
 
 @shows_progress
 def scan_integrals(
-    system: System,
+    system: EquationsOfMotion,
     *,
     axes: Mapping[str, Parameter | Sequence[Parameter]],
     degree: int = 2,
@@ -164,7 +164,7 @@ def scan_integrals(
         ({'J': '1'}, {'J': '2'})
 
     Args:
-        system: A system with symbols for parameters and rational numbers.
+        system: A system or vector field with symbols for parameters and rational numbers.
         axes: Values of each parameter, or one value: {"J1": [1, "3/2"], "a1": 1}.  Numbers are exact; 0.1 is 1/10.
         degree: The total degree of the integrals.
         on: Equations of an invariant level set, as for `first_integrals`.
@@ -223,7 +223,7 @@ def scan_integrals(
     )
 
 
-def _search(system: System, degree: int, on: Equations) -> tuple[PointSearch, list[str]]:
+def _search(system: EquationsOfMotion, degree: int, on: Equations) -> tuple[PointSearch, list[str]]:
     """The search as plain data, and the names of its parameters."""
     problem = SearchProblem.of(system, known_functions(system), zeros_on_level(system, on))
     derivation = problem.derivation
