@@ -57,6 +57,8 @@ def test_the_numbers_of_a_quadratic_field_are_those_that_the_core_rounds():
         ({"u": "v^3 - u", "v": "-u/(1 + v^2)"}, {}, TapeField),
         ({"u": "v^2 - k*u", "v": "k*u*v"}, {"k": "sqrt(2)"}, QuadraticField),
         ({"u": "v - k*u", "v": "-sin(k*u)"}, {"k": "sqrt(2)"}, TapeField),
+        ({"u": "pi*v - u", "v": "-u^3/u"}, {}, QuadraticField),
+        ({"u": "pi*v - u", "v": "-u^3"}, {}, TapeField),
         ({"u": "c2*v", "v": "-M12*u + M11"}, {"c": [1, 2], "M": [[3, 4], [5, 6]]}, QuadraticField),
         ({"u": sp.Symbol("v") * sp.Symbol("k"), "v": "-u"}, {"k": 3}, QuadraticField),
     ],

@@ -218,10 +218,11 @@ class VectorField(EquationsOfMotion):
         rates = self.polynomial_rates
         if rates is not None and all(len(m) <= 2 for rate in rates for m in rate.expanded):
             return quadratic_field([rate.expanded for rate in rates])
-        are_rational = all(isinstance(value, Fraction) for value in self.parameters.values())
-        if self._is_typed and are_rational:  # as it is grouped in the texts
+        if self._is_typed:  # as it is grouped in the texts
             tape = self.function_tape(*self._given_equations.values())
-            return TapeField(tape.n_components, tape.instructions, tape.outputs)
+            if rates is not None or {name for name, *_ in tape.instructions} - {"linear", "product"}:
+                return TapeField(tape.n_components, tape.instructions, tape.outputs)
+        # polynomials with irrational numbers, which may be of degree two, and expressions
         from liepoisson.compile.lowering import field_of_equations
 
         rates = list(self.equations.values())
