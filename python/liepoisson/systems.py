@@ -1,4 +1,4 @@
-"""Systems: a bracket and a Hamiltonian, or equations alone, made in Python or read from a file, and the report on them."""
+"""Systems, by a bracket and a Hamiltonian or by their equations, from Python or a file, and the report on them."""
 
 from liepoisson._lazy import attach
 
