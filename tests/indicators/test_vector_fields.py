@@ -7,8 +7,11 @@ import liepoisson as lp
 
 RATES = {"x": "sigma*(y - x)", "y": "x*(rho - z) - y", "z": "x*y - beta*z"}
 LORENZ = lp.VectorField(RATES, {"sigma": 10, "rho": 28, "beta": "8/3"}, name="Lorenz")
-KNOWN = [0.9056, 0.0, -14.5723]
-"""Sprott, Chaos and Time-Series Analysis (2003), page 431; Viswanath (2004) has 0.90563 for the first."""
+KNOWN = [0.90563, 0.0, -14.57230]
+"""Sprott, Chaos and Time-Series Analysis (2003), page 431: 0.9056, 0, -14.5723; Viswanath (1998): 0.90563."""
+ROUNDING = 5e-6
+SPREAD = 0.2
+"""Errors of the mean of n orbits to the time t are at most this over the root of n t; 0.14 to 0.17 was measured."""
 
 
 def starts(n):
@@ -19,14 +22,14 @@ def starts(n):
 
 @pytest.mark.parametrize(
     ("n", "t_end"),
-    [(8, 200), pytest.param(64, 2000, marks=pytest.mark.slow)],
+    [(8, 200), pytest.param(64, 2000, marks=pytest.mark.thorough), pytest.param(64, 20_000, marks=pytest.mark.slow)],
 )
 def test_the_spectrum_of_lorenz(n, t_end):
     found = lp.lyapunov_spectrum(LORENZ, starts(n), t_end=t_end, transient=20, seed=1)
     mean, error = found.mean
     # the largest and the smallest within three of their errors, and the one along the flow below what passes for zero
-    assert np.abs(mean - KNOWN)[[0, 2]] == pytest.approx([0, 0], abs=3 * error[0] + 5e-5)
-    assert error[0] < 0.25 / np.sqrt(n * t_end) * 3
+    assert (np.abs(mean - KNOWN) < 3 * error + ROUNDING)[[0, 2]].all()
+    assert (error < SPREAD / np.sqrt(n * t_end)).all()
     assert (np.abs(found.end_exponent[:, 1]) < found.residuals.zero_threshold).all()
     # frames are made orthogonal with the volumes that the flow has: the sum is the divergence, -(sigma + 1 + beta)
     assert np.abs(found.end_exponent.sum(axis=1) + 41 / 3).max() < 1e-12
@@ -34,6 +37,7 @@ def test_the_spectrum_of_lorenz(n, t_end):
     assert found.check().splitlines()[0].startswith("sum of all exponents: -13.66666667, the divergence of the field")
 
 
+@pytest.mark.thorough
 def test_one_exponent_agrees_with_the_spectrum_and_the_rule_says_chaotic():
     found = lp.lyapunov_exponent(LORENZ, starts(4), t_end=200)
     assert (np.abs(found.exponent - KNOWN[0]) < 4 * found.error).all()

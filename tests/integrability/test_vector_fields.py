@@ -34,6 +34,21 @@ def check(found):
         assert sp.simplify(total / e.expression) == 0
 
 
+def test_the_integrals_of_rabinovich_for_all_couplings():
+    """Two of degree two where nothing is damped, of which all others are polynomials, up to degree five."""
+    field = lp.VectorField({"x": "h*y + y*z", "y": "h*x - x*z", "z": "x*y"}, symbols=["h"], name="Rabinovich")
+    found = first_integrals(field, degree=5)
+    h = sp.Symbol("h")
+    assert found.complete
+    assert found.parameters == ("h",)
+    first, second = (f.expression for f in found.found)
+    known = [x**2 + y**2 - 4 * h * z, x**2 - y**2 - 2 * z**2]
+    span = sp.Matrix([[sp.Poly(f, x, y, z).coeff_monomial(m) for m in (x**2, y**2, z**2, z)] for f in (first, second)])
+    both = sp.Matrix([[sp.Poly(f, x, y, z).coeff_monomial(m) for m in (x**2, y**2, z**2, z)] for f in known])
+    assert span.rank() == span.col_join(both).rank() == 2
+    assert [f.is_independent for f in found.found] == [True, True]
+
+
 SURFACES = [
     ((3, 5, 6), x**2 - 6 * z, -6),
     (("1/2", 5, 1), x**2 - z, -1),
@@ -46,6 +61,7 @@ SURFACES = [
 """Parameters sigma, rho, beta; the polynomial; its cofactor."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("parameters", "surface", "cofactor"), SURFACES)
 def test_invariant_surfaces_of_lorenz(parameters, surface, cofactor):
     """Each has a constant cofactor c, and so an integral of the time, surface times exp(-c t)."""
@@ -64,26 +80,12 @@ def test_invariant_surfaces_of_lorenz(parameters, surface, cofactor):
     assert np.allclose(along, along[0], rtol=1e-11)
 
 
+@pytest.mark.thorough
 def test_lorenz_has_no_invariant_surface_at_the_usual_parameters():
     found = darboux_polynomials(lorenz(10, 28, "8/3"), degree=3)
     assert (found.found, found.complete) == ((), True)
     none = first_integrals(lorenz(10, 28, "8/3"), degree=6)
     assert (none.found, none.known, none.complete) == ((), {}, True)
-
-
-def test_the_integrals_of_rabinovich_for_all_couplings():
-    """Two of degree two where nothing is damped, of which all others are polynomials, up to degree five."""
-    field = lp.VectorField({"x": "h*y + y*z", "y": "h*x - x*z", "z": "x*y"}, symbols=["h"], name="Rabinovich")
-    found = first_integrals(field, degree=5)
-    h = sp.Symbol("h")
-    assert found.complete
-    assert found.parameters == ("h",)
-    first, second = (f.expression for f in found.found)
-    known = [x**2 + y**2 - 4 * h * z, x**2 - y**2 - 2 * z**2]
-    span = sp.Matrix([[sp.Poly(f, x, y, z).coeff_monomial(m) for m in (x**2, y**2, z**2, z)] for f in (first, second)])
-    both = sp.Matrix([[sp.Poly(f, x, y, z).coeff_monomial(m) for m in (x**2, y**2, z**2, z)] for f in known])
-    assert span.rank() == span.col_join(both).rank() == 2
-    assert [f.is_independent for f in found.found] == [True, True]
 
 
 def test_a_scan_counts_the_integrals_of_each_coupling():
@@ -95,6 +97,7 @@ def test_a_scan_counts_the_integrals_of_each_coupling():
     assert scan.n_further.reshape(2, 2).tolist() == [[2, 0], [2, 0]]
 
 
+@pytest.mark.thorough
 def test_a_damped_rabinovich_system_has_an_integral_of_the_time():
     """With all dampings equal to 1 and h = 0 both squares decay together: cofactor -2."""
     field = lp.VectorField({"x": "y*z - x", "y": "-x*z - y", "z": "x*y - z"})
@@ -108,6 +111,7 @@ def test_a_damped_rabinovich_system_has_an_integral_of_the_time():
     assert not ratio.is_polynomial(x, y, z)
 
 
+@pytest.mark.thorough
 def test_lotka_and_volterra_of_three_species():
     """x' = x (C y + z) and cyclic: the axes are invariant, and if A B C = -1 there is a linear integral."""
     rates = {"x": "x*(C*y + z)", "y": "y*(x + A*z)", "z": "z*(B*x + y)"}

@@ -36,6 +36,7 @@ def test_a_hamiltonian_system_as_a_vector_field_has_the_same_bits(system, same, 
     assert np.array_equal(*(points.state for points in crossings))
 
 
+@pytest.mark.thorough
 def test_the_numbers_of_a_quadratic_field_are_those_that_the_core_rounds():
     rng = np.random.default_rng(5)
     names = ["u", "v", "w"]
@@ -76,6 +77,7 @@ def test_an_orbit_has_the_slope_that_the_formulas_say(rates, values, kind):
     assert np.allclose((ends[0] - ends[1]) / (2 * h), wanted, atol=1e-5)
 
 
+@pytest.mark.thorough
 def test_the_divergence_and_the_derivatives_of_functions_are_exact():
     x, y, z = LORENZ.variables
     assert LORENZ.divergence == sp.Rational(-41, 3)
@@ -120,6 +122,7 @@ def test_a_file_gives_the_same_vector_field(field, tmp_path):
     assert again.equations == field.equations
 
 
+@pytest.mark.thorough
 def test_saved_runs_load_with_the_vector_field_and_run_again(tmp_path):
     runs = {
         "orbit": lp.integrate(LORENZ, X, t_end=3),

@@ -72,6 +72,20 @@ def as_array(values: ArrayLike, name: str, labels: Sequence[str] = ()) -> Array:
     raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
 
 
+def as_phase_points(given: ArrayLike, components: Sequence[str], fields: Sequence[str], name: str = "states") -> Array:
+    """States of shape (..., n), n the number of components; labels are those of the components.
+
+    Raises:
+        ShapeError: the last axis has another length.
+        ParameterError: the labels are not those of the components.
+    """
+    states, n = as_array(given, name, components), len(components)
+    if states.ndim == 0 or states.shape[-1] != n:
+        hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
+        raise ShapeError(f"{name} must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")
+    return states
+
+
 def _has_masks(values: Any) -> bool:
     """Whether an entry of an array or of a list of arrays is masked: NumPy joins rows and forgets the masks."""
     if "numpy.ma" not in sys.modules:  # which NumPy imports when it is asked for the first masked array

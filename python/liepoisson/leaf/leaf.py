@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import LeafError, ParameterError, ShapeError
-from liepoisson.formula.scalars import as_number
+from liepoisson.formula.scalars import as_number, as_phase_points
 from liepoisson.inputs.arrays import Array, read_only
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import named
@@ -27,7 +27,7 @@ from liepoisson.leaf._checks import as_energy, as_system, by_name, formulas
 from liepoisson.leaf.leaf_in_units import LeafInUnits, scaling, unit_groups
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach, mixing_of
 from liepoisson.leaf.leaf_stratum import Place, open_place, place_of
-from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import linear
 from liepoisson.structure.casimir_part import difference
 from liepoisson.structure.casimirs import shortage

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from liepoisson._core import TypedSystem
     from liepoisson.algebra.rational_polynomials import RationalPolynomial
     from liepoisson.formula.scope import Scope
-    from liepoisson.model.phase_functions import PhaseFunction
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
@@ -49,6 +48,15 @@ def check_source(source: object) -> str:
     if not isinstance(source, str) or not source.strip() or any("\ud800" <= c <= "\udfff" for c in source):
         raise ParameterError(f"source: wanted a text that says where the system is described; got {shown(source)}")
     return source
+
+
+class HasExpression(Protocol):
+    """A function of the state that knows its formula, such as a `PhaseFunction`."""
+
+    @property
+    def expression(self) -> Expr:
+        """The function as a SymPy expression."""
+        ...
 
 
 class PolynomialEquations(Protocol):
@@ -161,7 +169,7 @@ class EquationsOfMotion:
         jacobian: Any = self.jacobian
         return jacobian.trace().expand()
 
-    def polynomial(self, function: str | Expr | PhaseFunction) -> RationalPolynomial | None:
+    def polynomial(self, function: str | Expr | HasExpression) -> RationalPolynomial | None:
         """What `expression` returns, as a rational polynomial and without SymPy; None if it is not the text of one."""
         if not isinstance(function, str) or self._polynomials is None:
             return None
@@ -170,13 +178,13 @@ class EquationsOfMotion:
             return None  # may be the name of an invariant
         return self._polynomials.read(function)
 
-    def _scope(self, *further: str) -> Scope:
+    def _scope_with(self, *further: str) -> Scope:
         """The names that formulas may use, and further symbols."""
         raise NotImplementedError
 
     @cached_property
     def _names_in_formulas(self) -> Scope:
-        return self._scope()
+        return self._scope_with()
 
     @cached_property
     def _parameter_names(self) -> tuple[str, ...]:
@@ -311,7 +319,7 @@ class EquationsOfMotion:
                 found[name] = function
         return found
 
-    def expression(self, function: str | Expr | PhaseFunction) -> Expr:
+    def expression(self, function: str | Expr | HasExpression) -> Expr:
         """A function on phase space with the parameters inserted.
 
         Args:
@@ -323,9 +331,9 @@ class EquationsOfMotion:
             ParameterError: the function is none of these, or a name alone stands for an invariant and for something
                 else, such as C1 for a Casimir and for a component of a parameter C.
         """
-        from liepoisson.model.phase_functions import PhaseFunction
-
-        given: Any = function.expression if isinstance(function, PhaseFunction) else function
+        given: Any = function
+        if not isinstance(function, str) and not is_expression(function):
+            given = getattr(function, "expression", function)
         if not isinstance(given, str):
             if not is_expression(given):
                 raise ParameterError(
@@ -384,7 +392,7 @@ class EquationsOfMotion:
             names = [name for name in self.invariants if name in set(_NAME.findall(text))]
             if not names:
                 raise
-        read: Any = self._with_parameters(read_expression(text, self._scope(*names)))
+        read: Any = self._with_parameters(read_expression(text, self._scope_with(*names)))
         return read.xreplace({Symbol(name): self.invariants[name] for name in names})
 
     def function_tape(self, *functions: str | Expr) -> TapeFunction:
@@ -410,7 +418,7 @@ class EquationsOfMotion:
         return {name: value for name, value in self.__dict__.items() if name not in made_again}
 
     def _states(self, x: ArrayLike) -> NDArray[np.float64]:
-        from liepoisson.model.phase_functions import as_phase_points
+        from liepoisson.formula.scalars import as_phase_points
 
         return as_phase_points(x, self.component_names, self.parts_of_state)
 

@@ -24,8 +24,8 @@ from numpy.typing import ArrayLike
 
 from liepoisson.algebra.rational_polynomials import expression_of, values_of
 from liepoisson.compile.symbols import evaluated, first_of_equal, name_of_function
-from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.formula.scalars import as_array
+from liepoisson.errors import ParameterError
+from liepoisson.formula.scalars import as_phase_points
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.names import ANGLE
@@ -375,20 +375,6 @@ def _in_variables(polynomial: RationalPolynomial, system: System) -> Expr:
 
 def _casimir(bracket: Bracket, number: int) -> Expr:
     return bracket.casimirs()[number]
-
-
-def as_phase_points(given: ArrayLike, components: Sequence[str], fields: Sequence[str], name: str = "states") -> Array:
-    """States of shape (..., n), n the number of components; labels are those of the components.
-
-    Raises:
-        ShapeError: the last axis has another length.
-        ParameterError: the labels are not those of the components.
-    """
-    states, n = as_array(given, name, components), len(components)
-    if states.ndim == 0 or states.shape[-1] != n:
-        hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
-        raise ShapeError(f"{name} must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")
-    return states
 
 
 _SAME_NAME = frozenset({

@@ -332,7 +332,7 @@ class System(EquationsOfMotion):
         occur = all(known & set(flattened({name: value})) for name, value in self.values.items())
         return typed if occur else None  # a parameter that drops out is refused where SymPy reads the formula
 
-    def _scope(self, *further: str) -> Scope:
+    def _scope_with(self, *further: str) -> Scope:
         return scope_of(self.symbolic_bracket, self.values, (*self._given_symbols, *further))
 
     @property

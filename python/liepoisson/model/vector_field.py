@@ -268,7 +268,7 @@ class VectorField(EquationsOfMotion):
     def _names_of_state(self) -> Names:
         return list(self.component_names)
 
-    def _scope(self, *further: str) -> Scope:
+    def _scope_with(self, *further: str) -> Scope:
         names = self.component_names
         symbols = (*names, *self._given_symbols, *further)
         return Scope(parameters=cast("Any", self.values), symbols=symbols, scalars=names)

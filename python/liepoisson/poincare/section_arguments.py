@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,18 +14,11 @@ from liepoisson.formula.scalars import as_array, as_time
 from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown
-from liepoisson.model.equations_of_motion import EquationsOfMotion
+from liepoisson.model.equations_of_motion import EquationsOfMotion, HasExpression
 from liepoisson.numeric.systems import has_bracket, reads_formulas
 
 if TYPE_CHECKING:
     from sympy import Expr
-
-
-class HasExpression(Protocol):
-    """A function of the state that knows its formula, as `System.functions` makes them."""
-
-    @property
-    def expression(self) -> Expr: ...  # noqa: D102
 
 
 Function: TypeAlias = "str | Expr | HasExpression"

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.formula.scalars import as_phase_points
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf_stratum import numeric_rank
-from liepoisson.model.phase_functions import as_phase_points
 from liepoisson.poincare.section_sheets import SectionAxes, SectionPlane, idle_components, section_axes
 from liepoisson.portable import linear
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.algebra.rational_polynomials import in_words
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.formula.scalars import as_count, as_number
+from liepoisson.formula.scalars import as_count, as_number, as_phase_points
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import BLOCK, checkpoint
@@ -26,7 +26,6 @@ from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import check_energy_in_reach
 from liepoisson.leaf.starts import read_state
-from liepoisson.model.phase_functions import as_phase_points
 from liepoisson.poincare.section_arguments import as_formula, check_that_it_varies
 from liepoisson.portable import linear
 from liepoisson.streams import Purpose, generator, seeds

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.compile.field import Field
 from liepoisson.equilibrium.critical_points import HamiltonianFields
 from liepoisson.errors import ExpressionError, LeafError, ParameterError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_positive
+from liepoisson.formula.scalars import TIME_LIMIT, as_array, as_phase_points, as_positive
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import BLOCK, checkpoint, seconds_left
@@ -36,7 +36,7 @@ from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
 from liepoisson.leaf.leaf_in_units import equations_in_units
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, approach
-from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
 from liepoisson.portable import linear

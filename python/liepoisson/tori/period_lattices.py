@@ -22,12 +22,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import OrbitError, ShapeError
-from liepoisson.formula.scalars import TIME_LIMIT, as_seed, as_time_limit
+from liepoisson.formula.scalars import TIME_LIMIT, as_phase_points, as_seed, as_time_limit
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.io.tables import vector_columns
-from liepoisson.model.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.orbits.saved_orbits import SavedWhole
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, stream

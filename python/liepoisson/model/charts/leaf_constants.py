@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 from liepoisson.algebra.exact_numbers import Exact, as_float, is_zero, symbols_of, to_sympy
 from liepoisson.errors import ChartError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter
+from liepoisson.formula.scalars import as_phase_points
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import named
-from liepoisson.model.phase_functions import as_phase_points
 from liepoisson.model.top_parameters import TopParameters
 from liepoisson.portable import linear
 
