@@ -250,3 +250,48 @@ def test_a_false_integral_is_called_false(command, here):
 def test_ascii_where_the_terminal_has_no_more(monkeypatch, encoding, style):
     monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(io.BytesIO(), encoding=encoding))
     assert terminal_style() is style
+
+
+LORENZ = """
+name = "Lorenz"
+[equations]
+x = "sigma*(y - x)"
+y = "x*(rho - z) - y"
+z = "x*y - c2*z"
+[parameters]
+sigma = 10
+rho = 28
+c = [1, "8/3"]
+"""
+
+
+def test_commands_that_ask_for_equations_alone_take_a_vector_field(command, tmp_path):
+    path = tmp_path / "lorenz.toml"
+    path.write_text(LORENZ)
+    record = record_of(command, f"darboux {path} --set sigma=3 --set c=1,6 --field rational")
+    assert [(p["expression"], p["cofactor"]) for p in record["found"]] == [("x^2 - 6*z", "-6")]
+    (integral,) = record["time_dependent_integrals"]
+    assert (integral["powers"], integral["rate"], integral["independent"]) == ({"P1": 1}, "-6", True)
+    record = record_of(command, f"integrals {path} --degree 3")
+    assert (record["found"], record["complete"], record["known"]) == ([], True, [])
+    assert record_of(command, f"painleve {path}")["verdict"] == "fails"
+    freed = record_of(command, f"painleve {path} --free rho --set sigma=1/2 --set c=1,1")
+    assert "rho" in str(freed["balances"])
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("darboux FILE --set sigma", "--set must be name=value; got 'sigma'. Write for example --set k=1."),
+        ("darboux FILE --set m=1", "'m' occurs in none"),
+        ("painleve FILE --free c", "--free must name a number that is a parameter; got 'c'. Known: sigma, rho."),
+        ("inspect FILE", "A vector field has no bracket: lp.read_system reads it, and so do the commands integrals"),
+        ("orbit FILE", "A vector field has no bracket"),
+    ],
+)
+def test_what_commands_refuse_of_a_vector_field(command, tmp_path, line, words):
+    path = tmp_path / "lorenz.toml"
+    path.write_text(LORENZ)
+    code, _, err = command(*line.replace("FILE", str(path)).split())
+    assert code == 2
+    assert words in " ".join(err.split())
