@@ -31,7 +31,7 @@ RUNS = {
 }
 """The classes of what is repeated from a file, by kind."""
 DOCS = Path(__file__).parents[1] / "docs"
-SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations|Window|Weights|\bGiven\b|Observable|tuple\[")
+SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations\b|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
 NOT_READ = {
     "algebras.Cochain", "algebras.Derivations", "algebras.LieCohomology", "algebras.LieDeformation",
