@@ -176,10 +176,10 @@ class DarbouxSearch:
         return total
 
     def rank(self, rows: Sequence[dict[int, Element]]) -> int:
-        """The rank of gradients at the same point, along the level; their last entries are derivatives by the time."""
+        """The rank of gradients at the same point, along the level."""
         residues, point = self.search.residues, self.search.point
         level = [gradient_at(modular(e, residues), point) for e in self.search.equations]
-        return rank_mod([*level, *rows], len(point) + 1, residues.p)
+        return rank_mod([*level, *rows], len(point), residues.p)
 
 
 @dataclass(frozen=True)
@@ -275,7 +275,6 @@ def time_dependent_integrals(
     if constant not in search.monomials:
         return ()
     place, time = search.monomials.index(constant), Symbol(free_name("t", [*map(str, variables)]))
-    residues = search.search.residues
     rows = [search.gradient([f], [1]) for f in search.factors if not f.is_new]
     rows += [search.gradient(factors, relation) for relation in _relations(factors)]
     found: list[TimeDependentIntegral] = []
@@ -283,7 +282,8 @@ def time_dependent_integrals(
         terms = (numbers.number(n) * f.cofactor[place] for n, f in zip(relation, factors, strict=True))
         if not (rate := sum(terms, numbers.zero)):
             continue
-        row = search.gradient(factors, relation) | {len(variables): residues.field.number(residues(-rate))}
+        # where gradients by the coordinates are dependent, so are the rates, which are derivatives along the motion
+        row = search.gradient(factors, relation)
         is_independent = search.rank([*rows, row]) > search.rank(rows)
         rows.append(row)
         product: Any = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))

@@ -217,7 +217,7 @@ class VectorField(EquationsOfMotion):
     def _field(self) -> Field:
         rates = self.polynomial_rates
         if rates is not None and all(len(m) <= 2 for rate in rates for m in rate.expanded):
-            return quadratic_field([rate.expanded for rate in rates])
+            return _quadratic_field([rate.expanded for rate in rates])
         if self._is_typed:  # as it is grouped in the texts
             tape = self.function_tape(*self._given_equations.values())
             if rates is not None or {name for name, *_ in tape.instructions} - {"linear", "product"}:
@@ -337,7 +337,7 @@ def _read_equations(equations: object) -> dict[str, str | Expr]:
     return given
 
 
-def quadratic_field(rates: Sequence[Expanded]) -> QuadraticField:
+def _quadratic_field(rates: Sequence[Expanded]) -> QuadraticField:
     """The field of equations of degree two; each number is the double next to the rational one."""
     entries: dict[int, list[tuple[Any, ...]]] = {0: [], 1: [], 2: []}
     for i, rate in enumerate(rates):
