@@ -688,7 +688,9 @@ class System:
             return None
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two
-        return function_of("System.top_parameters")(self)
+        from liepoisson.model.top_parameters import recognised_top
+
+        return recognised_top(self)
 
     def _states(self, x: ArrayLike) -> NDArray[np.float64]:
         from liepoisson.model.phase_functions import as_phase_points
