@@ -38,7 +38,7 @@ WORDS = {
     "finite-time ftle saturation benettin tangent vectors deviation vectors variational",
     "spectrum": "lyapunov spectrum exponents convergence uncertainty error bars confidence tangent vectors "
     "covariant vectors clv clvs ginelli qr gram schmidt hamiltonian flow oseledets kaplan yorke",
-    "chaos": "chaos indicators megno sali gali fli frequency map analysis laskar naff sticky orbit regular "
+    "chaos": "chaos indicators megno sali gali frequency map analysis laskar naff sticky orbit regular "
     "detect tangent deviation alignment rotation number winding number",
     "sweeps": "parameter scan map grid study bifurcation continue continuation resume restart interrupted "
     "interruption checkpoint parallel multiprocessing threads progress energies leaves",

@@ -16,7 +16,6 @@ FACADES = {
     "System.__str__": "report.describe.describe",
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",
-    "System.top_parameters": "model.top_parameters.recognised_top",
     "VectorField.text": "model.system_text.vector_field_text",
 }
 """The function of each such method, in its module within the package."""

@@ -4,8 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from liepoisson.cli.starts import read_numeric_system
-from liepoisson.cli.systems import read_file, read_system
+from liepoisson.cli.systems import read_file, read_numeric_system, read_system
 from liepoisson.errors import MissingFileError, ParameterError, UnknownNameError
 
 

@@ -20,12 +20,12 @@ pub enum AnyField {
     SplitTerms(SplitTerms),
 }
 
-/// The table of methods: for each its name, its type, its order, and the fields that it applies to: in every program, and in all but that
-/// for the browser.
+/// The table of methods: for each its name, its type, its order, and the fields that it applies to: in every program, and outside
+/// the browser also.
 macro_rules! methods {
     ($(
         $name:ident($type:ty) of order |$method:pat_param| $order:expr;
-        for [$($field:ident)*] not in the browser [$($more:ident)*];
+        for [$($field:ident)*] outside the browser also [$($more:ident)*];
     )+) => {
         /// A method of any kind.
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,23 +67,23 @@ macro_rules! methods {
 
 methods! {
     Taylor(Taylor) of order |method| method.order();
-        for [Top Quadratic Tape] not in the browser [Tops Quadratics];
+        for [Top Quadratic Tape] outside the browser also [Tops Quadratics];
     MixedTaylor(MixedTaylor) of order |method| method.0.order();
-        for [] not in the browser [Top Tops];
+        for [] outside the browser also [Top Tops];
     AcrossComponents(AcrossComponents) of order |method| method.0.order();
-        for [] not in the browser [Top];
+        for [] outside the browser also [Top];
     RungeKutta(RungeKutta) of order |_| 8;
-        for [] not in the browser [Top Quadratic Tape];
+        for [] outside the browser also [Top Quadratic Tape];
     SingleRungeKutta(Single<RungeKutta>) of order |_| 8;
-        for [] not in the browser [Top Quadratic];
+        for [] outside the browser also [Top Quadratic];
     Splitting(Splitting) of order |method| method.order();
-        for [Top SplitTerms] not in the browser [];
+        for [Top SplitTerms] outside the browser also [];
     SingleSplitting(Single<Splitting>) of order |method| method.0.order();
-        for [] not in the browser [Top];
+        for [] outside the browser also [Top];
     Gauss(Gauss) of order |method| method.order();
-        for [] not in the browser [Top Quadratic Tape];
+        for [] outside the browser also [Top Quadratic Tape];
     LagrangeMap(LagrangeMap) of order |_| 2;
-        for [] not in the browser [Top];
+        for [] outside the browser also [Top];
 }
 
 impl AnyField {

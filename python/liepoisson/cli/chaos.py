@@ -36,7 +36,8 @@ from liepoisson.cli.runs import (
     unit_of_time,
     write_and_print,
 )
-from liepoisson.cli.starts import find_starts, read_numeric_system
+from liepoisson.cli.starts import find_starts
+from liepoisson.cli.systems import read_numeric_system
 
 if TYPE_CHECKING:
     from collections.abc import Callable

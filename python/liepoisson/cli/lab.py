@@ -10,7 +10,8 @@ import typer
 from liepoisson.cli.options import SeedOfStartOption, SettingsOption, Where
 from liepoisson.cli.output import announce, checked_file
 from liepoisson.cli.runs import check_limits
-from liepoisson.cli.starts import find_start, read_numeric_system, seed_of_start
+from liepoisson.cli.starts import find_start, seed_of_start
+from liepoisson.cli.systems import read_numeric_system
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:

@@ -31,7 +31,8 @@ from liepoisson.cli.runs import (
     unit_of_time,
     write_and_print,
 )
-from liepoisson.cli.starts import assignments, find_start, read_numeric_system, seed_of_start, start_lines
+from liepoisson.cli.starts import assignments, find_start, seed_of_start, start_lines
+from liepoisson.cli.systems import read_numeric_system
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
 

@@ -24,7 +24,8 @@ from liepoisson.cli.runs import (
     unit_of_time,
     write_and_print,
 )
-from liepoisson.cli.starts import find_start, leaf_lines, read_numeric_system, start_lines
+from liepoisson.cli.starts import find_start, leaf_lines, start_lines
+from liepoisson.cli.systems import read_numeric_system
 from liepoisson.errors import ParameterError, SurfaceWarning
 from liepoisson.numeric.methods import Method, RungeKutta
 

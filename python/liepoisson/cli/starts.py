@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from liepoisson.cli.options import Where
-from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_double
 
@@ -23,38 +22,6 @@ _MOST_SHOWN = 60
 _MOST_STARTS = 2**31
 _COMMAS = re.compile(r",(?![^(]*\))")
 """Those that separate assignments, and not the arguments of a function."""
-
-
-def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
-    """The system of a command that computes with numbers; its name says which parameters were set.
-
-    Integrals that are not constant with what was set are left out.
-    """
-    file = with_settings(read_file(argument), settings)
-    from liepoisson.algebra.exact_numbers import as_float, is_zero
-    from liepoisson.formula.parameters import flattened
-    from liepoisson.inputs.names import MAX_TITLE
-
-    if file.symbols:
-        from liepoisson.formula.scope import read_declaration
-
-        name, shape = read_declaration(file.symbols[0])
-        value = ",".join("1" * shape[0]) if shape else "1"
-        raise ParameterError(
-            f"{file.name} must have numbers for all parameters; got none for {', '.join(file.symbols)}. "
-            f"Give them, for example --set {name}={value}."
-        )
-    for name, value in flattened(file.parameters).items():
-        if as_float(value, name) == 0.0 and not is_zero(value):
-            raise ParameterError(
-                f"{name} must be zero or at least 4.9e-324, to fit into a double; got a smaller number. "
-                "Set it to 0, or rescale the system."
-            )
-    if settings:
-        file = file.with_constant_integrals()
-    name = file.name + setting_words(settings)
-    fits = name.isprintable() and len(name) <= MAX_TITLE  # else it is called as in its file
-    return replace(file, name=name if fits else file.name).system()
 
 
 def find_start(system: System, where: Where, seed: int = 0) -> Start:

@@ -24,6 +24,38 @@ def read_system(argument: str, settings: Sequence[str] = ()) -> System:
     return with_settings(read_file(argument), settings).system()
 
 
+def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
+    """The system of a command that computes with numbers; its name says which parameters were set.
+
+    Integrals that are not constant with what was set are left out.
+    """
+    file = with_settings(read_file(argument), settings)
+    from liepoisson.algebra.exact_numbers import as_float, is_zero
+    from liepoisson.formula.parameters import flattened
+    from liepoisson.inputs.names import MAX_TITLE
+
+    if file.symbols:
+        from liepoisson.formula.scope import read_declaration
+
+        name, shape = read_declaration(file.symbols[0])
+        value = ",".join("1" * shape[0]) if shape else "1"
+        raise ParameterError(
+            f"{file.name} must have numbers for all parameters; got none for {', '.join(file.symbols)}. "
+            f"Give them, for example --set {name}={value}."
+        )
+    for name, value in flattened(file.parameters).items():
+        if as_float(value, name) == 0.0 and not is_zero(value):
+            raise ParameterError(
+                f"{name} must be zero or at least 4.9e-324, to fit into a double; got a smaller number. "
+                "Set it to 0, or rescale the system."
+            )
+    if settings:
+        file = file.with_constant_integrals()
+    name = file.name + setting_words(settings)
+    fits = name.isprintable() and len(name) <= MAX_TITLE  # else it is called as in its file
+    return replace(file, name=name if fits else file.name).system()
+
+
 def read_equations(argument: str, settings: Sequence[str] = (), free: Sequence[str] = ()) -> EquationsOfMotion:
     """The same, or the vector field of a file with equations; parameters that are free have no values."""
     from liepoisson.formula.toml_text import read_toml
@@ -63,13 +95,10 @@ def _is_path(argument: str) -> bool:
 
 def read_file(argument: str) -> SystemFile:
     """The system file that an argument names: a path if it looks like one or exists, else a name of the catalog."""
+    from liepoisson.catalog import path
     from liepoisson.model.system_file_reader import read_system_file
 
-    if _is_path(argument):
-        return read_system_file(argument)
-    from liepoisson.catalog import entry
-
-    return entry(argument)
+    return read_system_file(argument if _is_path(argument) else path(argument))
 
 
 def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:

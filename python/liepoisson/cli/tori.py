@@ -23,7 +23,8 @@ from liepoisson.cli.options import (
 )
 from liepoisson.cli.output import data_file, figure_stem, name_of_files, write_figure, write_result
 from liepoisson.cli.runs import TimeLimitOption, check_limits, running
-from liepoisson.cli.starts import assignments, find_start, read_numeric_system, split_at_commas
+from liepoisson.cli.starts import assignments, find_start, split_at_commas
+from liepoisson.cli.systems import read_numeric_system
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT, as_double
 from liepoisson.inputs.deadline import SEARCH_LIMIT

@@ -35,13 +35,13 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf.leaf_in_units import LeafInUnits, unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import energy_scale, representative
-from liepoisson.leaf.top_sampling import Shell
 from liepoisson.model.phase_functions import PhaseFunction
 from liepoisson.portable import elementary, linear
 from liepoisson.streams import Purpose, Random, stream
 
 if TYPE_CHECKING:
     from liepoisson.leaf.leaf import Leaf
+    from liepoisson.leaf.leaf_sampling import Shell
 
 N_CHAINS = 2048
 """Chains side by side: the states of the population."""

@@ -298,7 +298,6 @@ class Leaf:
         Raises:
             LeafError: J has another rank at one of the states.
         """
-        states = self._points(states)
         states = self._points(states)  # once, as they are read twice
         basis = self.tangent_basis(states)
         projector = linear.matmul(basis, np.swapaxes(basis, -1, -2))

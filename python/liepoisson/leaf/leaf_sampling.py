@@ -10,6 +10,7 @@ one of 50 000 proposals would be accepted, by a population of Markov chains (`ch
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -21,8 +22,9 @@ from liepoisson.inputs.deadline import checkpoint
 from liepoisson.leaf._checks import as_energy
 from liepoisson.leaf.chain_sampling import infinite_volume, sample_by_chains
 from liepoisson.leaf.leaf_search import check_energy_in_reach
-from liepoisson.leaf.top_sampling import Draw, Shell, top_draw
-from liepoisson.streams import Purpose, stream
+from liepoisson.leaf.top_sampling import Draw, top_draw
+from liepoisson.portable import elementary
+from liepoisson.streams import Purpose, Random, stream
 
 if TYPE_CHECKING:
     from liepoisson.compile.field import TopField
@@ -30,6 +32,29 @@ if TYPE_CHECKING:
 
 _PROPOSALS = 2**14
 _TRIAL_BLOCKS = 16
+
+
+@dataclass(frozen=True)
+class Shell:
+    """States of one energy, or all below it.
+
+    Attributes:
+        energy: The energy.
+        is_filled: Whether the states below are meant too.
+    """
+
+    energy: float
+    is_filled: bool
+
+    def weight(self, k: Array, dimension: int) -> Array:
+        r"""The volume of the ellipsoid $u^t A u \le 2k$, or its area as $dV/dk$, up to a constant."""
+        power = dimension / 2 - (0 if self.is_filled else 1)
+        return np.where(k > 0, elementary.power(np.maximum(k, 0.0), power), 0.0)
+
+    def radius(self, rng: Random, k: Array, dimension: int) -> Array:
+        r"""$\sqrt{2k}$, for a filled shell times the radius of a uniform point of the ball."""
+        size = np.sqrt(2 * np.maximum(k, 0.0))
+        return size * elementary.power(rng.uniform(size=k.shape), 1 / dimension) if self.is_filled else size
 
 
 def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:

@@ -33,32 +33,10 @@ from liepoisson.streams import Random
 if TYPE_CHECKING:
     from liepoisson.compile.field import TopField
     from liepoisson.leaf.leaf import Leaf
+    from liepoisson.leaf.leaf_sampling import Shell
 
 Draw: TypeAlias = Callable[[Random, int], Array]
 """Draws at most this many states from this many proposals, shape (accepted, 9)."""
-
-
-@dataclass(frozen=True)
-class Shell:
-    """States of one energy, or all below it.
-
-    Attributes:
-        energy: The energy.
-        is_filled: Whether the states below are meant too.
-    """
-
-    energy: float
-    is_filled: bool
-
-    def weight(self, k: Array, dimension: int) -> Array:
-        r"""The volume of the ellipsoid $u^t A u \le 2k$, or its area as $dV/dk$, up to a constant."""
-        power = dimension / 2 - (0 if self.is_filled else 1)
-        return np.where(k > 0, elementary.power(np.maximum(k, 0.0), power), 0.0)
-
-    def radius(self, rng: Random, k: Array, dimension: int) -> Array:
-        r"""$\sqrt{2k}$, for a filled shell times the radius of a uniform point of the ball."""
-        size = np.sqrt(2 * np.maximum(k, 0.0))
-        return size * elementary.power(rng.uniform(size=k.shape), 1 / dimension) if self.is_filled else size
 
 
 def top_draw(leaf: Leaf, top: TopField, shell: Shell | None) -> Draw | None:

@@ -423,7 +423,9 @@ class System(EquationsOfMotion):
             return None
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two
-        return function_of("System.top_parameters")(self)
+        from liepoisson.model.top_parameters import recognised_top
+
+        return recognised_top(self)
 
     def _check_that_parameters_occur(self) -> None:
         known = self.symbolic_bracket.symbols | {str(symbol) for symbol in self.symbolic_hamiltonian.free_symbols}

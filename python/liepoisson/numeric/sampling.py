@@ -20,9 +20,6 @@ from liepoisson.streams import Purpose, Random, stream
 BLOCK = 256
 """Members that share a stream; a member's numbers depend on the seed and on its own number only."""
 
-# Purposes of the random numbers, the first part of a stream's key.  2 and 3 are taken: `tangent_frames.py` and
-# `covariant_vectors.py`.
-
 
 def _unit_vectors(rng: Random, n: int, length: int) -> NDArray[np.float64]:
     vectors = rng.standard_normal((BLOCK, n // length, length))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# The colours of the vectors, the same in every figure of the project and in the browser.
+# The colours of the vectors, the same in every figure; the page has shades of its own for each theme (page.css).
 ANGULAR_MOMENTUM = "#d1571b"
 FIRST_FIELD = "#1668b8"
 SECOND_FIELD = "#0b8f5f"
@@ -28,7 +28,7 @@ VIOLET = "#7a4fa3"
 INK = "#1d2433"
 MUTED = "#6b7280"
 GRID = "#e4e1d8"
-# For curves that are no vectors, in the order in which they are drawn.
+# Of trajectories and other curves, one after the other; here the hues do not mean vectors.
 SEQUENCE = (ANGULAR_MOMENTUM, FIRST_FIELD, SECOND_FIELD, CENTRE_OF_MASS, VIOLET, "#4b5563")
 
 FORMATS = ("png", "svg", "pdf")

@@ -1,4 +1,4 @@
-"""A surface of section for any system: where the rate of a bounded function vanishes."""
+"""A surface of section for any system, where the rate of a bounded function vanishes; a good one for two-field tops."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.algebra.rational_polynomials import in_words
 from liepoisson.errors import LeafError, ParameterError, SurfaceWarning
 from liepoisson.formula.scalars import as_count
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import check_choice
-from liepoisson.leaf._checks import as_energy
+from liepoisson.leaf._checks import as_energy, as_system
 from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.portable import linear
 from liepoisson.streams import generator
@@ -20,6 +21,7 @@ from liepoisson.streams import generator
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.leaf.leaf import Leaf
+    from liepoisson.model.system import System
 
 _NEARBY, _RESTS = 0.2, 1e-9
 """How far the states are moved at which rates are compared, relative to the state; a rate below this fraction of the
@@ -30,6 +32,74 @@ _FOLLOWED, _TURNS = 16, 100.0
 """How many of these are followed until they come back, and for how long at most, in natural times, as the command does
 for each crossing."""
 _REASON = "a component: every plane folds the section where the rate of {} vanishes"
+
+
+@explains_its_arguments
+def good_surface(system: System) -> str:
+    r"""The surface $a\cdot(\alpha\times\beta) = 0$ of a top with two fields, where $\ell\cdot\beta$ is extremal.
+
+    $$\frac{d}{dt}\,\ell\cdot\beta = -a\cdot(\alpha\times\beta) = -s .$$
+
+    Energy surfaces on leaves are bounded and carry an invariant measure, so almost every orbit is recurrent; a
+    recurrent orbit on which $\ell\cdot\beta$ is not constant passes s = 0 infinitely often, alternately at maxima of
+    $\ell\cdot\beta$ (s increases, direction +1) and at minima (-1).  The flow is tangent to the surface where
+
+    $$\dot s = (\alpha\times\beta)\cdot(\omega\times a) + \epsilon\,|a\times\beta|^2 = 0 ,$$
+
+    a set of codimension one in it.  Where $\alpha$ and $\beta$ are parallel it is transverse, unless $\epsilon = 0$ or
+    $\beta\parallel a$.  On leaves with $\beta = 0$ (or, for $\epsilon = 0$, $\alpha\parallel\beta$) s vanishes
+    everywhere.  A top without charge and cocycle, whose beta acts on nothing, is better cut as
+    `catalog.system("heavy-top", ...)`, by `default_surface` or a component such as alpha3.
+
+    Example:
+        >>> lp.sections.good_surface(lp.Top.twisted_kovalevskaya())
+        '-alpha2*beta3 + alpha3*beta2'
+
+    Args:
+        system: A top with two fields $\alpha, \beta$.
+
+    Returns:
+        The function s with numbers for a, for `section`.
+
+    Raises:
+        ParameterError: the system is no top with numbers for parameters, or a = 0, so that $\ell\cdot\beta$ is
+            constant.
+
+    References: [twistedtop2001], the equation for the derivative of $\ell\cdot\beta$.
+    """
+    from liepoisson.model.system_text import formula_text
+
+    system = as_system(system)
+    parameters = system.top_parameters
+    if parameters is None:
+        raise ParameterError(
+            f"a top with fields alpha, beta and numbers for its parameters was wanted; {system.name} is none. For "
+            f"another system {_other_surfaces(system)}."
+        )
+    if all(is_zero(value) for value in parameters.a):
+        raise ParameterError(
+            "a must not be zero: a = 0 keeps dot(l, beta) constant. The top with inertia and b alone is a heavy top in "
+            '(l, beta); try a surface such as "beta3".'
+        )
+    terms = [
+        f"({value})*(alpha{i}*beta{j} - alpha{j}*beta{i})"
+        for value, (i, j) in zip(parameters.a, ((2, 3), (3, 1), (1, 2)), strict=True)
+        if not is_zero(value)
+    ]
+    surface = " + ".join(terms)
+    polynomial = system.polynomial(surface)
+    if polynomial is not None:
+        return in_words(polynomial, system.component_names)
+    return formula_text(system.expression(surface))
+
+
+def _other_surfaces(system: System) -> str:
+    """What to take where there is no good surface for all leaves: a component that moves, if a vector has an axis."""
+    advice = "take sections.default_surface(leaf), zeros of the time derivative of a bounded function"
+    name = system.component_names[-1]
+    if system.bracket.has_scalar_fields or system.vector_length != 3 or system.is_constant(name):
+        return advice
+    return f'{advice}; or "{name}", if orbits of your leaf and energy cross it'
 
 
 @explains_its_arguments
@@ -124,7 +194,7 @@ def _places(leaf: Leaf) -> list[int]:
 def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     """The default surface, and the function whose rate vanishes there."""
     from liepoisson.model.system_text import formula_text
-    from liepoisson.poincare.surfaces import as_leaf, good_surface
+    from liepoisson.poincare.surfaces import as_leaf
 
     leaf = as_leaf(leaf).moving
     system, top = leaf.system, leaf.system.top_parameters

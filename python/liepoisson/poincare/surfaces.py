@@ -1,4 +1,4 @@
-r"""Surfaces of section of Lie-Poisson systems: a good one for tops with two fields, and states on them.
+r"""States on a surface of section, of one leaf and one energy.
 
 A section of an energy surface on a leaf of dimension 2d has dimension 2d - 2.  Its states fulfil the equations of the
 leaf, $H = E$ and $s = 0$, and are found by Newton's method.
@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.algebra.exact_numbers import is_zero
-from liepoisson.algebra.rational_polynomials import in_words
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count, as_number, as_phase_points
 from liepoisson.inputs.arrays import Array
@@ -21,7 +19,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.deadline import BLOCK, checkpoint
 from liepoisson.inputs.given import by_name, named
 from liepoisson.inputs.refusals import check_choice, check_kind
-from liepoisson.leaf._checks import as_energy, as_system
+from liepoisson.leaf._checks import as_energy
 from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.leaf.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.leaf.leaf_search import check_energy_in_reach
@@ -35,7 +33,6 @@ if TYPE_CHECKING:
 
     from liepoisson.leaf.leaf import Leaf
     from liepoisson.leaf.leaf_in_units import LeafInUnits
-    from liepoisson.model.system import System
 
 _ROUNDS, _VAIN = 24, 3
 """Rounds of guesses in all, and those after which the surface counts as out of reach if no guess converged."""
@@ -46,74 +43,6 @@ _PER_START, _MOST_GUESSES = 32, 20_000
 _FREQUENT = 1e-3
 """Independent samples of a top are cheap if at least this fraction of proposals is accepted."""
 _TRY = "Try another energy or surface, or give a start."
-
-
-@explains_its_arguments
-def good_surface(system: System) -> str:
-    r"""The surface $a\cdot(\alpha\times\beta) = 0$ of a top with two fields, where $\ell\cdot\beta$ is extremal.
-
-    $$\frac{d}{dt}\,\ell\cdot\beta = -a\cdot(\alpha\times\beta) = -s .$$
-
-    Energy surfaces on leaves are bounded and carry an invariant measure, so almost every orbit is recurrent; a
-    recurrent orbit on which $\ell\cdot\beta$ is not constant passes s = 0 infinitely often, alternately at maxima of
-    $\ell\cdot\beta$ (s increases, direction +1) and at minima (-1).  The flow is tangent to the surface where
-
-    $$\dot s = (\alpha\times\beta)\cdot(\omega\times a) + \epsilon\,|a\times\beta|^2 = 0 ,$$
-
-    a set of codimension one in it.  Where $\alpha$ and $\beta$ are parallel it is transverse, unless $\epsilon = 0$ or
-    $\beta\parallel a$.  On leaves with $\beta = 0$ (or, for $\epsilon = 0$, $\alpha\parallel\beta$) s vanishes
-    everywhere.  A top without charge and cocycle, whose beta acts on nothing, is better cut as
-    `catalog.system("heavy-top", ...)`, by `default_surface` or a component such as alpha3.
-
-    Example:
-        >>> lp.sections.good_surface(lp.Top.twisted_kovalevskaya())
-        '-alpha2*beta3 + alpha3*beta2'
-
-    Args:
-        system: A top with two fields $\alpha, \beta$.
-
-    Returns:
-        The function s with numbers for a, for `section`.
-
-    Raises:
-        ParameterError: the system is no top with numbers for parameters, or a = 0, so that $\ell\cdot\beta$ is
-            constant.
-
-    References: [twistedtop2001], the equation for the derivative of $\ell\cdot\beta$.
-    """
-    from liepoisson.model.system_text import formula_text
-
-    system = as_system(system)
-    parameters = system.top_parameters
-    if parameters is None:
-        raise ParameterError(
-            f"a top with fields alpha, beta and numbers for its parameters was wanted; {system.name} is none. For "
-            f"another system {_other_surfaces(system)}."
-        )
-    if all(is_zero(value) for value in parameters.a):
-        raise ParameterError(
-            "a must not be zero: a = 0 keeps dot(l, beta) constant. The top with inertia and b alone is a heavy top in "
-            '(l, beta); try a surface such as "beta3".'
-        )
-    terms = [
-        f"({value})*(alpha{i}*beta{j} - alpha{j}*beta{i})"
-        for value, (i, j) in zip(parameters.a, ((2, 3), (3, 1), (1, 2)), strict=True)
-        if not is_zero(value)
-    ]
-    surface = " + ".join(terms)
-    polynomial = system.polynomial(surface)
-    if polynomial is not None:
-        return in_words(polynomial, system.component_names)
-    return formula_text(system.expression(surface))
-
-
-def _other_surfaces(system: System) -> str:
-    """What to take where there is no good surface for all leaves: a component that moves, if a vector has an axis."""
-    advice = "take sections.default_surface(leaf), zeros of the time derivative of a bounded function"
-    name = system.component_names[-1]
-    if system.bracket.has_scalar_fields or system.vector_length != 3 or system.is_constant(name):
-        return advice
-    return f'{advice}; or "{name}", if orbits of your leaf and energy cross it'
 
 
 def as_leaf(leaf: Any) -> Leaf:
@@ -193,7 +122,6 @@ def section_starts(
     check_that_it_varies(as_leaf(leaf).system, as_formula(surface, "surface"))
     leaf, energy = _in_motion(leaf, energy)
     view = leaf.in_units(energy)
-    equations = view.constraints(energy, surface)
     if spread:
         guesses = _many_guesses(view, n_starts, seed)
         found = _crossed(view, surface, energy, guesses, direction)
@@ -206,6 +134,7 @@ def section_starts(
                 f"orbits of this leaf and energy must cross {surface} = 0; none of {len(guesses)} random states "
                 f"could be moved to a crossing. {_TRY}"
             )
+    equations = view.constraints(energy, surface)
     draw, size = _guesses_for(leaf, view, energy), max(n_starts, _GUESSES)
     found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
     for attempt in range(_ROUNDS):

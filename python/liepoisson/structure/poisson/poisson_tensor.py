@@ -1,5 +1,7 @@
 r"""Poisson tensors, $J_{ij}(x) = \{x_i, x_j\} = \sum_m c_{ij}{}^m x_m + k_{ij}$, sparse and over an exact field.
 
+The $c_{ij}{}^m$ are coefficients of J: those of $[e_i, e_j]$ enter with a minus, in `linear_terms`.
+
 A constant part k is one more term of the sum, with the constant coordinate $x_{-1} = 1$: J is then a linear tensor on
 the central extension of the Lie algebra by the cocycle k, restricted to where the central coordinate is 1.
 

@@ -2,7 +2,7 @@ r"""Polynomials in the coordinates of a Poisson tensor, whose monomials are the 
 
 (-1, 0) is x0 made homogeneous of degree 2.
 
-The order of monomials that fixes the generators of Casimirs: one rule for all brackets.
+Here is the order of monomials that fixes the generators of Casimirs, one rule for all brackets.
 
 The coordinates come field by field, $x_0, x_1, \dots$.  Of two monomials of a degree the one whose fields come later is
 the larger: their labels are sorted and compared from the first on.  Within the same fields the one whose coordinates
