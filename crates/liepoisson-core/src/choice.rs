@@ -102,6 +102,7 @@ impl AnyField {
     /// What its runs have been computed with so far, given the instruction set: the name of that, or of code compiled for it.
     pub fn kernel(&self, simd: Simd) -> &'static str {
         match self {
+            AnyField::Quadratic(field) => field.kernel(simd),
             AnyField::Tape(field) => field.kernel(simd),
             _ => simd.name(),
         }

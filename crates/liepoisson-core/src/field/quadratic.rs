@@ -3,10 +3,11 @@
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
 use super::{
-    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over,
+    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Straight, Terms, check_components, needs_remainder,
+    over,
 };
 use crate::error::Error;
-use crate::lanes::Lane;
+use crate::lanes::{Lane, Simd};
 
 /// A field whose components are polynomials of degree two:
 /// ```text
@@ -26,6 +27,8 @@ pub struct Quadratic {
     /// Where the products of the tiles enter.
     terms: Vec<Term>,
     majorant: Majorant,
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    compiled: std::sync::Arc<super::tape::compiled::Compiled>,
 }
 
 /// `x_target' += coefficient * source`; the source is a component, or the number of a product in its tile.
@@ -125,7 +128,24 @@ impl Quadratic {
             tiles,
             terms,
             majorant,
+            #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+            compiled: std::sync::Arc::default(),
         })
+    }
+
+    /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
+    pub fn kernel(&self, simd: Simd) -> &'static str {
+        #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+        return self.compiled.kernel(simd);
+        #[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
+        simd.name()
+    }
+
+    /// Instructions that the rates take: of products, and of where they enter.
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    fn work(&self) -> usize {
+        let products: usize = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
+        products + self.linear.len() + self.terms.len()
     }
 }
 
@@ -203,6 +223,14 @@ impl Field for Quadratic {
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         self.extend_with(Shared, rows, n_tangents, k);
+    }
+
+    const IS_COMPILED: bool = cfg!(all(target_arch = "x86_64", target_os = "linux"));
+
+    #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+    #[inline(always)]
+    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
+        self.compiled.run(self.work(), code, memory)
     }
 }
 

@@ -133,13 +133,16 @@ impl<F: Instance, V: Wide> Block for TaylorBlock<F, V> {
         }
     }
 
-    fn prepare(&mut self, _ahead: &[f64], longest: &mut [f64]) {
+    fn prepare(&mut self, ahead: &[f64], longest: &mut [f64]) {
         V::outline(Expansion(self));
         let mut is_out_of_range = false;
         V::outline(Steps { block: self, sizes: longest, is_out_of_range: &mut is_out_of_range });
         if is_out_of_range {
-            for (lane, longest) in longest.iter_mut().enumerate() {
-                self.rely_on_known_terms(lane, longest);
+            // most often an empty lane, which rests at the origin
+            for (lane, longest) in longest.iter_mut().enumerate().filter(|&(lane, _)| ahead[lane] != 0.0) {
+                if !self.is_in_range(lane) {
+                    self.rely_on_known_terms(lane, longest);
+                }
             }
         }
     }
@@ -224,6 +227,13 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
     pub(super) fn norm_in(&self, lane: usize, k: usize, group: usize) -> f64 {
         let at = k * self.row + group * self.field.group();
         self.rows[at..at + self.field.n_components()].iter().map(|register| register.get(lane).abs()).sum()
+    }
+
+    /// Whether no last term of one lane is lost or beyond the range of numbers.
+    fn is_in_range(&self, lane: usize) -> bool {
+        let order = self.method.order;
+        (0..=self.n_tangents)
+            .all(|group| [order - 1, order].into_iter().all(|k| is_in_range(self.norm_in(lane, k, group))))
     }
 
     /// Cuts the series of one lane where it is no longer finite, and shortens its step where the last terms are lost.

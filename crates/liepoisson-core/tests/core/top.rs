@@ -44,7 +44,7 @@ proptest! {
             };
             let mut longest = vec![0.0; block.n_lanes()];
             block.load(0, 0, 0, &x);
-            block.prepare(&vec![0.0; longest.len()], &mut longest);
+            block.prepare(&vec![1.0; longest.len()], &mut longest);
             let mut coefficients = Vec::new();
             block.series().unwrap().copy(0, usize::MAX, &mut coefficients).unwrap();
             (coefficients, longest[0])

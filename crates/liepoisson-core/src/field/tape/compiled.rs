@@ -1,5 +1,5 @@
-//! Expansions of a tape, and straight code that asks for its rates, as compiled code: made when a run turns out to be long, once for all
-//! threads.
+//! Expansions of a tape, and straight code that asks for the rates of a field, as compiled code: made when a run turns out to be long,
+//! once for all threads.
 
 use super::Tape;
 use super::elementary::Called;
@@ -7,7 +7,7 @@ use super::frame::Frame;
 use crate::field::{Field, Straight};
 use crate::jit::{Code, Functions, Source};
 use crate::lanes::recorded::Recorded;
-use crate::lanes::{Instructions, Lane};
+use crate::lanes::{Instructions, Lane, Simd};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -23,7 +23,7 @@ const MOST_WORK: usize = 1 << 17;
 
 /// Code of a tape for each kind of registers and purpose.
 #[derive(Debug, Default)]
-pub(super) struct Compiled(OnceLock<Box<Plan>>);
+pub(in crate::field) struct Compiled(OnceLock<Box<Plan>>);
 
 /// What tells code from other code for the same tape: its registers, what it does, and on how much memory, as one number each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,12 +65,12 @@ impl Compiled {
         self.run_for(key, rows, |registers| compile_series::<V>(tape, n_tangents, order, registers))
     }
 
-    /// Runs straight code: [`Field::run_compiled`].
+    /// Runs straight code: [`Field::run_compiled`], of a field whose rates take so many instructions.
     #[inline(always)]
-    pub(super) fn run<V: Lane>(&self, tape: &Tape, straight: &impl Straight, memory: &mut [V]) -> bool {
+    pub(in crate::field) fn run<V: Lane>(&self, work: usize, straight: &impl Straight, memory: &mut [V]) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::straight(instructions, straight.key(), memory.len());
-        self.run_for(key, memory, |registers| compile_straight::<V>(tape, straight, registers))
+        self.run_for(key, memory, |registers| compile_straight::<V>(work, straight, registers))
     }
 
     #[inline(always)]
@@ -84,8 +84,17 @@ impl Compiled {
         }
     }
 
+    /// The name of an instruction set, or that of code compiled for it, if there is some.
+    pub(in crate::field) fn kernel(&self, simd: Simd) -> &'static str {
+        match simd {
+            Simd::Avx512 if self.has_code(Instructions::Evex) => "avx512, compiled",
+            Simd::Avx2 if self.has_code(Instructions::Vex) => "avx2, compiled",
+            _ => simd.name(),
+        }
+    }
+
     /// Whether there is code for these instructions.
-    pub(super) fn has_code(&self, instructions: Instructions) -> bool {
+    fn has_code(&self, instructions: Instructions) -> bool {
         self.0.get().is_some_and(|plan| {
             let is_compiled = plan.code.get().is_some_and(Option::is_some);
             (plan.key.purpose & 1 == instructions as u64 && is_compiled) || plan.next.has_code(instructions)
@@ -136,8 +145,8 @@ fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registe
     Code::new::<V, Elementary>(registers, &sources, |register| register < (row + n_series) * n_orders)
 }
 
-fn compile_straight<V: Lane>(tape: &Tape, straight: &impl Straight, registers: usize) -> Option<Code> {
-    if tape.instructions.len() * straight.n_rates() > MOST_WORK {
+fn compile_straight<V: Lane>(work: usize, straight: &impl Straight, registers: usize) -> Option<Code> {
+    if work * straight.n_rates() > MOST_WORK {
         return None;
     }
     let recording = Recorded::record(registers, |memory| straight.run(memory));
@@ -163,8 +172,8 @@ impl Functions for Elementary {
 mod tests {
     use super::*;
     use crate::field::tape::enclosure::enclose;
-    use crate::field::{Instruction, Space};
-    use crate::lanes::{Simd, Task, Wide, as_scalars, as_scalars_mut, dispatch};
+    use crate::field::{Instruction, Quadratic, Space};
+    use crate::lanes::{Task, Wide, as_scalars, as_scalars_mut, dispatch};
     use proptest::prelude::*;
 
     /// Expands by both executors, and compares all coefficients.
@@ -222,12 +231,12 @@ mod tests {
     }
 
     /// Two steps of the midpoint rule, the first register of the memory after the values being the size of the step.
-    struct Midpoints<'t> {
-        tape: &'t Tape,
+    struct Midpoints<'t, F> {
+        field: &'t F,
         n_tangents: usize,
     }
 
-    impl Straight for Midpoints<'_> {
+    impl<F: Field> Straight for Midpoints<'_, F> {
         fn key(&self) -> u64 {
             self.n_tangents as u64
         }
@@ -237,18 +246,18 @@ mod tests {
         }
 
         fn run<V: Lane>(&self, memory: &mut [V]) {
-            let Midpoints { tape, n_tangents } = *self;
-            let row = tape.row(n_tangents);
+            let Midpoints { field, n_tangents } = *self;
+            let row = field.n_components() * (1 + n_tangents);
             let mut rates = vec![V::splat(0.0); row];
-            let mut work = vec![V::splat(0.0); tape.registers(n_tangents, 1)];
+            let mut work = vec![V::splat(0.0); field.registers(n_tangents, 1)];
             let (values, rest) = memory.split_at_mut(row);
             for _ in 0..2 {
                 let mut x = values.to_vec();
-                tape.rates(&x, n_tangents, &mut work, &mut rates);
+                field.rates(&x, n_tangents, &mut work, &mut rates);
                 for i in 0..row {
                     x[i] = rates[i].mul_add(rest[0].mul(V::splat(0.5)), values[i]);
                 }
-                tape.rates(&x, n_tangents, &mut work, &mut rates);
+                field.rates(&x, n_tangents, &mut work, &mut rates);
                 for i in 0..row {
                     values[i] = rates[i].mul_add(rest[0], values[i]);
                 }
@@ -257,9 +266,9 @@ mod tests {
     }
 
     /// Two steps by both executors, with the same bits.
-    struct BothStraight<'t>(Midpoints<'t>, &'t [f64]);
+    struct BothStraight<'t, F>(Midpoints<'t, F>, &'t [f64]);
 
-    impl Task for BothStraight<'_> {
+    impl<F: Field> Task for BothStraight<'_, F> {
         type Output = ();
 
         fn run<V: Wide>(self) {
@@ -267,13 +276,13 @@ mod tests {
             if V::INSTRUCTIONS.is_none() {
                 return;
             }
-            let row = straight.tape.row(straight.n_tangents);
+            let row = straight.field.n_components() * (1 + straight.n_tangents);
             let mut memory = vec![V::splat(1.0 / 64.0); row + 1];
             let mut numbers = starts.iter().cycle();
             as_scalars_mut(&mut memory[..row]).fill_with(|| *numbers.next().unwrap());
             let mut compiled = memory.clone();
             straight.run(&mut memory);
-            let code = compile_straight::<V>(straight.tape, &straight, row + 1).expect("a tape that can be compiled");
+            let code = compile_straight::<V>(1, &straight, row + 1).expect("a field that can be compiled");
             if code.run(&mut compiled) {
                 for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
                     let (register, lane) = (i / V::WIDTH, i % V::WIDTH);
@@ -286,7 +295,7 @@ mod tests {
     fn compare(tape: &Tape, n_tangents: usize, order: usize, starts: &[f64]) {
         for simd in [Simd::Avx2, Simd::Avx512] {
             dispatch(simd, Both { tape, n_tangents, order, starts });
-            dispatch(simd, BothStraight(Midpoints { tape, n_tangents }, starts));
+            dispatch(simd, BothStraight(Midpoints { field: tape, n_tangents }, starts));
         }
     }
 
@@ -329,6 +338,28 @@ mod tests {
             // the last instructions rather than the components
             let outputs = outputs[..n].iter().map(|&at| available - 1 - at as usize % (available.min(6))).collect();
             Tape::new(n, instructions, outputs).unwrap()
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(100))]
+
+        #[test]
+        fn compiled_rates_of_degree_two_have_the_bits_of_the_kernels(
+            n in 1..8_usize,
+            parts in proptest::collection::vec((any::<[u16; 3]>(), prop_oneof![3 => -2.0..2.0_f64, 1 => Just(1.0), 1 => Just(-1.0)]), 1..30),
+            n_tangents in 0..3_usize,
+            starts in proptest::collection::vec(
+                prop_oneof![8 => -1.5..1.5_f64, 1 => Just(0.0), 1 => Just(-0.0), 1 => Just(1e300), 1 => Just(f64::NAN)], 1..40
+            ),
+        ) {
+            let at = |indices: &[u16; 3], i: usize| indices[i] as usize % n;
+            let linear: Vec<_> = parts.iter().step_by(3).map(|(on, c)| (at(on, 0), at(on, 1), *c)).collect();
+            let quadratic: Vec<_> = parts.iter().map(|(on, c)| (at(on, 0), at(on, 1), at(on, 2), *c)).collect();
+            let field = Quadratic::new(n, &[(0, 0.5)], &linear, &quadratic).unwrap();
+            for simd in [Simd::Avx2, Simd::Avx512] {
+                dispatch(simd, BothStraight(Midpoints { field: &field, n_tangents }, &starts));
+            }
         }
     }
 

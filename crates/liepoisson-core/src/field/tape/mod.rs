@@ -2,7 +2,7 @@
 
 mod branch;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-mod compiled;
+pub(super) mod compiled;
 mod convolution;
 mod cost;
 mod drive;
@@ -25,7 +25,6 @@ pub use instruction::Instruction;
 use super::{Bounds, Field, Majorant, Space, Straight, Terms};
 use crate::error::Error;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-use crate::lanes::Instructions;
 use crate::lanes::{Body, Lane, Simd};
 use enclosure::enclose;
 use frame::Frame;
@@ -98,11 +97,8 @@ impl Tape {
     /// What runs have been computed with so far, given the instruction set: its name, or that of code compiled for it.
     pub fn kernel(&self, simd: Simd) -> &'static str {
         #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-        match simd {
-            Simd::Avx512 if self.compiled.has_code(Instructions::Evex) => return "avx512, compiled",
-            Simd::Avx2 if self.compiled.has_code(Instructions::Vex) => return "avx2, compiled",
-            _ => {}
-        }
+        return self.compiled.kernel(simd);
+        #[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
         simd.name()
     }
 
@@ -206,7 +202,7 @@ impl Field for Tape {
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
     fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
-        self.compiled.run(self, code, memory)
+        self.compiled.run(self.instructions.len(), code, memory)
     }
 
     #[inline(always)]
