@@ -17,6 +17,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// length been known.
 const WORTH_IT: u64 = 500;
 
+/// Runs after which it is looked up whether there is code for the same operations with other constants, as for another value of a
+/// parameter: recording them takes as long as some 25 runs.
+const WORTH_A_LOOK: u64 = 25;
+
 /// Instructions of a tape, for the state and each tangent vector and order, that are compiled at most: what is recorded of them takes some
 /// 100 MB.
 const MOST_WORK: usize = 1 << 17;
@@ -62,7 +66,7 @@ impl Compiled {
     pub(super) fn expand<V: Lane>(&self, tape: &Tape, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::series(instructions, n_tangents, order, rows.len());
-        self.run_for(key, rows, |registers| compile_series::<V>(tape, n_tangents, order, registers))
+        self.run_for(key, rows, |stage| compile_series::<V>(tape, n_tangents, order, key.registers, stage))
     }
 
     /// Runs straight code: [`Field::run_compiled`].
@@ -70,16 +74,16 @@ impl Compiled {
     pub(super) fn run<V: Lane>(&self, tape: &Tape, straight: &impl Straight, memory: &mut [V]) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::straight(instructions, straight.key(), memory.len());
-        self.run_for(key, memory, |registers| compile_straight::<V>(tape, straight, registers))
+        self.run_for(key, memory, |stage| compile_straight::<V>(tape, straight, key.registers, stage))
     }
 
     #[inline(always)]
-    fn run_for<V: Lane>(&self, key: Key, memory: &mut [V], compile: impl FnOnce(usize) -> Option<Code>) -> bool {
+    fn run_for<V: Lane>(&self, key: Key, memory: &mut [V], compile: impl FnOnce(Stage) -> Option<Code>) -> bool {
         let plan = self.plan(key);
         if let Some(code) = plan.code.get() {
             code.as_ref().is_some_and(|code| code.run(memory))
         } else {
-            plan.count(compile);
+            plan.count::<V>(compile);
             false
         }
     }
@@ -106,14 +110,51 @@ impl Compiled {
 impl Plan {
     /// Counts a run by other means, and compiles if they were many.
     #[inline(never)]
-    fn count(&self, compile: impl FnOnce(usize) -> Option<Code>) {
-        if self.runs.fetch_add(1, Ordering::Relaxed) == WORTH_IT {
-            self.code.get_or_init(|| if is_wanted() { compile(self.key.registers) } else { None });
+    fn count<V: Lane>(&self, compile: impl FnOnce(Stage) -> Option<Code>) {
+        match self.runs.fetch_add(1, Ordering::Relaxed) {
+            WORTH_A_LOOK if Code::may_be_known::<V>(self.key.registers) && is_wanted() => {
+                if let Some(code) = compile(Stage::Look) {
+                    self.code.get_or_init(|| Some(code));
+                }
+            }
+            WORTH_IT => {
+                self.code.get_or_init(|| if is_wanted() { compile(Stage::Compile) } else { None });
+            }
+            _ => {}
         }
     }
 }
 
-fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registers: usize) -> Option<Code> {
+/// How much is done for code.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// It is looked for among what was compiled for tapes that differ in their constants alone.
+    Look,
+    /// What is not found there is compiled.
+    Compile,
+}
+
+impl Stage {
+    fn make<V: Lane>(
+        self,
+        registers: usize,
+        sources: Vec<Source>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Option<Code> {
+        match self {
+            Stage::Look => Code::known::<V, Elementary>(registers, sources, is_wanted),
+            Stage::Compile => Code::new::<V, Elementary>(registers, sources, is_wanted),
+        }
+    }
+}
+
+fn compile_series<V: Lane>(
+    tape: &Tape,
+    n_tangents: usize,
+    order: usize,
+    registers: usize,
+    stage: Stage,
+) -> Option<Code> {
     if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
         return None;
     }
@@ -121,7 +162,7 @@ fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registe
     // an order whose sums are formed along with those of the order before is one piece with that
     let is_second = |k: usize| k < order && Frame::is_second(k, n_orders);
     let source = |k: usize| Source {
-        recording: Recorded::record(registers, |rows| {
+        trace: Recorded::trace(registers, |rows| {
             for k in k..=k + usize::from(is_second(k + 1)) {
                 tape.derive_work(rows, n_tangents, k);
                 tape.extend(rows, n_tangents, k);
@@ -133,15 +174,20 @@ fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registe
     // series are kept up to the last order, so that it shares code; single registers as far as a later order reads them
     let n_series = tape.program.state.series + n_tangents * tape.program.tangent.series;
     let sources: Vec<Source> = (0..order).filter(|&k| !is_second(k)).map(source).collect();
-    Code::new::<V, Elementary>(registers, &sources, |register| register < (row + n_series) * n_orders)
+    stage.make::<V>(registers, sources, |register| register < (row + n_series) * n_orders)
 }
 
-fn compile_straight<V: Lane>(tape: &Tape, straight: &impl Straight, registers: usize) -> Option<Code> {
+fn compile_straight<V: Lane>(
+    tape: &Tape,
+    straight: &impl Straight,
+    registers: usize,
+    stage: Stage,
+) -> Option<Code> {
     if tape.instructions.len() * straight.n_rates() > MOST_WORK {
         return None;
     }
-    let recording = Recorded::record(registers, |memory| straight.run(memory));
-    Code::new::<V, Elementary>(registers, &[Source { recording, k: 0, bases: [0; 3] }], |_| true)
+    let trace = Recorded::trace(registers, |memory| straight.run(memory));
+    stage.make::<V>(registers, vec![Source { trace, k: 0, bases: [0; 3] }], |_| true)
 }
 
 /// Whether the environment variable `LIEPOISSON_JIT` is anything but `0`.
@@ -193,7 +239,8 @@ mod tests {
                 tape.derive_work(&mut rows, n_tangents, k);
                 tape.extend(&mut rows, n_tangents, k);
             }
-            let code = compile_series::<V>(tape, n_tangents, order, registers).expect("a tape that can be compiled");
+            let code = compile_series::<V>(tape, n_tangents, order, registers, Stage::Compile)
+                .expect("a tape that can be compiled");
             if !code.run(&mut compiled) {
                 // an angle or an exponent that is too large for the code
                 assert!((0..V::WIDTH).any(|lane| is_large(tape, |i| compiled[i].get(lane))));
@@ -273,7 +320,8 @@ mod tests {
             as_scalars_mut(&mut memory[..row]).fill_with(|| *numbers.next().unwrap());
             let mut compiled = memory.clone();
             straight.run(&mut memory);
-            let code = compile_straight::<V>(straight.tape, &straight, row + 1).expect("a tape that can be compiled");
+            let code = compile_straight::<V>(straight.tape, &straight, row + 1, Stage::Compile)
+                .expect("a tape that can be compiled");
             if code.run(&mut compiled) {
                 for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
                     let (register, lane) = (i / V::WIDTH, i % V::WIDTH);

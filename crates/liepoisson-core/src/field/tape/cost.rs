@@ -34,4 +34,36 @@ impl Tape {
             + n_looks * of_a_look
             + OF_A_STEP
     }
+
+    /// TEMPORARY counts
+    pub fn counts(&self) -> Vec<f64> {
+        let products = |kind: Kind, has_tangent: bool| match (kind, has_tangent) {
+            (Kind::Product, true) => 3.0,
+            (Kind::Square, true) => 1.5,
+            (Kind::Single, true) | (Kind::Pair, false) => 2.0,
+            (Kind::Pair, true) => 4.0,
+            (Kind::Product | Kind::Single, false) => 1.0,
+            (Kind::Square, false) => 0.5,
+        };
+        use super::steps::Step;
+        let convolutions = &self.program.convolutions;
+        let of_a_term: f64 = convolutions.iter().map(|one| products(one.kind, one.tangent.is_some())).sum();
+        let steps = &self.program.steps;
+        let count = |test: &dyn Fn(&Step) -> bool| steps.iter().filter(|step| test(step)).count() as f64;
+        let forms: usize = steps
+            .iter()
+            .map(|step| if let Step::Affine { form, .. } = step { form.terms.len() } else { 0 })
+            .chain(self.program.outputs.iter().map(|form| form.terms.len()))
+            .sum();
+        vec![
+            of_a_term,
+            convolutions.len() as f64,
+            steps.len() as f64,
+            self.program.tangent_steps.len() as f64,
+            count(&|step| matches!(step, Step::Integral { .. } | Step::DividedIntegral { .. })),
+            count(&|step| matches!(step, Step::Pair { .. })),
+            count(&|step| matches!(step, Step::Quotient { .. } | Step::Sqrt { .. } | Step::DividedIntegral { .. })),
+            forms as f64,
+        ]
+    }
 }
