@@ -10,8 +10,8 @@ import pytest
 import liepoisson as lp
 
 VALUES = (0.7, 1.3, 0.0, -0.0, 1.0, -1.0, 2.0, 0.5, 0.25, 1e-300, -1e-300, 1e300, 2.0**-1000, 1 / 3, 1.3)
-"""The first is compiled; at 0 terms vanish, at 1 and -1 a factor, at 2 the sum of two terms, and others are numbers that
-all systems have; the last was there before."""
+"""The first is compiled; at 0 terms vanish, at 1 and -1 a factor, at 2 the sum of two terms, and others are numbers
+that all systems have; the last was there before."""
 HAMILTONIAN = "p_q^2*(1 + (r - 2)*q^2/20)/2 - r*cos(q) + q^4/4 + r*q^2/(5*(3 + sin(q)))"
 METHODS = (lp.Taylor(tol=1e-12, max_steps=4000), lp.RungeKutta(tol=1e-9, max_steps=4000))
 
@@ -30,7 +30,9 @@ def bits():
         for value in VALUES:
             orbits = run(value, method)
             numbers = (orbits.state, orbits.tangent, orbits.end_state, orbits.end_time)
-            found.append([*(part.tobytes().hex() for part in numbers), orbits.n_steps.tolist(), orbits.outcome.tolist()])
+            found.append(
+                [*(part.tobytes().hex() for part in numbers), orbits.n_steps.tolist(), orbits.outcome.tolist()]
+            )
     return found
 
 

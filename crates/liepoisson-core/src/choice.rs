@@ -5,8 +5,9 @@ use crate::ensemble::{AnyEnsemble, Integration, Integrator};
 use crate::error::Error;
 use crate::field::{Bounds, Quadratic, Quadratics, Space, SplitTerms, Tape, Top, Tops};
 use crate::lanes::Simd;
-use crate::method::runge_kutta_is_cheaper;
-use crate::method::{AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor};
+use crate::method::{
+    AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor, runge_kutta_is_cheaper,
+};
 use std::sync::Arc;
 
 /// A vector field of any kind.
@@ -113,23 +114,6 @@ impl AnyField {
         match (self, method) {
             (AnyField::Tape(tape), AnyMethod::Taylor(taylor)) => taylor.for_tape(tape).order(),
             _ => method.order(),
-        }
-    }
-
-    /// TEMPORARY
-    pub fn counts(&self) -> Vec<f64> {
-        match self {
-            AnyField::Tape(field) => field.counts(),
-            AnyField::Quadratic(field) => field.counts().map(|x| x as f64).to_vec(),
-            _ => vec![],
-        }
-    }
-
-    /// TEMPORARY
-    pub fn cost(&self, order: usize) -> f64 {
-        match self {
-            AnyField::Tape(field) => field.cost_of_a_step(order, crate::method::n_looks(field, order)),
-            _ => 0.0,
         }
     }
 

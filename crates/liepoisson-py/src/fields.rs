@@ -40,14 +40,6 @@ impl Field {
         guarded(|| self.0.prefers_runge_kutta(tol))
     }
 
-    fn counts(&self) -> Vec<f64> {
-        self.0.counts()
-    }
-
-    fn cost(&self, order: usize) -> f64 {
-        self.0.cost(order)
-    }
-
     /// The charged or twisted top.
     #[staticmethod]
     fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {

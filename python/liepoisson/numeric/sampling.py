@@ -148,14 +148,14 @@ def _draw(
     for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
         start = block * BLOCK - first
         kept = slice(max(start, 0), min(start + BLOCK, n))
-        drawn = _block(draw, n_components, length, seed, purpose, block)
+        drawn = _block(draw, n_components, length, seed=seed, purpose=purpose, block=block)
         result[kept] = drawn[kept.start - start : kept.stop - start]
     return result
 
 
 @lru_cache(maxsize=4)
 def _block(
-    draw: _Draw, n_components: int, length: int, seed: int, purpose: Purpose, block: int
+    draw: _Draw, n_components: int, length: int, *, seed: int, purpose: Purpose, block: int
 ) -> NDArray[np.float64]:
     """The members of a block, which nobody writes to: the points of a sweep have the same."""
     return read_only(draw(stream(seed, purpose, block), n_components, length))

@@ -279,7 +279,9 @@ def with_method(spec: SweepSpec, family: Family, targets: Targets) -> SweepSpec:
 
 
 def _method(piece: Piece, system: Any) -> Method:
-    return cast("Method | None", piece.spec.method) or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
+    return cast("Method | None", piece.spec.method) or (
+        DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL
+    )
 
 
 def _of_one_kind(piece: Piece, systems: list[Any]) -> list[TopField] | list[QuadraticField]:

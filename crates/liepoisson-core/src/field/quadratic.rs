@@ -208,9 +208,9 @@ impl Field for Quadratic {
 
 impl Quadratic {
     /// Distinct products, and nonzero entries of degree one and two.
-    pub(crate) fn counts(&self) -> [usize; 2] {
-        let products = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
-        [products, self.linear.len() + self.terms.len()]
+    pub(crate) fn counts(&self) -> [f64; 2] {
+        let products: usize = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
+        [products, self.linear.len() + self.terms.len()].map(|count| count as f64)
     }
 
     /// Whether two fields differ in their coefficients only.

@@ -8,10 +8,10 @@
 use super::emit::{SIZE, WHOLE};
 use super::memory::{Functions, caller};
 use super::{Program, Source};
-use crate::lanes::{Instructions, Lane};
 use crate::lanes::recorded::Operation;
+use crate::lanes::{Instructions, Lane};
 use std::collections::{HashMap, HashSet};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// How much code is kept at most: the curves and grids of one system need one or two of each purpose.
 const MOST: usize = 16;
@@ -66,20 +66,46 @@ struct Answer {
     program: Program,
 }
 
+/// What was compiled last.
 static KNOWN: Mutex<Vec<Answer>> = Mutex::new(vec![]);
 
-fn answers() -> std::sync::MutexGuard<'static, Vec<Answer>> {
-    KNOWN.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+/// How often code was asked for that was not there, by its registers.
+static UNKNOWN: Mutex<Vec<((Instructions, usize), u64)>> = Mutex::new(vec![]);
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether there is code for memory of so many registers: it may be for the same operations.
-pub(super) fn is_likely(instructions: Instructions, registers: usize) -> bool {
-    answers().iter().any(|answer| (answer.question.instructions, answer.question.registers) == (instructions, registers))
+/// What is known of code for memory of a size.
+pub(crate) enum Asked {
+    /// There is code that may be for the same operations.
+    Known,
+    /// There is none, which was asked for so many times.
+    Unknown { times: u64 },
+}
+
+/// Asks for code for memory of so many registers.
+pub(crate) fn asked<V: Lane>(registers: usize) -> Asked {
+    let Some(instructions) = V::INSTRUCTIONS else { return Asked::Unknown { times: 0 } };
+    let is_like = |question: &Question| (question.instructions, question.registers) == (instructions, registers);
+    if locked(&KNOWN).iter().any(|answer| is_like(&answer.question)) {
+        return Asked::Known;
+    }
+    let mut unknown = locked(&UNKNOWN);
+    let at = unknown.iter().position(|&(of, _)| of == (instructions, registers)).unwrap_or_else(|| {
+        if unknown.len() == MOST {
+            unknown.remove(0);
+        }
+        unknown.push(((instructions, registers), 0));
+        unknown.len() - 1
+    });
+    unknown[at].1 += 1;
+    Asked::Unknown { times: unknown[at].1 }
 }
 
 /// The code for a question, if it was compiled before, for whatever constants.
 pub(super) fn find(question: &Question) -> Option<Program> {
-    answers().iter().rev().find_map(|answer| answer.of(question))
+    locked(&KNOWN).iter().rev().find_map(|answer| answer.of(question))
 }
 
 /// Keeps what was compiled, and forgets the oldest for it.
@@ -88,7 +114,7 @@ pub(super) fn keep(question: Question, program: Program) {
         return;
     }
     let answer = Answer::new(question, program);
-    let mut answers = answers();
+    let mut answers = locked(&KNOWN);
     if answers.len() == MOST {
         answers.remove(0);
     }
@@ -158,9 +184,11 @@ fn is_alike(from: &Source, to: &Source) -> bool {
         && ours.operations.len() == others.operations.len()
         && ours.loops == others.loops
         && ours.memory == others.memory
-        && ours.operations.iter().zip(&others.operations).all(|(from, to)| {
-            from == to || matches!((from, to), (Operation::Constant(_), Operation::Constant(_)))
-        })
+        && ours
+            .operations
+            .iter()
+            .zip(&others.operations)
+            .all(|(from, to)| from == to || matches!((from, to), (Operation::Constant(_), Operation::Constant(_))))
 }
 
 fn is_large(bits: u64) -> bool {
@@ -223,6 +251,6 @@ mod tests {
             let program = compile(&one).unwrap();
             keep(one, program);
         }
-        assert!(answers().len() <= MOST);
+        assert!(locked(&KNOWN).len() <= MOST);
     }
 }

@@ -15,6 +15,7 @@ mod known;
 mod memory;
 mod shape;
 
+pub(crate) use known::{Asked, asked};
 pub(crate) use memory::Functions;
 
 use crate::lanes::recorded::{Recording, Trace};
@@ -78,11 +79,6 @@ impl Code {
         is_wanted: impl Fn(usize) -> bool,
     ) -> Option<Code> {
         Code::of::<V>(registers, known::find(&Question::new::<V, F>(registers, sources, is_wanted)?)?)
-    }
-
-    /// Whether [`Code::known`] is worth being asked for memory of so many registers.
-    pub(crate) fn may_be_known<V: Lane>(registers: usize) -> bool {
-        V::INSTRUCTIONS.is_some_and(|instructions| known::is_likely(instructions, registers))
     }
 
     fn of<V: Lane>(registers: usize, program: Program) -> Option<Code> {

@@ -25,7 +25,6 @@ pub(crate) use overview::FIRST_TERMS;
 pub use overview::{Overview, SeriesSums};
 pub use runge_kutta::RungeKutta;
 pub(crate) use series_sum::sum_series;
-pub(crate) use step_end::n_looks;
 pub use splitting::{LagrangeMap, Split, Splitting};
 pub(crate) use taylor::MAX_ORDER;
 pub use taylor::Taylor;

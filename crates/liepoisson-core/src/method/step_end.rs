@@ -46,7 +46,7 @@ const NO_ROUND_OFF: f64 = 1e-6;
 const HONEST: f64 = 64.0;
 
 /// Nodes at which a step is looked at unless it is as long as it may grow.
-pub(crate) fn n_looks(field: &Tape, order: usize) -> usize {
+pub(super) fn n_looks(field: &Tape, order: usize) -> usize {
     if field.has_steep_barriers(order) { MANY / EVERY } else { 1 }
 }
 

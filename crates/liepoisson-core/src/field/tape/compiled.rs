@@ -5,7 +5,7 @@ use super::Tape;
 use super::elementary::Called;
 use super::frame::Frame;
 use crate::field::{Field, Straight};
-use crate::jit::{Code, Functions, Source};
+use crate::jit::{self, Asked, Code, Functions, Source};
 use crate::lanes::recorded::Recorded;
 use crate::lanes::{Instructions, Lane};
 use std::sync::OnceLock;
@@ -17,8 +17,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// length been known.
 const WORTH_IT: u64 = 500;
 
-/// Runs after which it is looked up whether there is code for the same operations with other constants, as for another value of a
-/// parameter: recording them takes as long as some 25 runs.
+/// Runs after which code for the same operations with other constants is looked for, as of another value of a parameter: to record them
+/// takes as long as some 25 runs. Where so many tapes have asked in vain that these runs add up to [`WORTH_IT`], it is compiled.
 const WORTH_A_LOOK: u64 = 25;
 
 /// Instructions of a tape, for the state and each tangent vector and order, that are compiled at most: what is recorded of them takes some
@@ -112,8 +112,13 @@ impl Plan {
     #[inline(never)]
     fn count<V: Lane>(&self, compile: impl FnOnce(Stage) -> Option<Code>) {
         match self.runs.fetch_add(1, Ordering::Relaxed) {
-            WORTH_A_LOOK if Code::may_be_known::<V>(self.key.registers) && is_wanted() => {
-                if let Some(code) = compile(Stage::Look) {
+            WORTH_A_LOOK if is_wanted() => {
+                let stage = match jit::asked::<V>(self.key.registers) {
+                    Asked::Known => Stage::Look,
+                    Asked::Unknown { times } if times * WORTH_A_LOOK >= WORTH_IT => Stage::Compile,
+                    Asked::Unknown { .. } => return,
+                };
+                if let Some(code) = compile(stage) {
                     self.code.get_or_init(|| Some(code));
                 }
             }
@@ -135,12 +140,7 @@ enum Stage {
 }
 
 impl Stage {
-    fn make<V: Lane>(
-        self,
-        registers: usize,
-        sources: Vec<Source>,
-        is_wanted: impl Fn(usize) -> bool,
-    ) -> Option<Code> {
+    fn make<V: Lane>(self, registers: usize, sources: Vec<Source>, is_wanted: impl Fn(usize) -> bool) -> Option<Code> {
         match self {
             Stage::Look => Code::known::<V, Elementary>(registers, sources, is_wanted),
             Stage::Compile => Code::new::<V, Elementary>(registers, sources, is_wanted),
@@ -177,12 +177,7 @@ fn compile_series<V: Lane>(
     stage.make::<V>(registers, sources, |register| register < (row + n_series) * n_orders)
 }
 
-fn compile_straight<V: Lane>(
-    tape: &Tape,
-    straight: &impl Straight,
-    registers: usize,
-    stage: Stage,
-) -> Option<Code> {
+fn compile_straight<V: Lane>(tape: &Tape, straight: &impl Straight, registers: usize, stage: Stage) -> Option<Code> {
     if tape.instructions.len() * straight.n_rates() > MOST_WORK {
         return None;
     }
