@@ -3,7 +3,8 @@
 //! What is compiled depends on the operations that were recorded, on which of their constants are equal, and on the values of a few:
 //! zero, one and minus one, and those that [`emit`](super::emit) has itself. So where a recording differs from an earlier one in its
 //! constants alone, each of these stands for one other, and those few for themselves, its code is that of the earlier one, with other
-//! numbers before it.
+//! numbers before it. The field itself is read and derived anew for each value, so what depends on values there (terms that vanish or
+//! cancel, factors of one) shows in the operations.
 
 use super::emit::{SIZE, WHOLE};
 use super::memory::{Functions, caller};

@@ -6,7 +6,7 @@
 //! all orders calls the pieces in turn.
 //!
 //! The code is a function of integers that are compared with the size of the memory when it is made. Numbers of users are data, in
-//! pages that are not executable.
+//! pages that are not executable; so code serves other numbers, too, such as those of another value of a parameter ([`known`]).
 
 mod assembler;
 mod constants;
