@@ -44,7 +44,7 @@ def test_what_is_printed(command):
 
 @pytest.mark.parametrize(("tol", "said"), [("1e-4", "Runge-Kutta method of order 8"), ("1e-14", "Taylor method")])
 def test_the_method_that_was_chosen_is_what_is_printed(command, tol, said):
-    _, out, _ = command("orbit", "henon-heiles", "--method", "auto", "--tol", tol, *SHORT)
+    _, out, _ = command("orbit", "manakov-so4", "--method", "auto", "--tol", tol, *SHORT)
     assert f"method   {said}, tolerance {float(tol):g}, order" in out
 
 

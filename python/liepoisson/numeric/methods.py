@@ -360,14 +360,14 @@ class Auto:
     What is chosen runs as if it had been given: results, files and reruns name it.  Operations are counted, not timed,
     so that all processors choose alike.  A step of Taylor's method, of order N, is $\rho\,\mathrm{tol}^{1/(N-1)}$ long
     in units that depend on the orbit, one of the Runge-Kutta method $c\rho\,\mathrm{tol}^{1/8}$, with c measured, about
-    7/4 for all systems.  With $W_T$ and $W_R$ operations in a step, those of the field with one tangent vector and of
+    4/3 for all systems.  With $W_T$ and $W_R$ operations in a step, those of the field with one tangent vector and of
     the method itself, the Runge-Kutta method is taken where
     $W_R\,\mathrm{tol}^{-1/8}/c < W_T\,\mathrm{tol}^{-1/(N-1)}$.
     Where power series are needed (sections, dense output) it is always `Taylor`.
 
     Example:
-        >>> pendulum, start = lp.System(lp.canonical(names=["theta"]), "p_theta^2/2 - cos(theta)"), [1, 0]
-        >>> [lp.integrate(pendulum, start, t_end=10, method=lp.Auto(tol=tol)).method.name for tol in (1e-4, 1e-13)]
+        >>> top, start = lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}
+        >>> [lp.integrate(top, start, t_end=10, method=lp.Auto(tol=tol)).method.name for tol in (1e-5, 1e-13)]
         ['runge-kutta', 'taylor']
 
     Args:
