@@ -18,7 +18,7 @@ from typing import Any
 import liepoisson as lp
 from liepoisson._lazy import homes_of
 from liepoisson.io.result import Saved
-from liepoisson.numeric.methods import METHODS
+from liepoisson.numeric.methods import CHOICES
 
 PAGE = Path(__file__).with_name("names.md")
 
@@ -110,7 +110,7 @@ def stubs() -> dict[Path, str]:
         for name in module.__all__:
             import_module(getattr(getattr(module, name), "__module__", None) or "liepoisson")
     texts: dict[Path, str] = {}
-    for path, classes in ((RESULTS, saved()), (RESULTS.with_name("methods.pyi"), METHODS.values())):
+    for path, classes in ((RESULTS, saved()), (RESULTS.with_name("methods.pyi"), CHOICES.values())):
         homes = homes_of(str(path)) | {one.__name__: one.__module__ for one in classes}
         lines = [
             f"from {home} import {name} as {name}"

@@ -35,6 +35,7 @@ from liepoisson.model.system_file_reader import read_system as read_system
 from liepoisson.model.tops import Top as Top
 from liepoisson.model.vector_field import VectorField as VectorField
 from liepoisson.numeric.integrate import integrate as integrate
+from liepoisson.numeric.methods import Auto as Auto
 from liepoisson.numeric.methods import Gauss as Gauss
 from liepoisson.numeric.methods import RungeKutta as RungeKutta
 from liepoisson.numeric.methods import Splitting as Splitting

@@ -12,7 +12,7 @@ from liepoisson.cli.orbit import orbit
 from liepoisson.cli.runs import DEFAULT_STEP, named_method
 from liepoisson.cli.section import section
 from liepoisson.errors import ParameterError, UnknownNameError
-from liepoisson.numeric.methods import METHODS, precisions
+from liepoisson.numeric.methods import CHOICES, precisions
 
 
 def help_of(command, option):
@@ -20,9 +20,9 @@ def help_of(command, option):
     return typing.get_type_hints(command, include_extras=True)[option].__metadata__[0].help
 
 
-@pytest.mark.parametrize("name", METHODS)
+@pytest.mark.parametrize("name", CHOICES)
 def test_a_method_is_made_by_name_with_any_of_its_options(name):
-    kind = METHODS[name]
+    kind = CHOICES[name]
     assert type(named_method(name)) is kind
     values = {"tol": 3e-5, "step": 0.3, "order": 6, "precision": precisions(kind)[-1]}
     for option, value in values.items():
@@ -36,9 +36,9 @@ def test_a_method_is_made_by_name_with_any_of_its_options(name):
 @pytest.mark.parametrize("command", [flat(lyapunov), flat(orbit), flat(section)])
 def test_the_help_names_every_method_and_who_takes_an_option(command):
     options = inspect.signature(command).parameters
-    assert all(name in help_of(command, "method") for name in METHODS)
+    assert all(name in help_of(command, "method") for name in CHOICES)
     for option in {"tol", "precision"} & options.keys():
-        for name, kind in METHODS.items():
+        for name, kind in CHOICES.items():
             takes = option in {field.name for field in dataclasses.fields(kind)}
             assert (name in help_of(command, option)) is takes, (name, option)
 

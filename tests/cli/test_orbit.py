@@ -42,6 +42,12 @@ def test_what_is_printed(command):
     assert all(float(line.split()[1]) < 1e-13 for line in lines[9:])
 
 
+@pytest.mark.parametrize(("tol", "said"), [("1e-4", "Runge-Kutta method of order 8"), ("1e-14", "Taylor method")])
+def test_the_method_that_was_chosen_is_what_is_printed(command, tol, said):
+    _, out, _ = command("orbit", "manakov-so4", "--method", "auto", "--tol", tol, *SHORT)
+    assert f"method   {said}, tolerance {float(tol):g}, order" in out
+
+
 def test_default_start_is_member_0_of_the_seed(command, twisted):
     _, out, _ = command("orbit", "twisted-kovalevskaya", "--seed", 5, *SHORT)
     expected = lp.sample_states(twisted, 1, seed=5)[0].reshape(3, 3)

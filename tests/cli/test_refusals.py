@@ -11,7 +11,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.cli.main import COMMANDS, application
-from liepoisson.numeric.methods import METHODS
+from liepoisson.numeric.methods import CHOICES
 
 MATRIX = '[bracket]\nalgebra = "so(3)"\n[parameters]\nA = [[1, 0, 0], [0, 2, 0], [0, 0, 3]]\n[hamiltonian]\n'
 TWIST = (
@@ -240,7 +240,7 @@ OF_METHODS = {"--tol": "1e-9", "--step": "0.1", "--order": "4", "--precision": "
 
 @pytest.mark.parametrize("name", [name for name in COMMANDS if "--method" in options_of(name)])
 def test_options_of_another_method_are_refused_with_those_that_the_command_has(command, name):
-    for method, kind in METHODS.items():
+    for method, kind in CHOICES.items():
         known = {f"--{field.name}" for field in fields(kind)}
         for option in (OF_METHODS.keys() & options_of(name)) - known:
             code, out, err = command(name, "kovalevskaya", "--method", method, option, OF_METHODS[option])

@@ -16,7 +16,7 @@ from hostile_names import FAMOUS, REFUSED
 
 from liepoisson.cli.exit import UNEXPECTED
 from liepoisson.cli.main import main
-from liepoisson.numeric.methods import METHODS
+from liepoisson.numeric.methods import CHOICES
 
 NAMES = [*FAMOUS, *(name for name in REFUSED if len(name) < 1000), "l", "alpha", "I", "a", "epsilon", "K", "p_psi"]
 TEXTS = [
@@ -49,13 +49,13 @@ OPTIONS = {
     "inspect": _FORMAT | {"--set": "setting"},
     "orbit": _WHERE | _FILES | {
         "--guess": "state", "--t-end": "number", "--points": ["2", "3", "5", "0", "-1", "x"],
-        "--method": [*METHODS, "x"], "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number",
+        "--method": [*CHOICES, "x"], "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number",
     },
     "section": _WHERE | _FILES | {
         "--surface": "surface", "--t-end": ["10", "5e-324", "-1", "nan", "0"],
         "--crossings": ["3", "1", "0", "-1", "x"], "--starts": ["2", "0", "x"],
         "--keep": "text", "--x": "text", "--y": "text",
-        "--method": [*METHODS, "x"], "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number",
+        "--method": [*CHOICES, "x"], "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number",
     },
     "lyapunov": _WHERE | _FILES | _STARTS | {
         "--t-end": "number", "--ensemble": "text", "--tol": "number", "--spectrum": None,

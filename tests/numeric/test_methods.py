@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.numeric.methods import METHODS, method_of, method_record, precisions
+from liepoisson.numeric.methods import CHOICES, METHODS, method_of, method_record, precisions
 
 
 def example(kind):
@@ -36,9 +36,9 @@ def top_for(method):
 
 
 def test_methods_have_their_names():
-    assert all(name == kind.name for name, kind in METHODS.items())
+    assert all(name == kind.name for name, kind in CHOICES.items())
     assert {name for name in dir(lp.methods) if isinstance(getattr(lp.methods, name), type)} == {
-        kind.__name__ for kind in METHODS.values()
+        kind.__name__ for kind in CHOICES.values()
     }
 
 

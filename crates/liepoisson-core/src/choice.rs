@@ -5,7 +5,9 @@ use crate::ensemble::{AnyEnsemble, Integration, Integrator};
 use crate::error::Error;
 use crate::field::{Bounds, Quadratic, Quadratics, Space, SplitTerms, Tape, Top, Tops};
 use crate::lanes::Simd;
-use crate::method::{AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor};
+use crate::method::{
+    AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor, runge_kutta_is_cheaper,
+};
 use std::sync::Arc;
 
 /// A vector field of any kind.
@@ -114,6 +116,21 @@ impl AnyField {
             (AnyField::Tape(tape), AnyMethod::Taylor(taylor)) => taylor.for_tape(tape).order(),
             _ => method.order(),
         }
+    }
+
+    /// Whether, of the two adaptive methods, that of Runge and Kutta takes less work at a tolerance, by counted operations; not for
+    /// fields to which it does not apply.
+    ///
+    /// # Errors
+    /// Tolerance outside `[2^-53, 0.1]`.
+    pub fn prefers_runge_kutta(&self, tolerance: f64) -> Result<bool, Error> {
+        let taylor = Taylor::new(tolerance, None, 1)?;
+        Ok(match self {
+            AnyField::Top(field) => runge_kutta_is_cheaper(field, taylor),
+            AnyField::Quadratic(field) => runge_kutta_is_cheaper(field, taylor),
+            AnyField::Tape(field) => runge_kutta_is_cheaper(field, taylor),
+            AnyField::Tops(_) | AnyField::Quadratics(_) | AnyField::SplitTerms(_) => false,
+        })
     }
 
     /// The field with a method for it.

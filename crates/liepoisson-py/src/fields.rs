@@ -35,6 +35,11 @@ impl Field {
         self.0.n_components()
     }
 
+    /// Whether the Runge-Kutta method takes less work at a tolerance than Taylor's.
+    fn prefers_runge_kutta(&self, tol: f64) -> PyResult<bool> {
+        guarded(|| self.0.prefers_runge_kutta(tol))
+    }
+
     /// The charged or twisted top.
     #[staticmethod]
     fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {

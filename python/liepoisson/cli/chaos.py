@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from liepoisson.indicators.spectrum import Spectrum
     from liepoisson.indicators.verdict import Verdict
     from liepoisson.model.system import System
-    from liepoisson.numeric.methods import Method
+    from liepoisson.numeric.methods import Auto, Method
 
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
 _TIME = 1000.0
@@ -106,7 +106,7 @@ def lyapunov(
 
 def _planned(
     system: System, where: Where, how: How, begin: dict[str, Any], *, t_end: float | None, times: float, **options: Any
-) -> tuple[Starts, float, Method, float]:
+) -> tuple[Starts, float, Method | Auto, float]:
     """The starts, the natural time of the median orbit, the method, and the time of the runs, by default so many."""
     check_end_time(t_end)
     how.named(**options)  # refused before anything is computed

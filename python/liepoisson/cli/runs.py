@@ -16,7 +16,7 @@ from liepoisson.cli.output import write_figure, write_result
 from liepoisson.cli.progress import listening
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
-from liepoisson.numeric.methods import METHODS, Method, Taylor, precisions
+from liepoisson.numeric.methods import CHOICES, Auto, Method, Taylor, precisions
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -44,25 +44,25 @@ def _words(names: list[str], last: str) -> str:
     return f" {last} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
-def _options_of(kind: type[Method]) -> dict[str, Any]:
+def _options_of(kind: type[Method | Auto]) -> dict[str, Any]:
     """The options of the commands that a method has, with its defaults."""
     return {field.name: field.default for field in fields(kind) if field.name in ("tol", "step", "order", "precision")}
 
 
 def _with(option: str) -> list[str]:
-    return [name for name, kind in METHODS.items() if option in _options_of(kind)]
+    return [name for name, kind in CHOICES.items() if option in _options_of(kind)]
 
 
 def _precisions_help() -> str:
     takers: dict[str, list[str]] = {}
     for name in _with("precision"):
-        for precision in precisions(METHODS[name])[1:]:
+        for precision in precisions(CHOICES[name])[1:]:
             takers.setdefault(precision, []).append(name)
     return "; ".join(["double", *(f"{precision} ({', '.join(names)})" for precision, names in takers.items())]) + "."
 
 
 _HELP = {
-    "method": _words(list(METHODS), "or") + ".",
+    "method": _words(list(CHOICES), "or") + ".",
     "tol": f"Tolerance of {_words(_with('tol'), 'and')}.",
     "step": "Step of the methods with equal steps.  [default: a tenth of a natural time of the orbits]",
     "order": "Order of the method, where it has several.",
@@ -93,7 +93,7 @@ class How:
     step: Annotated[float | None, typer.Option(help=_HELP["step"])] = None
     order: Annotated[int | None, typer.Option(help=_HELP["order"])] = None
 
-    def named(self, unit: float = 1.0, **more: Any) -> Method:
+    def named(self, unit: float = 1.0, **more: Any) -> Method | Auto:
         """The method, as `named_method` makes it."""
         options = {"tol": self.tol, "step": self.step, "order": self.order} | more
         return named_method(self.method, unit=unit, **options)
@@ -105,7 +105,7 @@ class HowToRoundOff(How):
 
     tol: Annotated[float | None, typer.Option(help=f"{_HELP['tol']}  [default: 1e-15, 1e-8]")] = None
 
-    def named(self, unit: float = 1.0, **more: Any) -> Method:
+    def named(self, unit: float = 1.0, **more: Any) -> Method | Auto:
         """The method, as `named_method` makes it."""
         is_exact = self.tol is None and self.method == "taylor"
         return super().named(unit, **({"tol": Taylor().tol} if is_exact else {}), **more)
@@ -119,12 +119,12 @@ class Limits:
     time_limit: TimeLimitOption = TIME_LIMIT
 
 
-def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
+def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method | Auto:
     """The method of this name with the options that were given; a default step is a tenth of the `unit` of time."""
-    if name not in METHODS:
-        hint = did_you_mean(name, METHODS).strip() or "Try taylor."
-        raise UnknownNameError(f"--method must be one of {', '.join(METHODS)}; got {name!r:.60}. {hint}")
-    known = _options_of(METHODS[name])
+    if name not in CHOICES:
+        hint = did_you_mean(name, CHOICES).strip() or "Try taylor."
+        raise UnknownNameError(f"--method must be one of {', '.join(CHOICES)}; got {name!r:.60}. {hint}")
+    known = _options_of(CHOICES[name])
     given = {key: value for key, value in options.items() if value is not None}
     if given.get("precision") == "double":
         del given["precision"]
@@ -136,7 +136,7 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
         given.setdefault("tol", _TOLERANCES[name])
     if known.get("step") is MISSING:
         given.setdefault("step", float(f"{DEFAULT_STEP * unit:.1e}"))
-    return METHODS[name](**given)
+    return CHOICES[name](**given)
 
 
 def check_limits(*, seed: int = 0, time_limit: float = TIME_LIMIT, threads: int | None = None) -> None:

@@ -27,7 +27,7 @@ from liepoisson.cli.runs import (
 from liepoisson.cli.starts import find_start, leaf_lines, start_lines
 from liepoisson.cli.systems import read_numeric_system
 from liepoisson.errors import ParameterError, SurfaceWarning
-from liepoisson.numeric.methods import Method, RungeKutta
+from liepoisson.numeric.methods import Auto, Method, RungeKutta
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -282,7 +282,7 @@ def _check_counts(starts: int | None, crossings: int, *, alone: bool) -> None:
             raise ParameterError(f"--{name} must be from 1 to {most}; got {value}. Try {usual}.")
 
 
-def _check_steps(method: Method) -> None:
+def _check_steps(method: Method | Auto) -> None:
     """Refuse the one method of the commands that has neither power series nor equal steps."""
     if isinstance(method, RungeKutta) and method.step is None:
         raise ParameterError(

@@ -17,6 +17,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from liepoisson.errors import ExpressionError
 from liepoisson.inputs.names import GREEK, MAX_NAME
@@ -146,9 +147,15 @@ def parse(text: str) -> Node:
             0,
         )
     try:
-        return _Parser(text).formula()
+        return _tree(text)
     except RecursionError:  # the caller stands deep in the stack already
         raise ExpressionError("the formula is nested too deeply. Simplify it", text, 0) from None
+
+
+@lru_cache(maxsize=64)
+def _tree(text: str) -> Node:
+    """Kept, as a family of systems has the same formulas for all values of its parameters."""
+    return _Parser(text).formula()
 
 
 def names_in(tree: Node) -> dict[str, int]:

@@ -16,7 +16,7 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.io.result import labelled
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_alignment_vectors
@@ -106,7 +106,7 @@ def alignment(
     units: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -157,7 +157,7 @@ def alignment(
     References:
         Skokos, J. Phys. A 34 (2001) 10029; Skokos, Bountis and Antonopoulos, Physica D 231 (2007) 30.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
     field = options.field(system)
     n = field.n_components
     states, wanted = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)

@@ -20,7 +20,7 @@ from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.deadline import Deadline
 from liepoisson.inputs.refusals import counted, shown
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import as_values
@@ -157,7 +157,7 @@ def exponents_by_energy(
     rule: Rule | None = None,
     seed: int = 0,
     confidence: float = 0.95,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -194,7 +194,7 @@ def exponents_by_energy(
     References: Wilson, J. Amer. Statist. Assoc. 22 (1927) 209.
     """
     _check_leaf(system, leaf)
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, system=system)
     values, field = np.atleast_1d(as_values(energies, "energies")), options.field(system)
     fits = values.ndim == 1 and values.size > 0
     check_shape(fits, "energies", "(energy,) with one or more energies", values)

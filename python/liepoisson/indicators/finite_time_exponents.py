@@ -15,7 +15,7 @@ from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_tangents
@@ -77,7 +77,7 @@ def finite_time_exponents(
     tangents: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -115,7 +115,7 @@ def finite_time_exponents(
     References:
         Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
     field = options.field(system)
     n = field.n_components
     states, at = as_starts(system, starts, n), as_forward_times(t_end, times, N_TIMES)

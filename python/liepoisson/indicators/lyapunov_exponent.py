@@ -19,7 +19,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
@@ -236,7 +236,7 @@ def lyapunov_exponent(
     transient: float | None = None,
     seed: int = 0,
     first: int = 0,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -286,7 +286,7 @@ def lyapunov_exponent(
 
     References: [benettin1980]; for the error see `liepoisson.indicators.mean_error`.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
     if wanted_error is None and t_end is None:
         raise ParameterError("wanted t_end, wanted_error, or both; got neither; try wanted_error=0.01")
     starts = given_starts(system, starts)  # once, as several runs start from it

@@ -15,7 +15,7 @@ from liepoisson.indicators.finite_time_exponents import finite_time_exponents
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, trajectories, typical, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import as_first, sample_tangents
@@ -86,7 +86,7 @@ def megno(
     tangents: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -131,7 +131,7 @@ def megno(
         Cincotta and Simó, Astron. Astrophys. Suppl. 147 (2000) 205; Cincotta, Giordano and Simó, Physica D
         182 (2003) 151.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
     field = options.field(system)
     states = as_starts(system, starts, n := field.n_components)
     end = as_time(t_end, "t_end", example=1000)

@@ -24,7 +24,7 @@ from liepoisson.inputs.arrays import Array, check_shape
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.inputs.refusals import check_kind
 from liepoisson.io.result import labelled, part
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import IntegratedRun, trajectories, whole
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
@@ -174,7 +174,7 @@ def lyapunov_spectrum(
     structure: PoissonStructure | None = None,
     seed: int = 0,
     first: int = 0,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -222,7 +222,7 @@ def lyapunov_spectrum(
     References:
         [benettin1980]; for covariant vectors [ginelli2007].
     """
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
     t_end = as_duration(t_end, "t_end")
     transient = as_duration(transient, "transient", zero=True)
     starts = given_starts(system, starts)  # once, as several runs start from it

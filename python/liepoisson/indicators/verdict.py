@@ -25,7 +25,7 @@ from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, check_kind, not_a, shown
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.sampling import sample_tangents
@@ -229,7 +229,7 @@ def decide(
     seed: int = 0,
     first: int = 0,
     rule: Rule | None = None,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -281,7 +281,7 @@ def decide(
         Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Skokos, J. Phys. A 34 (2001) 10029; Cincotta
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first)
+    options = RunOptions.read(method, threads, time_limit, progress, seed=seed, first=first, system=system)
     end = None if t_end is None else as_time(t_end, "t_end", example=1000)
     rule = as_rule(rule)
     starts = given_starts(system, starts)  # once, as several runs start from it

@@ -21,7 +21,7 @@ ARGUMENTS = {
         "Number of the first trajectory, so that an ensemble can be computed in pieces: trajectory k has the same "
         "random numbers in whichever piece it is."
     ),
-    "method": "How; by default `Taylor(tol=1e-13)`.",
+    "method": 'How; by default `Taylor(tol=1e-13)`; "auto" is the cheaper one of `Taylor` and `RungeKutta`.',
     "threads": ("By default all processors that the process may use.  Results do not depend on it, bit for bit."),
     "time_limit": (
         'Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".  What '

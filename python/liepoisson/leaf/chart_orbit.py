@@ -169,7 +169,7 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
     start = as_array(start, "start", TOP_COMPONENTS)
     if start.shape != (9,):
         raise ShapeError(f"start must be one state of shape (9,); got shape {start.shape}. Take one orbit at a time.")
-    how = as_method(method, Taylor(max_steps=LONGEST))
+    how = as_method(method, Taylor(max_steps=LONGEST), in_series=True)
     run = integrate(chart.system, chart.from_body(start), times=times, method=how, dense=True)
     outcome, end_time, end_state = str(run.outcome[0]), float(run.end_time[0]), run.end_state[0]
     left = _leaving(chart.system, run)

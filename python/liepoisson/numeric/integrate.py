@@ -17,7 +17,7 @@ from liepoisson.inputs.arrays import Array, check_finite, check_shape
 from liepoisson.inputs.calls import explains_its_arguments, shows_progress
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, pieces
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import MethodChoice, Taylor
 from liepoisson.numeric.run import IntegratedRun, KeepsInvariants, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts, as_times, as_values
@@ -171,7 +171,7 @@ def integrate(
     times: ArrayLike | None = None,
     t_end: float | None = None,
     tangents: ArrayLike | None = None,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     dense: bool = False,
     kernel: Literal["lanes", "components"] | None = None,
     threads: int | None = None,
@@ -213,7 +213,10 @@ def integrate(
             apply.
         KeyboardInterrupt: Ctrl-C.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
+    in_series = dense or kernel == "components"
+    options = RunOptions.read(
+        method, threads, time_limit, progress, default=Taylor(), system=system, in_series=in_series
+    )
     method, field = options.method, options.field(system)
     n = field.n_components
     states, times = as_starts(system, starts, n), _as_orbit_times(times, t_end)

@@ -17,7 +17,7 @@ from liepoisson.formula.scalars import as_array, as_count, as_number
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.refusals import check_choice, shown
-from liepoisson.numeric.systems import TOP_COMPONENTS, has_pieces
+from liepoisson.numeric.systems import TOP_COMPONENTS, as_field, core_field, has_pieces
 
 ROUND_OFF = 2.0**-53
 SINGLE_TOLERANCE = 2.0**-20
@@ -349,29 +349,101 @@ def _lax_coefficients(field: TopField, h: float, x: Array) -> Array:
 
 Method: TypeAlias = Taylor | RungeKutta | Splitting | Gauss | LagrangeMap
 METHODS: Mapping[str, type[Method]] = {method.name: method for method in get_args(Method)}
-"""All methods by name: the commands, sweep files and messages have their names and options from here."""
+"""All methods by name, as results have them."""
+
+
+@explains_its_methods
+@dataclass(frozen=True)
+class Auto:
+    r"""The cheaper one of `Taylor` and `RungeKutta` for a system and a tolerance; the text "auto" is `Auto()`.
+
+    What is chosen runs as if it had been given: results, files and reruns name it.  Operations are counted, not timed,
+    so that all processors choose alike.  A step of Taylor's method, of order N, is $\rho\,\mathrm{tol}^{1/(N-1)}$ long
+    in units that depend on the orbit, one of the Runge-Kutta method $c\rho\,\mathrm{tol}^{1/8}$, with c measured, about
+    4/3 for all systems.  With $W_T$ and $W_R$ operations in a step, those of the field with one tangent vector and of
+    the method itself, the Runge-Kutta method is taken where
+    $W_R\,\mathrm{tol}^{-1/8}/c < W_T\,\mathrm{tol}^{-1/(N-1)}$.
+    Where power series are needed (sections, dense output) it is always `Taylor`.
+
+    Example:
+        >>> top, start = lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}
+        >>> [lp.integrate(top, start, t_end=10, method=lp.Auto(tol=tol)).method.name for tol in (1e-5, 1e-13)]
+        ['runge-kutta', 'taylor']
+
+    Args:
+        tol: The tolerance of either, from 1.1e-16 to 0.1; by default that of the function's own default method.
+        max_steps: Most steps that one trajectory may take; by default as many as with that method.
+
+    Raises:
+        ParameterError: A value outside its range.
+    """
+
+    name: ClassVar[str] = "auto"
+
+    tol: float | None = None
+    max_steps: int | None = None
+
+    def __post_init__(self) -> None:
+        """Checks the ranges and keeps plain numbers, which can be written to a file."""
+        if self.tol is not None:
+            _keep(self, tol=_as_tolerance(self.tol, ROUND_OFF, "1.1e-16", "try 1e-8"))
+        if self.max_steps is not None:
+            _keep(self, max_steps=_as_budget(self.max_steps))
+
+    def __str__(self) -> str:
+        return "Taylor or Runge-Kutta method" + ("" if self.tol is None else f", tolerance {self.tol:g}")
+
+
+MethodChoice: TypeAlias = Method | Auto | Literal["auto"]
+"""What callers may give."""
+CHOICES: Mapping[str, type[Method | Auto]] = {**METHODS, Auto.name: Auto}
+"""What they may name: commands, sweep files and messages have names and options from here."""
 
 
 @cache
-def precisions(kind: type[Method]) -> tuple[str, ...]:
+def precisions(kind: type[Method | Auto]) -> tuple[str, ...]:
     """The precisions that a method has, the default one first."""
     return get_args(get_type_hints(kind).get("precision")) or ("double",)
 
 
-def as_method(method: Any, default: Method) -> Method:
-    """The method, or the default one for None.
+def as_choice(method: Any) -> Method | Auto | None:
+    """What a caller gives as a method, checked.
 
     Raises:
         ParameterError: It is not a method object.
     """
-    if method is None:
-        return default
-    if not isinstance(method, tuple(METHODS.values())):
-        names = ", ".join(kind.__name__ for kind in METHODS.values())
+    if isinstance(method, str) and method == Auto.name:
+        return Auto()
+    if method is not None and not isinstance(method, tuple(CHOICES.values())):
+        names = ", ".join(kind.__name__ for kind in CHOICES.values())
         raise ParameterError(
-            f"method: wanted a method object ({names}); got {shown(method)}; try method=Taylor(tol=1e-13)"
+            f'method: wanted a method object ({names}) or "auto"; got {shown(method)}; try method=Taylor(tol=1e-13)'
         )
     return method
+
+
+def as_method(method: Any, default: Taylor, system: Any = None, *, in_series: bool = False) -> Method:
+    """The method that runs: the one that a caller gives, the default for None, the cheaper one for `Auto`.
+
+    Args:
+        method: What the caller gives.
+        default: The method for None; `Auto` has from it what it does not say itself.
+        system: What is integrated.
+        in_series: Whether power series are needed, so that `Auto` has no choice.
+
+    Raises:
+        ParameterError: It is not a method object.
+    """
+    chosen = as_choice(method)
+    if chosen is None:
+        return default
+    if not isinstance(chosen, Auto):
+        return chosen
+    tol = default.tol if chosen.tol is None else chosen.tol
+    max_steps = default.max_steps if chosen.max_steps is None else chosen.max_steps
+    if in_series or not core_field(as_field(system)).prefers_runge_kutta(tol):
+        return Taylor(tol=tol, max_steps=max_steps)
+    return RungeKutta(tol=tol, max_steps=max_steps)
 
 
 def field_for(system: Any, field: Field, method: Method) -> Field:
@@ -411,7 +483,7 @@ def _with_precision(field: Field, method: Method) -> Field:
     return field
 
 
-def method_record(method: Method) -> dict[str, Any]:
+def method_record(method: Method | Auto) -> dict[str, Any]:
     """The method as plain data that JSON can write."""
     return {"name": method.name, **asdict(method)}
 
@@ -426,7 +498,13 @@ def method_of(record: Mapping[str, Any]) -> Method:
     return METHODS[values.pop("name")](**values)
 
 
-def _keep(method: Method, **values: object) -> None:
+def choice_of(record: Mapping[str, Any]) -> Method | Auto:
+    """The same where it may also be a choice that is still to be made."""
+    values = dict(record)
+    return CHOICES[values.pop("name")](**values)
+
+
+def _keep(method: Method | Auto, **values: object) -> None:
     for name, value in values.items():
         object.__setattr__(method, name, value)
 

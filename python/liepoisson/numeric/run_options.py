@@ -15,7 +15,7 @@ from liepoisson.compile.field import Field
 from liepoisson.formula.scalars import TIME_LIMIT, as_count, as_seed, as_threads, as_time_limit
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.deadline import LEAST, Deadline, seconds_left
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.methods import Method, MethodChoice, Taylor, as_method, field_for
 from liepoisson.numeric.systems import HasField, as_field, component_names
 
 ENSEMBLE_METHOD = Taylor(tol=1e-13)
@@ -50,23 +50,36 @@ class RunOptions:
     @classmethod
     def read(
         cls,
-        method: Method | None = None,
+        method: MethodChoice | None = None,
         threads: int | None = None,
         time_limit: float = TIME_LIMIT,
         progress: Progress = None,
         *,
         seed: int = 0,
         first: int = 0,
-        default: Method = ENSEMBLE_METHOD,
+        default: Taylor = ENSEMBLE_METHOD,
+        system: Any = None,
+        in_series: bool = False,
     ) -> Self:
         """What a caller gives, checked; the time runs from here.
+
+        Args:
+            method: How; None stands for the default.
+            threads: On how many threads; None stands for all.
+            time_limit: Seconds that the run may take.
+            progress: Called with the fraction of the run that is done.
+            seed: Draws what is random.
+            first: Number of the first trajectory.
+            default: The method for None.
+            system: What is integrated, for a method that is chosen for it.
+            in_series: Whether the run needs power series.
 
         Raises:
             ParameterError: one of them is not as it must be; the message names it.
         """
         limit = as_time_limit(time_limit)
         return cls(
-            method=as_method(method, default),
+            method=as_method(method, default, system, in_series=in_series),
             threads=as_threads(threads),
             time_limit=limit,
             deadline=Deadline(limit),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from liepoisson.errors import UnknownNameError, did_you_mean
 from liepoisson.formula.scalars import MOST, as_count, as_seed
-from liepoisson.inputs.arrays import check_memory
+from liepoisson.inputs.arrays import check_memory, read_only
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.refusals import shown
 from liepoisson.numeric.systems import HasField, as_field, vector_length
@@ -145,8 +146,16 @@ def _draw(
     check_memory(8 * n * n_components, "n_starts")
     result = np.empty((n, n_components))
     for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
-        random = stream(seed, purpose, block)
         start = block * BLOCK - first
         kept = slice(max(start, 0), min(start + BLOCK, n))
-        result[kept] = draw(random, n_components, length)[kept.start - start : kept.stop - start]
+        drawn = _block(draw, n_components, length, seed=seed, purpose=purpose, block=block)
+        result[kept] = drawn[kept.start - start : kept.stop - start]
     return result
+
+
+@lru_cache(maxsize=4)
+def _block(
+    draw: _Draw, n_components: int, length: int, *, seed: int, purpose: Purpose, block: int
+) -> NDArray[np.float64]:
+    """The members of a block, which nobody writes to: the points of a sweep have the same."""
+    return read_only(draw(stream(seed, purpose, block), n_components, length))

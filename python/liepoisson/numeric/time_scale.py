@@ -25,7 +25,7 @@ from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
@@ -56,7 +56,7 @@ def time_scale(
     system: HasField,
     starts: StartsLike,
     *,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
 ) -> Array:
@@ -83,7 +83,7 @@ def time_scale(
         ShapeError: `starts` has another shape than stated.
         ParameterError: no start is finite.
     """
-    return orbit_units(system, starts, RunOptions.read(method, threads, time_limit)).time
+    return orbit_units(system, starts, RunOptions.read(method, threads, time_limit, system=system)).time
 
 
 class OrbitUnits(NamedTuple):

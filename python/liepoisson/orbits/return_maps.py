@@ -34,7 +34,7 @@ from liepoisson.inputs.refusals import counted
 from liepoisson.io.tables import vector_columns
 from liepoisson.leaf._checks import as_system
 from liepoisson.leaf.leaf import Leaf
-from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.methods import Method, MethodChoice, Taylor, as_method
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.orbits.closed_orbits import CLOSES, PeriodicOrbit, problem_at
 from liepoisson.orbits.guesses import shortest
@@ -529,7 +529,7 @@ def return_map(
     *,
     t_end: float,
     direction: int = 1,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
 ) -> ReturnMap:
     r"""The map of first return to the side of a surface, $P(x) = \varphi_{\tau(x)}(x)$, as an object.
@@ -560,6 +560,6 @@ def return_map(
     check_that_it_varies(system, formula)
     if as_direction(direction) == 0:
         raise ParameterError("direction: wanted +1 or -1, one side of the surface; got 0")
-    count, chosen = None if threads is None else as_threads(threads), as_method(method, Taylor())
+    count, chosen = None if threads is None else as_threads(threads), as_method(method, Taylor(), in_series=True)
     check_method(chosen)
     return ReturnMap(system, system.functions.of(formula), int(direction), as_end(t_end), chosen, count)

@@ -15,7 +15,7 @@ from liepoisson.formula.scalars import TIME_LIMIT
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import shows_progress
 from liepoisson.io.result import labelled, recorded
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import MethodChoice, Taylor
 from liepoisson.numeric.run import Run, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, given_starts
@@ -97,7 +97,7 @@ def first_return(
     surface: Function | TapeFunction,
     t_end: float,
     direction: int = 1,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -130,7 +130,7 @@ def first_return(
     Raises:
         As `section`.
     """
-    run = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
+    run = RunOptions.read(method, threads, time_limit, progress, default=Taylor(), in_series=True)
     states, field = given_starts(system, starts), run.field(system)
     n = field.n_components
     if states.ndim == 0 or states.shape[-1] != n:

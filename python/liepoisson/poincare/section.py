@@ -18,7 +18,7 @@ from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.inputs.refusals import counted
 from liepoisson.io.result import labelled, names_along, recorded
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import MethodChoice, Taylor
 from liepoisson.numeric.run import IntegratedRun, outcome_names, trajectories
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
@@ -340,7 +340,7 @@ def section(
     n_crossings: int | None = None,
     start_side: ArrayLike = 0,
     keep: Sequence[Function] | None = None,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -406,7 +406,7 @@ def section(
             motion, which is in involution with H).
         KeyboardInterrupt: Ctrl-C.
     """
-    options = RunOptions.read(method, threads, time_limit, progress, default=Taylor())
+    options = RunOptions.read(method, threads, time_limit, progress, default=Taylor(), in_series=True)
     method = options.method
     check_method(method)
     field = options.field(system)

@@ -36,7 +36,7 @@ from liepoisson.structure.lie_algebras import so
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-    from liepoisson.numeric.methods import Method
+    from liepoisson.numeric.methods import MethodChoice
 
 _UNIT = 1e-6
 """How far from a rotation a given attitude may be: what six printed digits leave.  It is then made one exactly."""
@@ -182,7 +182,7 @@ def attitude(
     *,
     times: ArrayLike,
     attitude: str | ArrayLike | None = None,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     dense: bool = False,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.model.system import System
-    from liepoisson.numeric.methods import Method
+    from liepoisson.numeric.methods import MethodChoice
 
 Weights: TypeAlias = "tuple[Expr, ...]"
 """An element of the extension's algebra A: one exact number per field."""
@@ -141,7 +141,7 @@ def rod(
     arclengths: ArrayLike | None = None,
     attitude: str | ArrayLike | None = None,
     origin: ArrayLike = (0.0, 0.0, 0.0),
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,

@@ -28,7 +28,7 @@ from liepoisson.sweeps.spec import QUANTITIES, Axis, SweepSpec, refinement_of, s
 from liepoisson.sweeps.spec_file import read_sweep_file
 from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
-from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
+from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve, with_method
 
 PIECE_TIME = 1e6
 """Orbits times their time in a piece: 0.3 s of a core at 3.5e6 a second (tops, default method). A worker adds 3 ms."""
@@ -113,6 +113,7 @@ def sweep(
         as_count(points_per_piece, "points_per_piece", least=1, most=2**31, hint="leave it out")
     targets = evaluate_targets(spec, family, lattice.coordinates(lattice.grid()))
     meaning = check_casimirs(family, targets, spec.starts.sampling)
+    spec = with_method(spec, family, targets)
     path = None if store is None else Path(store)
     if path is not None:
         spec.fingerprint()

@@ -26,7 +26,7 @@ from liepoisson.inputs.given import as_scalar, listed, named
 from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
 from liepoisson.model.system_file_reader import parse_system_file
-from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
+from liepoisson.numeric.methods import MethodChoice, Taylor, as_choice, choice_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
 from liepoisson.portable import elementary
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
@@ -264,7 +264,7 @@ class SweepSpec:
     n_starts: int = 64
     quantity: str | Callable[..., Any] = "exponent"
     rule: Rule | None = None
-    method: Method | None = None
+    method: MethodChoice | None = None
     seed: int = 0
     refine: Refinement | None = None
     name: str | None = None
@@ -303,7 +303,7 @@ class SweepSpec:
             raise ParameterError(
                 f'rule belongs to quantity="chaotic_fraction"; got quantity={shown(self.quantity)}. Leave it out.'
             )
-        as_method(self.method, DEFAULT_METHOD)
+        object.__setattr__(self, "method", as_choice(self.method))
         self._check_quantity()
 
     def _check_types(self) -> None:
@@ -356,7 +356,7 @@ class SweepSpec:
             "t_end": float(self.t_end),
             "quantity": _plain(self.quantity),
             "rule": _plain(vars(as_rule(self.rule))) if self.is_verdict else None,
-            "method": None if self.method is None else method_record(self.method),
+            "method": None if (method := as_choice(self.method)) is None else method_record(method),
             "seed": int(self.seed),
             "refine": None if self.refine is None else {**vars(self.refine), "by": self._refined_by()},
             "version": __version__,
@@ -396,7 +396,7 @@ class SweepSpec:
             n_starts=record["n_starts"],
             quantity=quantity,
             rule=None if rule is None else rule_of(rule),
-            method=None if method is None else method_of(method),
+            method=None if method is None else choice_of(method),
             seed=record["seed"],
             refine=None if refine is None else Refinement(refine["levels"], refine["difference"]),
             name=said["name"],

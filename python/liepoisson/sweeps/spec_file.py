@@ -43,7 +43,7 @@ from typing import Any, cast
 from liepoisson.formula.toml_text import TomlReader, TomlText, read_toml
 from liepoisson.indicators.verdict import Rule
 from liepoisson.inputs.refusals import shown
-from liepoisson.numeric.methods import METHODS, Method
+from liepoisson.numeric.methods import CHOICES, Auto, Method
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec, refinement_of, starts_of
 
 _KEYS = (
@@ -152,14 +152,14 @@ class _Reader(TomlReader):
     def starts(self, table: dict[str, Any]) -> Starts:
         return self.guarded(("starts",), lambda: starts_of(table))
 
-    def method(self, table: dict[str, Any]) -> Method | None:
+    def method(self, table: dict[str, Any]) -> Method | Auto | None:
         if not table:
             return None
         options = {key: self.number(("method", key), value) for key, value in table.items()}
         name = options.pop("name", None)
-        if name not in METHODS:
-            raise self.toml.error(("method", "name"), f"wanted one of {', '.join(METHODS)}; got {shown(name)}.")
-        return self.guarded(("method",), lambda: METHODS[name](**options))
+        if name not in CHOICES:
+            raise self.toml.error(("method", "name"), f"wanted one of {', '.join(CHOICES)}; got {shown(name)}.")
+        return self.guarded(("method",), lambda: CHOICES[name](**options))
 
     def refinement(self, table: dict[str, Any]) -> Refinement | None:
         if not table:

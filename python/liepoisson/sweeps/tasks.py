@@ -20,7 +20,7 @@ from liepoisson.indicators.finite_time_exponents import exponents_of_many, finit
 from liepoisson.indicators.verdict import decide
 from liepoisson.inputs.arrays import Array
 from liepoisson.inputs.refusals import shown
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import Auto, Method, Taylor, as_choice, as_method
 from liepoisson.numeric.run_options import ENSEMBLE_METHOD, RunOptions
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.sweeps.family import Family, NumericTop
@@ -260,8 +260,28 @@ def _liouville(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Arra
     return states, np.asarray(np.isfinite(states).all(axis=-1), np.bool_)
 
 
+def with_method(spec: SweepSpec, family: Family, targets: Targets) -> SweepSpec:
+    """The spec with the method that `Auto` chooses for the first point that has a system: the same at all points.
+
+    Exponents of tops and of quadratic fields have power series: orbits of many points share a register then.
+    """
+    if not isinstance(as_choice(spec.method), Auto):
+        return spec
+    default = ENSEMBLE_METHOD if spec.is_verdict else DEFAULT_GENERAL
+    for point in range(len(targets)):
+        try:
+            field = family.numeric(targets.values(point)).field()
+        except Exception:  # each such point says why it has none when it is computed
+            continue
+        in_series = spec.is_exponent and isinstance(field, (TopField, QuadraticField))
+        return replace(spec, method=as_method(spec.method, default, field, in_series=in_series))
+    return replace(spec, method=default)
+
+
 def _method(piece: Piece, system: Any) -> Method:
-    return piece.spec.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
+    return cast("Method | None", piece.spec.method) or (
+        DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL
+    )
 
 
 def _of_one_kind(piece: Piece, systems: list[Any]) -> list[TopField] | list[QuadraticField]:

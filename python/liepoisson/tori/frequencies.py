@@ -18,7 +18,7 @@ from liepoisson.inputs.given import as_name, at_interval, listed_names, ordered
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.result import labelled, recorded
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import MethodChoice
 from liepoisson.numeric.run import Run, trajectories, typical
 from liepoisson.numeric.run_options import RunOptions
 from liepoisson.numeric.starts import StartsLike, as_starts
@@ -120,7 +120,7 @@ def frequency_drift(
     t_end: float,
     n_samples: int = 2048,
     window_order: int = 1,
-    method: Method | None = None,
+    method: MethodChoice | None = None,
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
@@ -172,7 +172,8 @@ def frequency_drift(
     References:
         Laskar, Icarus 88 (1990) 266; Laskar, Physica D 67 (1993) 257.
     """
-    options, observable = RunOptions.read(method, threads, time_limit, progress), _texts_of(observable)
+    options = RunOptions.read(method, threads, time_limit, progress, system=system)
+    observable = _texts_of(observable)
     field = options.field(system)
     n = field.n_components
     states, window = as_starts(system, starts, n), as_time(t_end, "t_end", example=1000) / 2

@@ -13,6 +13,7 @@ mod tops;
 pub use quadratic::Quadratic;
 pub use quadratics::{LaneQuadratics, Quadratics};
 pub use split_terms::{Ridge, SplitTerms};
+pub(crate) use tape::OF_A_STEP;
 pub use tape::{Enclosure, Functions, Instruction, Rounding, Tape};
 pub use terms::Terms;
 pub use top::Top;

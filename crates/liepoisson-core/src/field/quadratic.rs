@@ -235,6 +235,12 @@ impl Field for Quadratic {
 }
 
 impl Quadratic {
+    /// Distinct products, and nonzero entries of degree one and two.
+    pub(crate) fn counts(&self) -> [f64; 2] {
+        let products: usize = self.tiles.iter().map(|placed| placed.tile.products().len()).sum();
+        [products, self.linear.len() + self.terms.len()].map(|count| count as f64)
+    }
+
     /// Whether two fields differ in their coefficients only.
     pub(super) fn has_the_terms_of(&self, other: &Quadratic) -> bool {
         let indices = |field: &Quadratic| {

@@ -23,6 +23,11 @@ pub(super) const COUNTS: General = RBX;
 /// What a call may change and is needed after it; an odd number of them, so that the stack is as a call expects it.
 const KEPT: [General; 7] = [RDI, RSI, RDX, R8, RCX, R9, R10];
 
+/// A number whose lowest bits are those of the whole number that is added to it.
+pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
+/// The bits of a number that are not its sign.
+pub(super) const SIZE: u64 = i64::MAX as u64;
+
 /// Registers of memory for values that no register is left for: a piece that needs more is not compiled.
 pub(super) const MOST_SPILLED: usize = 256;
 
@@ -220,7 +225,7 @@ impl<'a> Emitter<'a> {
                 self.assembler.square_root(to, from);
             }
             Operation::Abs(a) => {
-                let mask = self.constants.place(&[i64::MAX as u64], CONSTANTS);
+                let mask = self.constants.place(&[SIZE], CONSTANTS);
                 let from = self.register(a, at);
                 let to = self.result(value, &[a], at);
                 self.assembler.operate(AND, to, from, mask);
@@ -247,8 +252,6 @@ impl<'a> Emitter<'a> {
                 self.finish(&[a, b], at);
             }
             Operation::PowerOfTwo(a) => {
-                /// A number whose lowest bits are those of the whole number that is added to it.
-                const WHOLE: f64 = 6_755_399_441_055_744.0;
                 let whole = self.constants.place(&[WHOLE.to_bits()], CONSTANTS);
                 let one = self.constants.place(&[1.0_f64.to_bits()], CONSTANTS);
                 let from = self.register(a, at);

@@ -6,27 +6,31 @@
 //! all orders calls the pieces in turn.
 //!
 //! The code is a function of integers that are compared with the size of the memory when it is made. Numbers of users are data, in
-//! pages that are not executable.
+//! pages that are not executable; so code serves other numbers, too, such as those of another value of a parameter ([`known`]).
 
 mod assembler;
 mod constants;
 mod emit;
+mod known;
 mod memory;
 mod shape;
 
+pub(crate) use known::{Asked, asked};
 pub(crate) use memory::Functions;
 
-use crate::lanes::recorded::Recording;
+use crate::lanes::recorded::{Recording, Trace};
 use crate::lanes::{Instructions, Lane};
 use assembler::Assembler;
 use constants::Constants;
 use emit::{Turn, emit, emit_turns};
-use memory::{Pages, caller};
+use known::Question;
+use memory::Pages;
 use shape::{Order, Shape, count_bases, reads};
 
 /// What is recorded for one order of a series, or for a function.
+#[derive(Debug)]
 pub(crate) struct Source {
-    pub(crate) recording: Recording,
+    pub(crate) trace: Trace,
     /// Number of the order.
     pub(crate) k: usize,
     /// Registers of the memory from which others are counted, beside the first.
@@ -52,55 +56,39 @@ impl Code {
     /// what another order reads or `is_wanted` names. None where it cannot be compiled, or where the system refuses memory for it.
     pub(crate) fn new<V: Lane, F: Functions>(
         registers: usize,
-        sources: &[Source],
+        sources: Vec<Source>,
         is_wanted: impl Fn(usize) -> bool,
     ) -> Option<Code> {
-        let instructions = V::INSTRUCTIONS?;
-        let mut is_kept: Vec<bool> = (0..registers).map(is_wanted).collect();
-        for source in sources {
-            is_kept.iter_mut().zip(reads(&source.recording)?).for_each(|(is_kept, is_read)| *is_kept |= is_read);
-        }
-        let mut shapes: Vec<Shape> = vec![];
-        for &Source { ref recording, k, bases: [a, b, c] } in sources {
-            let mut shape = Some(Shape::new(recording, Order { k, bases: [0, a, b, c] }, &is_kept)?);
-            // the last shapes are the likely ones
-            for known in shapes.iter_mut().rev() {
-                shape = shape.and_then(|shape| known.merge(shape));
+        let question = Question::new::<V, F>(registers, sources, is_wanted)?;
+        let known = known::find(&question);
+        let program = match known {
+            Some(program) => program,
+            None => {
+                let program = compile(&question)?;
+                known::keep(question, program.clone());
+                program
             }
-            shapes.extend(shape);
-        }
-        let (mut assembler, mut constants) = (Assembler::new(instructions), Constants::new(instructions));
-        let mut entries = vec![];
-        for shape in &shapes {
-            if !shape.fits(registers) {
-                return None;
-            }
-            assembler.align();
-            let at = assembler.code.len();
-            emit(shape, &mut constants, caller::<V, F>(), &mut assembler)?;
-            let starts = constants.end_piece(shape.orders.len());
-            for (order, start) in shape.orders.iter().zip(starts) {
-                let counts = constants.shared(&count_bases(order.k).map(|count| count as u64));
-                entries.push((order, at, start, counts));
-            }
-        }
-        entries.sort_by_key(|(order, ..)| order.k);
-        let turn = |&(order, at, start, counts): &(&Order, usize, usize, i32)| Turn {
-            at,
-            bases: order.bases,
-            constants: constants.place_of(start),
-            counts,
         };
-        let turns: Vec<Turn> = entries.iter().map(turn).collect();
-        let at = emit_turns(&turns, &mut assembler)?;
-        let pages = Pages::new(&constants.into_numbers(), &assembler.code)?;
+        Code::of::<V>(registers, program)
+    }
+
+    /// The same, if it was compiled before, for whatever constants.
+    pub(crate) fn known<V: Lane, F: Functions>(
+        registers: usize,
+        sources: Vec<Source>,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Option<Code> {
+        Code::of::<V>(registers, known::find(&Question::new::<V, F>(registers, sources, is_wanted)?)?)
+    }
+
+    fn of<V: Lane>(registers: usize, program: Program) -> Option<Code> {
         Some(Code {
-            instructions,
+            instructions: V::INSTRUCTIONS?,
             registers,
-            pages,
-            at,
+            pages: Pages::new(&program.numbers, &program.code)?,
+            at: program.at,
             #[cfg(test)]
-            pieces: turns.iter().map(|turn| turn.at).collect(),
+            pieces: program.pieces,
         })
     }
 
@@ -115,6 +103,66 @@ impl Code {
         // compared all addresses of each order with the number of registers.
         unsafe { self.pages.run(self.at, memory.as_mut_ptr()) }
     }
+}
+
+/// Constants, code, and where it begins.
+#[derive(Clone, Debug, PartialEq)]
+struct Program {
+    /// The numbers before the code, in whole pages.
+    numbers: Vec<u64>,
+    code: Vec<u8>,
+    at: usize,
+    /// The pieces of the orders: where each begins.
+    pieces: Vec<usize>,
+}
+
+/// None where it cannot be compiled.
+fn compile(question: &Question) -> Option<Program> {
+    let &Question { instructions, registers, function, .. } = question;
+    let recordings: Vec<Recording> = question.sources.iter().map(|source| source.trace.recording()).collect();
+    let mut is_kept = question.is_wanted.clone();
+    for recording in &recordings {
+        is_kept.iter_mut().zip(reads(recording)?).for_each(|(is_kept, is_read)| *is_kept |= is_read);
+    }
+    let mut shapes: Vec<Shape> = vec![];
+    for (&Source { k, bases: [a, b, c], .. }, recording) in question.sources.iter().zip(&recordings) {
+        let mut shape = Some(Shape::new(recording, Order { k, bases: [0, a, b, c] }, &is_kept)?);
+        // the last shapes are the likely ones
+        for known in shapes.iter_mut().rev() {
+            shape = shape.and_then(|shape| known.merge(shape));
+        }
+        shapes.extend(shape);
+    }
+    let (mut assembler, mut constants) = (Assembler::new(instructions), Constants::new(instructions));
+    let mut entries = vec![];
+    for shape in &shapes {
+        if !shape.fits(registers) {
+            return None;
+        }
+        assembler.align();
+        let at = assembler.code.len();
+        emit(shape, &mut constants, function, &mut assembler)?;
+        let starts = constants.end_piece(shape.orders.len());
+        for (order, start) in shape.orders.iter().zip(starts) {
+            let counts = constants.shared(&count_bases(order.k).map(|count| count as u64));
+            entries.push((order, at, start, counts));
+        }
+    }
+    entries.sort_by_key(|(order, ..)| order.k);
+    let turn = |&(order, at, start, counts): &(&Order, usize, usize, i32)| Turn {
+        at,
+        bases: order.bases,
+        constants: constants.place_of(start),
+        counts,
+    };
+    let turns: Vec<Turn> = entries.iter().map(turn).collect();
+    let at = emit_turns(&turns, &mut assembler)?;
+    Some(Program {
+        numbers: constants.into_numbers(),
+        code: assembler.code,
+        at,
+        pieces: turns.iter().map(|turn| turn.at).collect(),
+    })
 }
 
 #[cfg(test)]
@@ -167,7 +215,7 @@ mod tests {
             }
             let orders = [500, 502, 503, 505];
             let sources = orders.map(|k| Source {
-                recording: Recorded::record(REGISTERS, |memory| code(memory, k)),
+                trace: Recorded::trace(REGISTERS, |memory| code(memory, k)),
                 k,
                 bases: [k, k / 2, 3 * k],
             });
@@ -177,7 +225,7 @@ mod tests {
             }
             let mut compiled = memory.clone();
             orders.iter().for_each(|&k| code(&mut memory, k));
-            let made = Code::new::<V, Nothing>(REGISTERS, &sources, |_| true).unwrap();
+            let made = Code::new::<V, Nothing>(REGISTERS, sources.into(), |_| true).unwrap();
             assert!(made.pieces.iter().all(|&at| at == made.pieces[0]), "one piece of code");
             assert!(made.run(&mut compiled));
             for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
@@ -201,14 +249,14 @@ mod tests {
         impl Task for Compile {
             type Output = ();
             fn run<V: Wide>(self) {
-                let recording = Recorded::record(20, |memory| {
+                let trace = Recorded::trace(20, |memory| {
                     let mut sums = [Recorded::splat(0.0); 2];
                     Recorded::record_products(&mut sums, &[memory[10]], &[memory[9]], false, self.0);
                     memory[0] = sums[0];
                     memory[19] = sums[1];
                 });
-                let source = Source { recording, k: 9, bases: [9, 4, 9] };
-                let is_compiled = Code::new::<V, Nothing>(20, &[source], |_| true).is_some();
+                let source = Source { trace, k: 9, bases: [9, 4, 9] };
+                let is_compiled = Code::new::<V, Nothing>(20, vec![source], |_| true).is_some();
                 assert_eq!(is_compiled, V::INSTRUCTIONS.is_some() && self.0 <= 9);
             }
         }

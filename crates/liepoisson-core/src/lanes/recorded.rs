@@ -71,19 +71,54 @@ pub(crate) struct Loop {
     pub(crate) count: usize,
 }
 
-/// What a piece of code does with its memory.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Recording {
+/// What a piece of code does with its memory, in the order in which it was asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Trace {
+    /// Registers of the memory: the first values, from which the operations are counted on.
+    pub(crate) registers: usize,
     pub(crate) operations: Vec<Operation>,
     pub(crate) loops: Vec<Loop>,
     /// What each register of the memory holds in the end.
     pub(crate) memory: Vec<Value>,
-    /// The number of each operation: what is computed twice is recorded once.
-    known: HashMap<Operation, Value>,
+}
+
+/// The same, with what is computed twice in it once.
+#[derive(Clone, Debug)]
+pub(crate) struct Recording {
+    /// The first ones are the registers of the memory.
+    pub(crate) operations: Vec<Operation>,
+    pub(crate) loops: Vec<Loop>,
+    /// What each register of the memory holds in the end.
+    pub(crate) memory: Vec<Value>,
+}
+
+impl Trace {
+    pub(crate) fn recording(&self) -> Recording {
+        let mut operations: Vec<Operation> = (0..self.registers).map(Operation::Memory).collect();
+        let mut numbers: Vec<Value> = (0..self.registers as Value).collect();
+        let mut known: HashMap<Operation, Value> = HashMap::new();
+        for &operation in &self.operations {
+            let operation = operation.map(|value| numbers[value as usize]);
+            let next = operations.len() as Value;
+            let value = *known.entry(operation).or_insert(next);
+            if value == next {
+                operations.push(operation);
+            }
+            numbers.push(value);
+        }
+        let of = |values: &[Value]| values.iter().map(|&value| numbers[value as usize]).collect::<Vec<_>>();
+        let loops = self.loops.iter().map(|one| Loop {
+            sums: of(&one.sums),
+            left: of(&one.left),
+            right: of(&one.right),
+            ..*one
+        });
+        Recording { operations, loops: loops.collect(), memory: of(&self.memory) }
+    }
 }
 
 thread_local! {
-    static RECORDING: RefCell<Recording> = RefCell::default();
+    static TRACE: RefCell<Trace> = RefCell::default();
 }
 
 /// A register whose operations are recorded; [`Recorded::record`] is what gives them a meaning.
@@ -93,13 +128,16 @@ pub(crate) struct Recorded(f64);
 
 impl Recorded {
     /// What `code` does with memory of so many registers.
-    pub(crate) fn record(registers: usize, code: impl FnOnce(&mut [Recorded])) -> Recording {
-        RECORDING.take();
-        let mut memory: Vec<Recorded> = (0..registers).map(|register| put(Operation::Memory(register))).collect();
+    pub(crate) fn trace(registers: usize, code: impl FnOnce(&mut [Recorded])) -> Trace {
+        TRACE.replace(Trace { registers, ..Trace::default() });
+        let mut memory: Vec<Recorded> = (0..registers).map(Recorded::of).collect();
         code(&mut memory);
-        let mut recording = RECORDING.take();
-        recording.memory = memory.into_iter().map(Recorded::value).collect();
-        recording
+        let memory = memory.into_iter().map(Recorded::value).collect();
+        Trace { memory, ..TRACE.take() }
+    }
+
+    fn of(value: usize) -> Recorded {
+        Recorded(f64::from_bits(value as u64))
     }
 
     fn value(self) -> Value {
@@ -109,18 +147,17 @@ impl Recorded {
     /// Whether it is this number in every lane.
     fn is(self, number: f64) -> bool {
         let constant = Operation::Constant(number.to_bits());
-        RECORDING.with_borrow(|recording| recording.operations[self.value() as usize] == constant)
+        TRACE.with_borrow(|trace| {
+            let at = (self.value() as usize).checked_sub(trace.registers);
+            at.is_some_and(|at| trace.operations[at] == constant)
+        })
     }
 }
 
 fn put(operation: Operation) -> Recorded {
-    RECORDING.with_borrow_mut(|recording| {
-        let next = recording.operations.len() as Value;
-        let value = *recording.known.entry(operation).or_insert(next);
-        if value == next {
-            recording.operations.push(operation);
-        }
-        Recorded(f64::from_bits(u64::from(value)))
+    TRACE.with_borrow_mut(|trace| {
+        trace.operations.push(operation);
+        Recorded::of(trace.registers + trace.operations.len() - 1)
     })
 }
 
@@ -215,9 +252,9 @@ impl Lane for Recorded {
     fn record_products(sums: &mut [Self], left: &[Self], right: &[Self], skips: bool, count: usize) -> bool {
         let values = |registers: &[Self]| registers.iter().map(|register| register.value()).collect();
         let recorded = Loop { sums: values(sums), left: values(left), right: values(right), skips, count };
-        let number = RECORDING.with_borrow_mut(|recording| {
-            recording.loops.push(recorded);
-            recording.loops.len() - 1
+        let number = TRACE.with_borrow_mut(|trace| {
+            trace.loops.push(recorded);
+            trace.loops.len() - 1
         });
         let products = put(Operation::Loop(number)).value();
         for (result, sum) in sums.iter_mut().enumerate() {
@@ -233,14 +270,16 @@ mod tests {
 
     #[test]
     fn code_is_recorded_as_its_operations_and_what_it_leaves() {
-        let recording = Recorded::record(3, |memory| {
+        let recording = Recorded::trace(3, |memory| {
             memory[2] = memory[0].mul_add(memory[1], Recorded::splat(0.5)).where_not_zero(memory[0]);
-        });
+            memory[1] = memory[0].mul_add(memory[1], Recorded::splat(0.5));
+        })
+        .recording();
         let done = &recording.operations[3..];
         assert_eq!(
             done,
             [Operation::Constant(0.5_f64.to_bits()), Operation::MulAdd(0, 1, 3), Operation::WhereNotZero(4, 0)]
         );
-        assert_eq!(recording.memory, [0, 1, 5]);
+        assert_eq!(recording.memory, [0, 4, 5]);
     }
 }

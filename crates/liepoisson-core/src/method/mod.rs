@@ -1,5 +1,6 @@
 //! How a field is advanced in time: one method per file, each a [`Method`] that makes a [`Block`].
 
+mod cheaper;
 mod components;
 mod dop853;
 mod estimates;
@@ -16,6 +17,7 @@ mod taylor;
 mod taylor_of_tape;
 mod variational;
 
+pub(crate) use cheaper::runge_kutta_is_cheaper;
 pub use components::AcrossComponents;
 pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;

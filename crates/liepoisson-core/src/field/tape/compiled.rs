@@ -5,7 +5,7 @@ use super::Tape;
 use super::elementary::Called;
 use super::frame::Frame;
 use crate::field::{Field, Straight};
-use crate::jit::{Code, Functions, Source};
+use crate::jit::{self, Asked, Code, Functions, Source};
 use crate::lanes::recorded::Recorded;
 use crate::lanes::{Instructions, Lane, Simd};
 use std::sync::OnceLock;
@@ -16,6 +16,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// 0.13 ms over 0.3 us for rates, in registers of AVX2 and AVX-512 alike. A run then takes at most twice as long as it would, had its
 /// length been known.
 const WORTH_IT: u64 = 500;
+
+/// Runs after which code for the same operations with other constants is looked for, as of another value of a parameter: what that takes,
+/// 0.65 ms for the series of a double pendulum, over what code saves in each run, 4 to 12 us. Where so many tapes have asked in vain
+/// that these runs add up to [`WORTH_IT`], it is compiled.
+const WORTH_A_LOOK: u64 = 100;
 
 /// Instructions of a tape, for the state and each tangent vector and order, that are compiled at most: what is recorded of them takes some
 /// 100 MB.
@@ -62,7 +67,7 @@ impl Compiled {
     pub(super) fn expand<V: Lane>(&self, tape: &Tape, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::series(instructions, n_tangents, order, rows.len());
-        self.run_for(key, rows, |registers| compile_series::<V>(tape, n_tangents, order, registers))
+        self.run_for(key, rows, |stage| compile_series::<V>(tape, n_tangents, order, key.registers, stage))
     }
 
     /// Runs straight code: [`Field::run_compiled`], of a field whose rates take so many instructions.
@@ -70,16 +75,16 @@ impl Compiled {
     pub(in crate::field) fn run<V: Lane>(&self, work: usize, straight: &impl Straight, memory: &mut [V]) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::straight(instructions, straight.key(), memory.len());
-        self.run_for(key, memory, |registers| compile_straight::<V>(work, straight, registers))
+        self.run_for(key, memory, |stage| compile_straight::<V>(work, straight, key.registers, stage))
     }
 
     #[inline(always)]
-    fn run_for<V: Lane>(&self, key: Key, memory: &mut [V], compile: impl FnOnce(usize) -> Option<Code>) -> bool {
+    fn run_for<V: Lane>(&self, key: Key, memory: &mut [V], compile: impl FnOnce(Stage) -> Option<Code>) -> bool {
         let plan = self.plan(key);
         if let Some(code) = plan.code.get() {
             code.as_ref().is_some_and(|code| code.run(memory))
         } else {
-            plan.count(compile);
+            plan.count::<V>(compile);
             false
         }
     }
@@ -115,14 +120,51 @@ impl Compiled {
 impl Plan {
     /// Counts a run by other means, and compiles if they were many.
     #[inline(never)]
-    fn count(&self, compile: impl FnOnce(usize) -> Option<Code>) {
-        if self.runs.fetch_add(1, Ordering::Relaxed) == WORTH_IT {
-            self.code.get_or_init(|| if is_wanted() { compile(self.key.registers) } else { None });
+    fn count<V: Lane>(&self, compile: impl FnOnce(Stage) -> Option<Code>) {
+        match self.runs.fetch_add(1, Ordering::Relaxed) {
+            WORTH_A_LOOK if is_wanted() => {
+                let stage = match jit::asked::<V>(self.key.registers) {
+                    Asked::Known => Stage::Look,
+                    Asked::Unknown { times } if times * WORTH_A_LOOK >= WORTH_IT => Stage::Compile,
+                    Asked::Unknown { .. } => return,
+                };
+                if let Some(code) = compile(stage) {
+                    self.code.get_or_init(|| Some(code));
+                }
+            }
+            WORTH_IT => {
+                self.code.get_or_init(|| if is_wanted() { compile(Stage::Compile) } else { None });
+            }
+            _ => {}
         }
     }
 }
 
-fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registers: usize) -> Option<Code> {
+/// How much is done for code.
+#[derive(Clone, Copy)]
+enum Stage {
+    /// It is looked for among what was compiled for tapes that differ in their constants alone.
+    Look,
+    /// What is not found there is compiled.
+    Compile,
+}
+
+impl Stage {
+    fn make<V: Lane>(self, registers: usize, sources: Vec<Source>, is_wanted: impl Fn(usize) -> bool) -> Option<Code> {
+        match self {
+            Stage::Look => Code::known::<V, Elementary>(registers, sources, is_wanted),
+            Stage::Compile => Code::new::<V, Elementary>(registers, sources, is_wanted),
+        }
+    }
+}
+
+fn compile_series<V: Lane>(
+    tape: &Tape,
+    n_tangents: usize,
+    order: usize,
+    registers: usize,
+    stage: Stage,
+) -> Option<Code> {
     if tape.instructions.len() * (1 + n_tangents) * order > MOST_WORK {
         return None;
     }
@@ -130,7 +172,7 @@ fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registe
     // an order whose sums are formed along with those of the order before is one piece with that
     let is_second = |k: usize| k < order && Frame::is_second(k, n_orders);
     let source = |k: usize| Source {
-        recording: Recorded::record(registers, |rows| {
+        trace: Recorded::trace(registers, |rows| {
             for k in k..=k + usize::from(is_second(k + 1)) {
                 tape.derive_work(rows, n_tangents, k);
                 tape.extend(rows, n_tangents, k);
@@ -142,15 +184,15 @@ fn compile_series<V: Lane>(tape: &Tape, n_tangents: usize, order: usize, registe
     // series are kept up to the last order, so that it shares code; single registers as far as a later order reads them
     let n_series = tape.program.state.series + n_tangents * tape.program.tangent.series;
     let sources: Vec<Source> = (0..order).filter(|&k| !is_second(k)).map(source).collect();
-    Code::new::<V, Elementary>(registers, &sources, |register| register < (row + n_series) * n_orders)
+    stage.make::<V>(registers, sources, |register| register < (row + n_series) * n_orders)
 }
 
-fn compile_straight<V: Lane>(work: usize, straight: &impl Straight, registers: usize) -> Option<Code> {
+fn compile_straight<V: Lane>(work: usize, straight: &impl Straight, registers: usize, stage: Stage) -> Option<Code> {
     if work * straight.n_rates() > MOST_WORK {
         return None;
     }
-    let recording = Recorded::record(registers, |memory| straight.run(memory));
-    Code::new::<V, Elementary>(registers, &[Source { recording, k: 0, bases: [0; 3] }], |_| true)
+    let trace = Recorded::trace(registers, |memory| straight.run(memory));
+    stage.make::<V>(registers, vec![Source { trace, k: 0, bases: [0; 3] }], |_| true)
 }
 
 /// Whether the environment variable `LIEPOISSON_JIT` is anything but `0`.
@@ -202,7 +244,8 @@ mod tests {
                 tape.derive_work(&mut rows, n_tangents, k);
                 tape.extend(&mut rows, n_tangents, k);
             }
-            let code = compile_series::<V>(tape, n_tangents, order, registers).expect("a tape that can be compiled");
+            let code = compile_series::<V>(tape, n_tangents, order, registers, Stage::Compile)
+                .expect("a tape that can be compiled");
             if !code.run(&mut compiled) {
                 // an angle or an exponent that is too large for the code
                 assert!((0..V::WIDTH).any(|lane| is_large(tape, |i| compiled[i].get(lane))));
@@ -282,7 +325,8 @@ mod tests {
             as_scalars_mut(&mut memory[..row]).fill_with(|| *numbers.next().unwrap());
             let mut compiled = memory.clone();
             straight.run(&mut memory);
-            let code = compile_straight::<V>(1, &straight, row + 1).expect("a field that can be compiled");
+            let code =
+                compile_straight::<V>(1, &straight, row + 1, Stage::Compile).expect("a field that can be compiled");
             if code.run(&mut compiled) {
                 for (i, (x, y)) in as_scalars(&memory).iter().zip(as_scalars(&compiled)).enumerate() {
                     let (register, lane) = (i / V::WIDTH, i % V::WIDTH);

@@ -18,6 +18,7 @@ mod rules;
 mod steps;
 mod sums;
 
+pub(crate) use cost::OF_A_STEP;
 pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
