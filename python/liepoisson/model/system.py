@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, substituted, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import values_of
 from liepoisson.compile.field import Field, PiecesField, TapeFunction, field_of
 from liepoisson.compile.typed import Names, names_of, read_system
 from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
-from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
+from liepoisson.formula.parameters import GivenValue, Kept, Value, exact_value, flattened, read_kept_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.read_only import ReadOnlyDict
@@ -142,14 +142,14 @@ class System:
         self._given_symbols = read_declarations(symbols)
         self._given_integrals = read_functions(integrals, "integrals")
         self._given_partial_integrals = read_pairs_of_functions(partial_integrals)
-        self.values: dict[str, Value] = ReadOnlyDict(read_values(parameters))
-        self.parameters: dict[str, Exact] = ReadOnlyDict(flattened(self.values))
-        bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
+        self._kept_values: dict[str, Kept] = read_kept_values(parameters)
+        self._numbers: dict[str, Coefficient] = flattened(self._kept_values)
+        bracket.check_parameter_names(set(self._numbers).union(*map(symbols_of, self._numbers.values())))
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
-        of_bracket = {name: value for name, value in self.parameters.items() if name in bracket.symbols}
+        of_bracket: Any = {name: value for name, value in self._numbers.items() if name in bracket.symbols}
         self.bracket: Bracket = bracket.substitute(of_bracket)
-        default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
+        default = "Hamiltonian system" if bracket.constant_rows else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
@@ -161,6 +161,16 @@ class System:
             _ = self.polynomial_hamiltonian or self._typed or self.hamiltonian
         else:
             _ = self.symbolic_hamiltonian
+
+    @cached_property
+    def values(self) -> dict[str, Value]:
+        """The parameters by name: numbers, vectors, matrices."""
+        return ReadOnlyDict({name: exact_value(value) for name, value in self._kept_values.items()})
+
+    @cached_property
+    def parameters(self) -> dict[str, Exact]:
+        """The same, one entry for each number: I1, I2, I3 of a vector I."""
+        return ReadOnlyDict(flattened(self.values))
 
     @property
     def variables(self) -> tuple[Symbol, ...]:
@@ -261,17 +271,21 @@ class System:
             return None
         from liepoisson.model.polynomial_view import PolynomialView
 
-        return PolynomialView.of(self.symbolic_bracket, self.bracket, self.values, given)
+        return PolynomialView.of(self.symbolic_bracket, self.bracket, self._kept_values, given)
 
     @cached_property
     def _names_in_formulas(self) -> Scope:
+        return self._scope_with()
 
-        return scope_of(self.symbolic_bracket, self.values, self._given_symbols)
+    def _scope_with(self, *symbols: str) -> Scope:
+        """The names of the system, and further symbols."""
+        values = cast("Mapping[str, GivenValue]", self._kept_values)
+        return scope_of(self.symbolic_bracket, values, (*self._given_symbols, *symbols))
 
     @cached_property
     def _parameter_names(self) -> tuple[str, ...]:
         """The names of all parameters, and those in their values."""
-        in_values = set[str]().union(*map(symbols_of, self.parameters.values()))
+        in_values = set[str]().union(*map(symbols_of, self._numbers.values()))
         return tuple(sorted((self._names_in_formulas.numbers() | in_values).difference(self.component_names)))
 
     @cached_property
@@ -400,17 +414,17 @@ class System:
         given = self._given_hamiltonian
         if not isinstance(given, str) or self._given_symbols:
             return None
-        typed = read_system(names_of(self.bracket), self.bracket, given, self.values)
+        typed = read_system(names_of(self.bracket), self.bracket, given, self._kept_values)
         if typed is None:
             return None
         known = self.symbolic_bracket.symbols.union(typed.parameters())
-        occur = all(known & set(flattened({name: value})) for name, value in self.values.items())
+        occur = all(known & set(flattened({name: value})) for name, value in self._kept_values.items())
         return typed if occur else None  # a parameter that drops out is refused where SymPy reads the formula
 
     @cached_property
     def _typed_functions(self) -> TypedSystem | None:
         """The same for functions of the state alone, which may be typed whatever the Hamiltonian is."""
-        return None if self._given_symbols else read_system(self._names_of_state, None, "0", self.values)
+        return None if self._given_symbols else read_system(self._names_of_state, None, "0", self._kept_values)
 
     @property
     def _names_of_state(self) -> Names:
@@ -425,7 +439,7 @@ class System:
         """
         from liepoisson.compile.split_terms import pieces_of
 
-        return pieces_of(self.bracket, self.hamiltonian)
+        return pieces_of(self.bracket, self.polynomial_hamiltonian or self.hamiltonian)
 
     def vector_field(self, states: ArrayLike) -> NDArray[np.float64]:
         r"""The right-hand side $J \nabla H$ at many states.
@@ -628,7 +642,7 @@ class System:
             names = [name for name in self.invariants if name in set(_NAME.findall(text))]
             if not names:
                 raise
-        scope = scope_of(self.symbolic_bracket, self.values, (*self._given_symbols, *names))
+        scope = self._scope_with(*names)
         read: Any = self._with_parameters(read_expression(text, scope))
         return read.xreplace({Symbol(name): self.invariants[name] for name in names})
 
@@ -684,7 +698,7 @@ class System:
             raise AttributeError(message, name=name, obj=self)
 
     def _recognise_top(self) -> TopParameters | None:
-        if self.bracket.dimension != 9 or self.bracket.constant:
+        if self.bracket.dimension != 9 or self.bracket.constant_rows:
             return None
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two
@@ -731,11 +745,11 @@ class System:
 
     def _check_that_values_are_final(self) -> None:
         """Refuse the value of a parameter that is, or contains, the name of another one with a value."""
-        for name, value in self.parameters.items():
-            if known := sorted(symbols_of(value) & self.parameters.keys() - {name}):
+        for name, value in self._numbers.items():
+            if known := sorted(symbols_of(value) & self._numbers.keys() - {name}):
                 raise ParameterError(
                     f"the value of a parameter must not depend on another one that has a value; {name} = {value}, and "
-                    f"{known[0]} is {self.parameters[known[0]]}. Write the number."
+                    f"{known[0]} is {self._numbers[known[0]]}. Write the number."
                 )
 
     def _check_that_parameters_occur(self) -> None:
