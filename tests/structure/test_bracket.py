@@ -101,7 +101,7 @@ def test_copies_and_renamed_brackets():
     TWISTED.casimir_report()
     again = pickle.loads(pickle.dumps(TWISTED))
     assert again.entries() == TWISTED.entries()
-    assert set(again.__dict__) <= {"algebra", "extension", "constant", "_name", "_terms"}
+    assert set(again.__dict__) <= {"algebra", "extension", "constant_rows", "_name", "_terms", "_kept_terms"}
     bracket = (so(3) @ leibniz(2)).rename("m", "p")
     assert (bracket.coordinate_names_in_order, bracket.field_lengths) == (("m1", "m2", "m3", "p1", "p2", "p3"), (3, 3))
     m, p = bracket.fields.values()

@@ -1,6 +1,7 @@
 """Exact numbers: rational ones as `Fraction`, all others as SymPy expressions, and what is asked of them.
 
-SymPy is imported only for the latter: a name kept symbolic, a square root.
+SymPy is imported only for the latter: a name kept symbolic, a square root.  Coefficients of brackets are left as
+polynomials in such names and numbers (`liepoisson.algebra.symbol_polynomials`) until somebody asks for them.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import lcm, prod
 from numbers import Integral, Rational, Real
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, overload
 
+from liepoisson.algebra.symbol_polynomials import SymbolPolynomial, expression_of
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.given import as_scalar
 from liepoisson.inputs.names import check_not_reserved
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
 
 Exact: TypeAlias = "Fraction | Expr"
 """What a parameter is read as."""
+
+Coefficient: TypeAlias = "Exact | SymbolPolynomial"
+"""The same, or what becomes an expression when it is asked for."""
 
 ExactMatrix: TypeAlias = "tuple[tuple[Exact, ...], ...]"
 """A matrix of exact numbers, by rows."""
@@ -85,32 +90,51 @@ def as_expression(value: object, name: str) -> Expr:
     return to_sympy(read_number(value, name))
 
 
-def to_sympy(value: Exact) -> Expr:
+def to_sympy(value: Coefficient) -> Expr:
     """The parameter as a SymPy expression."""
-    from sympy import Rational as SympyRational
-
+    if isinstance(value, SymbolPolynomial):
+        return expression_of(value)
     if isinstance(value, Fraction):
+        from sympy import Rational as SympyRational
+
         return SympyRational(value.numerator, value.denominator)
     return value
 
 
-def substituted(value: Exact, values: Mapping[str, Exact]) -> Exact:
+def exact(value: Coefficient) -> Exact:
+    """The coefficient as callers see it: a Fraction or an expression."""
+    return expression_of(value) if isinstance(value, SymbolPolynomial) else value
+
+
+@overload
+def substituted(value: Exact, values: Mapping[str, Exact]) -> Exact: ...
+@overload
+def substituted(value: Coefficient, values: Mapping[str, Coefficient]) -> Coefficient: ...
+def substituted(value: Coefficient, values: Mapping[str, Coefficient]) -> Coefficient:
     """The parameter with values for symbols by name, all at once: {"s": t, "t": s} exchanges two of them."""
     if isinstance(value, Fraction):
         return value
+    if isinstance(value, SymbolPolynomial):
+        given = {s: v for s in value.symbols if isinstance(v := values.get(s), (Fraction, SymbolPolynomial))}
+        if given.keys() == value.symbols & values.keys():
+            found = value.at(given)
+            if isinstance(found, Fraction) or found.has_one_number:
+                return found
+        value = expression_of(value)
     known: dict[Any, Any] = {s: to_sympy(values[str(s)]) for s in value.free_symbols if str(s) in values}
     return cast("Expr", value.xreplace(known)) if known else value
 
 
-def is_zero(value: Exact) -> bool:
+def is_zero(value: Coefficient) -> bool:
     """Whether the parameter vanishes identically (a free symbol does not).
 
     A polynomial in its symbols is expanded, and does so if its coefficients do.  That a coefficient does not vanish is
     proved by its decimals.  A rational function vanishes if its numerator does.  Only coefficients whose decimals leave
     it open, and other expressions, are simplified, and False may then mean that SymPy did not succeed.
     """
-    if isinstance(value, Fraction):
-        return value == 0
+    if isinstance(value, Fraction) or (isinstance(value, SymbolPolynomial) and value.has_one_number):
+        return not value
+    value = to_sympy(value)
     if value.is_zero:
         return True
     expanded = cast("Expr", value.expand())
@@ -189,9 +213,13 @@ def largest_degree(expressions: Iterable[Expr]) -> int:
     return prod(degrees) * prod(int(part.exp.q) for part in parts - orders.keys())
 
 
-def product_of(first: Exact, second: Exact) -> Exact:
+@overload
+def product_of(first: Exact, second: Exact) -> Exact: ...
+@overload
+def product_of(first: Coefficient, second: Coefficient) -> Coefficient: ...
+def product_of(first: Coefficient, second: Coefficient) -> Coefficient:
     """The product: a Fraction of Fractions, otherwise an expression; Python multiplies neither by the other."""
-    if isinstance(first, Fraction) and isinstance(second, Fraction):
+    if isinstance(first, (Fraction, SymbolPolynomial)) and isinstance(second, (Fraction, SymbolPolynomial)):
         return first * second
     return to_sympy(first) * to_sympy(second)
 
@@ -215,8 +243,10 @@ def exceeds_sum(value: Exact, first: Exact, second: Exact) -> bool:
     return (to_sympy(value) - to_sympy(first) - to_sympy(second)).is_positive is True
 
 
-def symbols_of(value: Exact) -> set[str]:
+def symbols_of(value: Coefficient) -> set[str]:
     """Names of the free symbols in the parameter; empty for a number."""
+    if isinstance(value, SymbolPolynomial):
+        return value.symbols
     return set() if isinstance(value, Fraction) else {str(symbol) for symbol in value.free_symbols}
 
 

@@ -19,6 +19,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.exact_numbers import as_coefficient
+from liepoisson.algebra.rational_polynomials import RationalPolynomial
 from liepoisson.algebra.rounded import rational
 from liepoisson.compile.field import Piece, PiecesField
 from liepoisson.compile.lowering import check_numeric
@@ -40,7 +41,7 @@ Powers: TypeAlias = "dict[Form, dict[int, Fraction]]"
 """Polynomials in linear forms: coefficient of each power of each form."""
 
 
-def pieces_of(bracket: Bracket, hamiltonian: Expr) -> PiecesField:
+def pieces_of(bracket: Bracket, hamiltonian: Expr | RationalPolynomial) -> PiecesField:
     """The Hamiltonian as a sum of functions of one linear form each.
 
     Raises:
@@ -53,8 +54,11 @@ def pieces_of(bracket: Bracket, hamiltonian: Expr) -> PiecesField:
             f"splitting: wanted a bracket that is linear in the state; got {bracket!r}, which has a constant part; use "
             "the Taylor or a Gauss method"
         )
-    check_numeric(bracket, hamiltonian)
-    powers = powers_of_forms(_polynomial(bracket, hamiltonian))
+    if isinstance(hamiltonian, RationalPolynomial):
+        powers = powers_of_forms(hamiltonian.expanded)
+    else:
+        check_numeric(bracket, hamiltonian)
+        powers = powers_of_forms(_polynomial(bracket, hamiltonian))
     if len(powers) > MOST_PIECES:
         raise UnsupportedFieldError(
             f"splitting: wanted a Hamiltonian of at most {MOST_PIECES} pieces; got {len(powers)}; use the Taylor method"

@@ -7,9 +7,10 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
 from liepoisson import _core
-from liepoisson.algebra.exact_numbers import Exact, symbols_of
+from liepoisson.algebra.exact_numbers import Coefficient, symbols_of
+from liepoisson.algebra.symbol_polynomials import SymbolPolynomial
 from liepoisson.errors import LiePoissonError
-from liepoisson.formula.parameters import Value, flattened
+from liepoisson.formula.parameters import Kept, flattened
 
 if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
@@ -25,7 +26,7 @@ def names_of(bracket: Bracket) -> Names:
 
 
 def read_system(
-    names: Names, bracket: Bracket | None, hamiltonian: str, values: Mapping[str, Value]
+    names: Names, bracket: Bracket | None, hamiltonian: str, values: Mapping[str, Kept]
 ) -> _core.TypedSystem | None:
     """The system that the core reads; None where it refuses it, or where a number is a symbol.
 
@@ -37,10 +38,7 @@ def read_system(
         hamiltonian: The Hamiltonian.
         values: Of the parameters.
     """
-    numbers: list[tuple[int, int, int | None, Exact]] = []
-    if bracket is not None:
-        numbers += bracket.entries()
-        numbers += ((i, j, None, c) for (i, j), c in bracket.constant.items())
+    numbers = () if bracket is None else bracket.kept_entries()
     if any(symbols_of(c) for *_, c in numbers) or any(map(symbols_of, flattened(values).values())):
         return None
     try:
@@ -52,16 +50,18 @@ def read_system(
         return None
 
 
-def _texts(value: Value) -> str | list[str] | list[list[str]]:
+def _texts(value: Kept) -> str | list[str] | list[list[str]]:
     """A parameter as the core takes it: a number, a vector, or a matrix by its rows."""
     if not isinstance(value, tuple):
         return _text(value)
     return [_texts(entry) for entry in value]  # pyright: ignore[reportReturnType]
 
 
-def _text(value: Exact) -> str:
+def _text(value: Coefficient) -> str:
     if isinstance(value, Fraction):
         return str(value)
+    if isinstance(value, SymbolPolynomial):
+        return value.formula()
     from liepoisson.compile.printing import printed_number
 
     return printed_number(value)

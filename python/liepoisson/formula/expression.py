@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.exact_numbers import Exact, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, exact, symbols_of, to_sympy
 from liepoisson.errors import ExpressionError, did_you_mean
 from liepoisson.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.formula.grammar import (
@@ -52,7 +52,6 @@ from liepoisson.inputs.names import (
     ELEMENTARY_FUNCTIONS,
     FUNCTIONS,
     MATRIX_FUNCTIONS,
-    NOT_FINITE,
     NOT_SMOOTH,
     PARTIAL_FUNCTIONS,
 )
@@ -153,19 +152,6 @@ def constant(text: str) -> Exact:
         ExpressionError: as in `read_formula`.
     """
     return evaluate(parse(text), text, Scope())
-
-
-def parameter(text: str) -> Exact:
-    """What a text stands for in which every name is that of a symbol: "sqrt(2)/2", "2*epsilon", "k*m".
-
-    Raises:
-        ExpressionError: as in `read_formula`.
-        ParameterError: a name is too long.
-    """
-    tree = parse(text)
-    taken = {*CONSTANTS, *FUNCTIONS}
-    symbols = [name for name in names_in(tree) if name not in taken and name.lower() not in NOT_FINITE]
-    return evaluate(tree, text, Scope(symbols=symbols))
 
 
 def is_partial(text: str) -> bool:
@@ -283,7 +269,7 @@ class Reader:
         if name in self.scope.components:
             owner, index = self.scope.components[name]
             whole = self.scope.values.get(owner) if self.insert_values else None
-            return self.symbol(name) if whole is None else _entry(whole, index)
+            return self.symbol(name) if whole is None else self.given(_entry(whole, index))
         if name in CONSTANTS:
             return self.circle_number()
         raise self.error(_unknown_name(name, self.scope), node.position)
@@ -293,6 +279,10 @@ class Reader:
         from sympy import Symbol
 
         return Symbol(name)
+
+    def given(self, value: Coefficient) -> Exact:
+        """What stands for the value of a parameter."""
+        return exact(value)
 
     def circle_number(self) -> Exact:
         """The number pi."""
@@ -306,7 +296,9 @@ class Reader:
         value = self.scope.values.get(name) if self.insert_values else None
 
         def entry(*index: int) -> Exact:
-            return self.symbol(component_name(name, index, shape)) if value is None else _entry(value, index)
+            if value is None:
+                return self.symbol(component_name(name, index, shape))
+            return self.given(_entry(value, index))
 
         if not shape:
             return entry()

@@ -1,7 +1,7 @@
 """Exact parameters: how the numbers, names and formulas that a caller gives are read.
 
 A parameter is a `Fraction` when it is a rational number, and a SymPy expression when it is anything else (a name kept
-symbolic, a square root).  SymPy is imported only for the latter.
+symbolic, a square root).  SymPy is imported only for the latter; coefficients of a bracket wait for it.
 
 `Value` is what a parameter has by name: a number, a vector or a matrix, whose components have names, too.
 """
@@ -11,9 +11,10 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, overload
 
-from liepoisson.algebra.exact_numbers import Exact, is_sympy, not_a_parameter, read_number
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, exact, is_sympy, not_a_parameter, read_number
+from liepoisson.algebra.symbol_polynomials import SymbolPolynomial
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError, did_you_mean
 from liepoisson.inputs.given import as_scalar, by_name, labelled, listed, named
 from liepoisson.inputs.names import CONSTANTS, NOT_FINITE, check_name
@@ -50,6 +51,17 @@ def read_parameter(value: object, name: str) -> Exact:
     Raises:
         ParameterError: not a number or name, or a number that is not finite and real.
     """
+    return exact(read_coefficient(value, name))
+
+
+def read_coefficient(value: object, name: str) -> Coefficient:
+    """Read one parameter as `read_parameter`, but leave a polynomial in names, or in a surd, to be an expression later.
+
+    Raises:
+        ParameterError: as there.
+    """
+    if isinstance(value, SymbolPolynomial):
+        return value
     value = as_scalar(value)
     return _read_string(value, name) if isinstance(value, str) else read_number(value, name)
 
@@ -101,28 +113,26 @@ def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exac
     return first, second, third
 
 
-def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Exact]:
+def values_of_symbols(given: object, symbols: Iterable[str]) -> dict[str, Coefficient]:
     """Values for some of these symbols, by their names, also where a caller gives the symbols themselves.
 
     Raises:
         ParameterError: not a mapping, a name is none of them or comes twice, or a value is not exact.
     """
-    known, values = {*symbols}, dict[str, Exact]()
+    known, values = {*symbols}, dict[str, Coefficient]()
     for name, value in by_name(given, "values", "values", '{"epsilon": 1}').items():
         if name not in known:
             raise ParameterError(
                 f"values: wanted the names of symbols, {', '.join(sorted(known)) or 'of which there are none'}; got "
                 f"{name!r:.60}. {did_you_mean(name, known)}Correct the name or leave it out."
             )
-        values[name] = read_parameter(value, name)
+        values[name] = read_coefficient(value, name)
     return values
 
 
-def _read_string(text: str, name: str) -> Exact:
+def _read_string(text: str, name: str) -> Coefficient:
     if (symbol := read_symbol(text, name)) is not None:
-        from sympy import Symbol
-
-        return Symbol(symbol)
+        return SymbolPolynomial.of(symbol)
     stripped = text.strip()
     if len(stripped) > _MAX_CHARACTERS:
         raise not_a_parameter(text, name)
@@ -134,9 +144,9 @@ def _read_string(text: str, name: str) -> Exact:
         raise ParameterError(f"{name} must be a finite number; got {text!r}. Use a nonzero denominator.") from None
 
 
-def _read_formula(text: str, name: str) -> Exact:
+def _read_formula(text: str, name: str) -> Coefficient:
     """A formula whose names are those of symbols: "sqrt(2)", "2*epsilon"."""
-    from liepoisson.formula.expression import parameter
+    from liepoisson.formula.coefficients import parameter
 
     try:
         return parameter(text)
@@ -158,11 +168,28 @@ Shape: TypeAlias = tuple[int, ...]
 Value: TypeAlias = "Exact | tuple[Exact, ...] | tuple[tuple[Exact, ...], ...]"
 """The value of a parameter: a number (or name), a vector, a matrix."""
 
+Kept: TypeAlias = "Coefficient | tuple[Coefficient, ...] | tuple[tuple[Coefficient, ...], ...]"
+"""The same as it is kept, before SymPy is asked for it."""
+
 GivenValue: TypeAlias = "Parameter | Sequence[Parameter] | Sequence[Sequence[Parameter]]"
 
 
 def read_values(parameters: Mapping[str, GivenValue] | None) -> dict[str, Value]:
     """Read the values of parameters, by name: numbers or names, vectors, matrices.
+
+    Raises:
+        ParameterError: as in `read_kept_values`.
+    """
+    return {name: exact_value(value) for name, value in read_kept_values(parameters).items()}
+
+
+def exact_value(value: Kept) -> Value:
+    """The value as callers see it."""
+    return cast("Value", tuple(map(exact_value, value))) if isinstance(value, tuple) else exact(value)
+
+
+def read_kept_values(parameters: Mapping[str, GivenValue] | None) -> dict[str, Kept]:
+    """Read the values of parameters without SymPy, where it need not be asked.
 
     Raises:
         ParameterError: not a mapping from names to values, a name that nobody may choose (`liepoisson.inputs.names`),
@@ -177,17 +204,17 @@ def read_values(parameters: Mapping[str, GivenValue] | None) -> dict[str, Value]
     return {check_name(name, "the name of a parameter"): _read_value(value, name) for name, value in given.items()}
 
 
-def _read_value(value: object, name: str) -> Value:
+def _read_value(value: object, name: str) -> Kept:
     if is_sympy(value) and hasattr(value, "tolist"):  # a SymPy matrix; one column is a vector
         rows = cast("Any", value).tolist()
         value = [row[0] for row in rows] if all(len(row) == 1 for row in rows) else rows
     items = listed(value, name, names_of_places(value, name))
     if items is None:
-        return read_parameter(value, name)
+        return read_coefficient(value, name)
     rows = [listed(item, name) for item in items]
     if items and all(row is not None for row in rows):
         matrix = [
-            tuple(read_parameter(entry, f"{name}[{i + 1},{j + 1}]") for j, entry in enumerate(row or ()))
+            tuple(read_coefficient(entry, f"{name}[{i + 1},{j + 1}]") for j, entry in enumerate(row or ()))
             for i, row in enumerate(rows)
         ]
         if len({len(row) for row in matrix}) != 1 or not matrix[0]:
@@ -195,7 +222,7 @@ def _read_value(value: object, name: str) -> Value:
         return tuple(matrix)
     if not items:
         raise ParameterError(f"{name} must have at least one component; got an empty sequence. Give its components.")
-    return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
+    return tuple(read_coefficient(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
 
 
 def listed_rows(values: object, name: str) -> list[Any] | None:
@@ -211,13 +238,17 @@ def names_of_places(value: object, name: str) -> list[str]:
     return [component_name(name, (k,), (n,)) for k in range(1, n + 1)]
 
 
-def flattened(values: Mapping[str, Value]) -> dict[str, Exact]:
+@overload
+def flattened(values: Mapping[str, Value]) -> dict[str, Exact]: ...
+@overload
+def flattened(values: Mapping[str, Kept]) -> dict[str, Coefficient]: ...
+def flattened(values: Mapping[str, Any]) -> dict[str, Any]:
     """One entry per number: the components of a vector I are I1, I2, ..., those of a matrix M are M11, M12, ...
 
     Raises:
         ParameterError: two numbers would have one name, as those of a parameter I1 and of a vector I.
     """
-    flat: dict[str, Exact] = {}
+    flat: dict[str, Any] = {}
     for name, value in values.items():
         entries = _components(name, value) if isinstance(value, tuple) else {name: value}
         if twice := sorted(flat.keys() & entries):
@@ -229,7 +260,7 @@ def flattened(values: Mapping[str, Value]) -> dict[str, Exact]:
     return flat
 
 
-def _components(name: str, value: tuple[Exact, ...] | tuple[tuple[Exact, ...], ...]) -> dict[str, Exact]:
+def _components(name: str, value: tuple[Any, ...]) -> dict[str, Any]:
     rows = [item if isinstance(item, tuple) else (item,) for item in value]
     is_matrix = isinstance(value[0], tuple)
     shape = (len(rows), len(rows[0])) if is_matrix else (len(rows),)

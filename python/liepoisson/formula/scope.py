@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from itertools import product
 
 from liepoisson.errors import ParameterError, did_you_mean
-from liepoisson.formula.parameters import GivenValue, Shape, Value, component_name, read_values
+from liepoisson.formula.parameters import GivenValue, Kept, Shape, component_name, read_kept_values
 from liepoisson.inputs.names import CONSTANTS, check_name, check_not_reserved
 
 _DECLARATION = re.compile(r"([A-Za-z_][A-Za-z_0-9]{0,99})(?:\[ *([1-9][0-9]{0,2}) *(?:, *([1-9][0-9]{0,2}) *)?\])?")
@@ -38,10 +38,10 @@ class Scope:
     remark: str = ""
     shapes: Mapping[str, Shape] = field(init=False, repr=False)
     components: Mapping[str, tuple[str, Shape]] = field(init=False, repr=False)
-    values: Mapping[str, Value] = field(init=False, repr=False)
+    values: Mapping[str, Kept] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        values = read_values(self.parameters)
+        values = read_kept_values(self.parameters)
         shapes = {name: shape_of(value) for name, value in values.items()}
         for name, shape in map(read_declaration, self.symbols):
             if name in shapes:
@@ -138,7 +138,7 @@ def _components(fields: Mapping[str, Sequence[str]], shapes: Mapping[str, Shape]
     return components
 
 
-def shape_of(value: Value) -> Shape:
+def shape_of(value: Kept) -> Shape:
     """The shape of a value: () of a number, (n,) of a vector, (m, n) of a matrix."""
     if not isinstance(value, tuple):
         return ()

@@ -11,13 +11,14 @@ from collections.abc import Mapping
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from liepoisson.algebra.exact_numbers import Exact, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, substituted, symbols_of, to_sympy
 from liepoisson.algebra.rational_polynomials import values_of
 from liepoisson.compile.field import Field, TapeFunction
 from liepoisson.compile.typed import Names, read_system
 from liepoisson.errors import ExpressionError, LiePoissonError, ParameterError
-from liepoisson.formula.parameters import Value
+from liepoisson.formula.parameters import Kept, Value, exact_value, flattened
 from liepoisson.inputs.calls import explains_its_methods
+from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import shown
 from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression, read_expression_in, with_exact_numbers
 
@@ -78,16 +79,24 @@ class EquationsOfMotion:
     Attributes:
         name: How the equations are called in texts and files.
         source: Where they are described.
-        values: The parameters by name: exact numbers, vectors, matrices.
-        parameters: The same with one entry for each number.
     """
 
     name: str
     source: str | None
-    values: dict[str, Value]
-    parameters: dict[str, Exact]
+    _kept_values: dict[str, Kept]
+    _numbers: dict[str, Coefficient]
     _given_symbols: tuple[str, ...]
     _given_integrals: dict[str, str | Expr]
+
+    @cached_property
+    def values(self) -> dict[str, Value]:
+        """The parameters by name: numbers, vectors, matrices."""
+        return ReadOnlyDict({name: exact_value(value) for name, value in self._kept_values.items()})
+
+    @cached_property
+    def parameters(self) -> dict[str, Exact]:
+        """The same, one entry for each number: I1, I2, I3 of a vector I."""
+        return ReadOnlyDict(flattened(self.values))
 
     @property
     def variables(self) -> tuple[Symbol, ...]:
@@ -189,7 +198,7 @@ class EquationsOfMotion:
     @cached_property
     def _parameter_names(self) -> tuple[str, ...]:
         """The names of all parameters, and those in their values."""
-        in_values = set[str]().union(*map(symbols_of, self.parameters.values()))
+        in_values = set[str]().union(*map(symbols_of, self._numbers.values()))
         return tuple(sorted((self._names_in_formulas.numbers() | in_values).difference(self.component_names)))
 
     @property
@@ -223,7 +232,7 @@ class EquationsOfMotion:
     @cached_property
     def _typed_functions(self) -> TypedSystem | None:
         """Functions of the state as the core reads them, which may be typed whatever the equations are made of."""
-        return None if self._given_symbols else read_system(self._names_of_state, None, "0", self.values)
+        return None if self._given_symbols else read_system(self._names_of_state, None, "0", self._kept_values)
 
     def vector_field(self, states: ArrayLike) -> NDArray[np.float64]:
         r"""The right-hand side $\dot x$ at many states; of a system $J \nabla H$.
@@ -462,9 +471,9 @@ class EquationsOfMotion:
 
     def _check_that_values_are_final(self) -> None:
         """Refuse the value of a parameter that is, or contains, the name of another one with a value."""
-        for name, value in self.parameters.items():
-            if known := sorted(symbols_of(value) & self.parameters.keys() - {name}):
+        for name, value in self._numbers.items():
+            if known := sorted(symbols_of(value) & self._numbers.keys() - {name}):
                 raise ParameterError(
                     f"the value of a parameter must not depend on another one that has a value; {name} = {value}, and "
-                    f"{known[0]} is {self.parameters[known[0]]}. Write the number."
+                    f"{known[0]} is {self._numbers[known[0]]}. Write the number."
                 )

@@ -30,7 +30,7 @@ from liepoisson.errors import LiePoissonError
 from liepoisson.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.formula.expression import Reader
 from liepoisson.formula.grammar import Call, Node, Power, names_in, parse
-from liepoisson.formula.parameters import Value, flattened
+from liepoisson.formula.parameters import Kept, flattened
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.tensor_arithmetic import Matrix
 from liepoisson.model.hamiltonian import scope_of
@@ -106,7 +106,7 @@ def _read(tree: Node, text: str, scope: Scope, coordinates: Sequence[str]) -> Ra
     return polynomial
 
 
-def _other(value: Value) -> Any:
+def _other(value: Kept) -> Any:
     """Another value of the same shape: no component vanishes, and no two differ as they did."""
     if isinstance(value, tuple):
         return tuple(_other(item) for item in value)
@@ -212,7 +212,7 @@ class PolynomialView:
         self.hamiltonian = hamiltonian
 
     @classmethod
-    def of(cls, symbolic: Bracket, bracket: Bracket, values: Mapping[str, Value], text: str) -> PolynomialView | None:
+    def of(cls, symbolic: Bracket, bracket: Bracket, values: Mapping[str, Kept], text: str) -> PolynomialView | None:
         """The view of a system; None where its numbers are not rational or its Hamiltonian is no polynomial.
 
         Args:
@@ -222,7 +222,7 @@ class PolynomialView:
             text: The Hamiltonian.
         """
         known = flattened(values)
-        if not all(isinstance(value, Fraction) for value in known.values()) or not is_rational(bracket):
+        if not all(isinstance(value, Fraction) for value in known.values()) or not bracket.is_rational:
             return None
         scope, names = scope_of(symbolic, values), bracket.coordinate_names_in_order
         hamiltonian = read_polynomial(text, scope, names)
@@ -281,14 +281,6 @@ class PolynomialView:
             return not any(rate.expanded for rate in rates_of(self._bracket, function))
         except TooLargeError:
             return None
-
-
-def is_rational(bracket: Bracket) -> bool:
-    """Whether all structure constants and the constant part are rational numbers."""
-    if bracket.algebra.symbols or bracket.extension.symbols:
-        return False
-    linear = all(isinstance(c, Fraction) for *_, c in bracket.entries())
-    return linear and all(isinstance(c, Fraction) for c in bracket.constant.values())
 
 
 def rates_of(bracket: Bracket, hamiltonian: RationalPolynomial) -> tuple[RationalPolynomial, ...]:

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-from liepoisson.algebra.exact_numbers import Exact, symbols_of
+from liepoisson.algebra.exact_numbers import Coefficient, symbols_of
 from liepoisson.compile.field import Field, PiecesField, field_of
 from liepoisson.compile.typed import Names, names_of, read_system
 from liepoisson.errors import ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
-from liepoisson.formula.parameters import GivenValue, Value, flattened, read_values
+from liepoisson.formula.parameters import GivenValue, Kept, flattened, read_kept_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.names import check_title
 from liepoisson.inputs.read_only import ReadOnlyDict
@@ -122,14 +122,14 @@ class System(EquationsOfMotion):
         self._given_symbols = read_declarations(symbols)
         self._given_integrals = read_functions(integrals, "integrals")
         self._given_partial_integrals = read_pairs_of_functions(partial_integrals)
-        self.values: dict[str, Value] = ReadOnlyDict(read_values(parameters))
-        self.parameters: dict[str, Exact] = ReadOnlyDict(flattened(self.values))
-        bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
+        self._kept_values: dict[str, Kept] = read_kept_values(parameters)
+        self._numbers: dict[str, Coefficient] = flattened(self._kept_values)
+        bracket.check_parameter_names(set(self._numbers).union(*map(symbols_of, self._numbers.values())))
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
-        of_bracket = {name: value for name, value in self.parameters.items() if name in bracket.symbols}
+        of_bracket: Any = {name: value for name, value in self._numbers.items() if name in bracket.symbols}
         self.bracket: Bracket = bracket.substitute(of_bracket)
-        default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
+        default = "Hamiltonian system" if bracket.constant_rows else "Lie-Poisson system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
@@ -232,7 +232,7 @@ class System(EquationsOfMotion):
             return None
         from liepoisson.model.polynomial_view import PolynomialView
 
-        return PolynomialView.of(self.symbolic_bracket, self.bracket, self.values, given)
+        return PolynomialView.of(self.symbolic_bracket, self.bracket, self._kept_values, given)
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
@@ -325,15 +325,16 @@ class System(EquationsOfMotion):
         given = self._given_hamiltonian
         if not isinstance(given, str) or self._given_symbols:
             return None
-        typed = read_system(names_of(self.bracket), self.bracket, given, self.values)
+        typed = read_system(names_of(self.bracket), self.bracket, given, self._kept_values)
         if typed is None:
             return None
         known = self.symbolic_bracket.symbols.union(typed.parameters())
-        occur = all(known & set(flattened({name: value})) for name, value in self.values.items())
+        occur = all(known & set(flattened({name: value})) for name, value in self._kept_values.items())
         return typed if occur else None  # a parameter that drops out is refused where SymPy reads the formula
 
     def _scope_with(self, *further: str) -> Scope:
-        return scope_of(self.symbolic_bracket, self.values, (*self._given_symbols, *further))
+        values = cast("Mapping[str, GivenValue]", self._kept_values)
+        return scope_of(self.symbolic_bracket, values, (*self._given_symbols, *further))
 
     @property
     def _given_functions(self) -> dict[str, str | Expr]:
@@ -353,7 +354,7 @@ class System(EquationsOfMotion):
         """
         from liepoisson.compile.split_terms import pieces_of
 
-        return pieces_of(self.bracket, self.hamiltonian)
+        return pieces_of(self.bracket, self.polynomial_hamiltonian or self.hamiltonian)
 
     @cached_property
     def casimir_part(self) -> CasimirPart:
@@ -419,7 +420,7 @@ class System(EquationsOfMotion):
             raise AttributeError(message, name=name, obj=self)
 
     def _recognise_top(self) -> TopParameters | None:
-        if self.bracket.dimension != 9 or self.bracket.constant:
+        if self.bracket.dimension != 9 or self.bracket.constant_rows:
             return None
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two

@@ -11,7 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from liepoisson.algebra.exact_numbers import Exact
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, exact
+from liepoisson.formula.coefficients import coefficient
 from liepoisson.formula.expression import check_names, evaluate
 from liepoisson.formula.grammar import MAX_DIGITS, parse
 from liepoisson.formula.parameters import Value
@@ -206,7 +207,7 @@ class _Reader(TomlReader):
         entries: dict[tuple[str | int, str | int], Any] = {}
         for first, row in self.table(keys, given).items():
             for second, value in self.table((*keys, first), row).items():
-                entries[first, second] = self.number((*keys, first, second), value, scope)
+                entries[first, second] = self.coefficient((*keys, first, second), value, scope)
         return self.guarded(keys, lambda: bracket.with_constant(entries))
 
     def canonical(self, table: dict[str, Any]) -> Bracket:
@@ -242,8 +243,10 @@ class _Reader(TomlReader):
             return self.guarded(keys, lambda: read_algebra(self.text(keys, given), symbols))
         names = self.texts(("bracket", "basis_names"), table["basis_names"]) if "basis_names" in table else None
         entries = self.array(keys, given, symbols, depth=3)
-        make: Any = LieAlgebra if key == "structure_constants" else LieAlgebra.from_matrices
-        return self.guarded(keys, lambda: make(entries, basis_names=names))
+        if key == "structure_constants":
+            return self.guarded(keys, lambda: LieAlgebra(entries, basis_names=names))
+        matrices = [[[exact(entry) for entry in row] for row in matrix] for matrix in entries]
+        return self.guarded(keys, lambda: LieAlgebra.from_matrices(matrices, basis_names=names))
 
     def extension(self, table: dict[str, Any], symbols: Sequence[str]) -> Extension:
         from liepoisson.structure.extension import Extension
@@ -327,12 +330,12 @@ class _Reader(TomlReader):
             self.check_keys(keys, table, fields)
             if missing := [name for name in fields if name not in table]:
                 raise self.toml.error(keys, f"wanted a vector for each field; {missing[0]} has none. Add it.")
-            vectors = [self.array((*keys, name), table[name], (), depth=1) for name in fields]
+            vectors = [self.array((*keys, name), table[name], None, depth=1) for name in fields]
             wrong = next((name for name, vector in zip(fields, vectors, strict=True) if len(vector) != n), None)
             if wrong:
                 raise self.toml.error((*keys, wrong), f"wanted {n} components; got {len(cast('Any', table[wrong]))}.")
             return tuple(entry for vector in vectors for entry in vector)
-        entries = self.array(keys, given, (), depth=1)
+        entries = self.array(keys, given, None, depth=1)
         if len(entries) != bracket.dimension:
             raise self.toml.error(keys, f"wanted {bracket.dimension} components; got {len(entries)}. Give all of them.")
         return tuple(entries)
@@ -371,25 +374,34 @@ class _Reader(TomlReader):
             raise self.toml.error(keys, f"wanted 1 to {_MAX_LIST} entries; got {len(items)}. Correct the list.")
         if not any(isinstance(item, list) for item in items):
             return tuple(self.number((*keys, k), item) for k, item in enumerate(items))
-        rows = [tuple(self.array((*keys, k), item, (), depth=1)) for k, item in enumerate(items)]
+        rows = [tuple(self.array((*keys, k), item, None, depth=1)) for k, item in enumerate(items)]
         if len({len(row) for row in rows}) != 1 or not rows[0]:
             raise self.toml.error(keys, "wanted a matrix with rows of one length. Fill up the short rows.")
         return tuple(rows)
 
-    def array(self, keys: tuple[str | int, ...], given: object, symbols: Sequence[str], *, depth: int) -> list[Any]:
-        """Nested lists of numbers, or of formulas in the symbols."""
+    def array(
+        self, keys: tuple[str | int, ...], given: object, symbols: Sequence[str] | None, *, depth: int
+    ) -> list[Any]:
+        """Nested lists of numbers, or of coefficients in the symbols."""
         if not isinstance(given, list) or len(cast("list[object]", given)) > _MAX_LIST:
             kind = ("", "a list", "a list of lists", "a list of lists of lists")[depth]
             raise self.toml.error(keys, f"wanted {kind} of numbers; got {in_words(given)}. Put it in square brackets.")
         items = enumerate(cast("list[object]", given))
+        if depth == 1 and symbols is None:
+            return [self.number((*keys, k), item) for k, item in items]
         if depth == 1:
-            scope = Scope(symbols=symbols)
-            return [self.number((*keys, k), item, scope) for k, item in items]
+            scope = Scope(symbols=symbols or ())
+            return [self.coefficient((*keys, k), item, scope) for k, item in items]
         return [self.array((*keys, k), item, symbols, depth=depth - 1) for k, item in items]
 
-    def number(self, keys: tuple[str | int, ...], given: object, scope: Scope | None = None) -> Exact:
+    def coefficient(self, keys: tuple[str | int, ...], given: object, scope: Scope) -> Coefficient:
         if isinstance(given, str):
-            return self.guarded(keys, lambda: evaluate(parse(given), given, scope or Scope()))
+            return self.guarded(keys, lambda: coefficient(parse(given), given, scope))
+        return self.number(keys, given)
+
+    def number(self, keys: tuple[str | int, ...], given: object) -> Exact:
+        if isinstance(given, str):
+            return self.guarded(keys, lambda: evaluate(parse(given), given, Scope()))
         if isinstance(given, Fraction):
             return given
         if isinstance(given, bool) or not isinstance(given, int):

@@ -135,7 +135,7 @@ class TopParameters:
         from liepoisson.structure.extensions import leibniz
         from liepoisson.structure.lie_algebras import so
 
-        if bracket.dimension not in DIMENSIONS or bracket.constant:
+        if bracket.dimension not in DIMENSIONS or bracket.constant_rows:
             return False
         wanted = so(3) @ leibniz(bracket.dimension // 3, self.epsilon)
         return set(bracket.entries()) == set(wanted.entries())

@@ -14,7 +14,7 @@ from liepoisson.compile.field import Field, QuadraticField, TapeField
 from liepoisson.compile.typed import Names, read_system
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.facades import function_of
-from liepoisson.formula.parameters import GivenValue, flattened, read_values
+from liepoisson.formula.parameters import GivenValue, flattened, read_kept_values
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import by_name
@@ -90,8 +90,8 @@ class VectorField(EquationsOfMotion):
         self._given_equations = _read_equations(equations)
         self._given_symbols: tuple[str, ...] = read_declarations(symbols)
         self._given_integrals: dict[str, str | Expr] = read_functions(integrals, "integrals")
-        self.values = ReadOnlyDict(read_values(parameters))
-        self.parameters = ReadOnlyDict(flattened(self.values))
+        self._kept_values = read_kept_values(parameters)
+        self._numbers = flattened(self._kept_values)
         self.name = "vector field" if name is None else check_title(name, "the name of a vector field")
         self.source = source if source is None else check_source(source)
         self._check_that_values_are_final()
@@ -239,7 +239,7 @@ class VectorField(EquationsOfMotion):
             return False
         used: set[str] = set()
         for given in self._given_equations.values():
-            read = read_system(self._names_of_state, None, given, self.values) if isinstance(given, str) else None
+            read = read_system(self._names_of_state, None, given, self._kept_values) if isinstance(given, str) else None
             if read is None:
                 return False
             used |= {*read.parameters()}

@@ -9,12 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.compile.field import TapeFunction
-from liepoisson.errors import ParameterError
+from liepoisson.compile.tape_values import values_of_tape
+from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.formula.scalars import as_array, as_time
 from liepoisson.inputs.arrays import check_shape
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.refusals import check_choice, shown
 from liepoisson.model.equations_of_motion import EquationsOfMotion, HasExpression
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.sampling import sample_states
 from liepoisson.numeric.systems import has_bracket, reads_formulas
 
 if TYPE_CHECKING:
@@ -23,6 +27,11 @@ if TYPE_CHECKING:
 
 Function: TypeAlias = "str | Expr | HasExpression"
 """A function of the state."""
+
+_STEPS, _LONG = 4, 1e9
+"""Steps of Taylor's method after which a function is looked at again; each goes as far as its series converges well."""
+_CHANGE = 1e-6
+"""Part of its values at random states by which a function has changed then; a constant has changed by some 1e-15."""
 
 
 def read_tape(record: dict[str, Any]) -> TapeFunction:
@@ -54,7 +63,7 @@ def check_that_it_varies(system: Any, function: str | Expr, what: str = "surface
     Raises:
         ParameterError: it is a number, a Casimir or a constant of motion.
     """
-    if (reason := why_constant(system, function)) is None:
+    if _is_seen_to_vary(system, function) or (reason := why_constant(system, function)) is None:
         return
     names = system.component_names
     moves = next((name for name in names if why_constant(system, name) is None), None)
@@ -62,6 +71,23 @@ def check_that_it_varies(system: Any, function: str | Expr, what: str = "surface
     raise ParameterError(
         f"{what}: wanted a function that changes along orbits; got {shown(function)}, {reason}; {hint}"
     )
+
+
+def _is_seen_to_vary(system: Any, function: str | Expr) -> bool:
+    """Whether a function that is no polynomial changes in a few steps of an orbit, far beyond their errors.
+
+    No proof is needed then; False where a bracket has to tell, which for such functions takes SymPy.
+    """
+    if not has_bracket(system) or not isinstance(function, str) or system.polynomial(function) is not None:
+        return False
+    try:
+        tape = system.function_tape(function)
+        starts = sample_states(system, 2, ensemble="gaussian")
+        orbits = integrate(system, starts, times=[0, _LONG], method=Taylor(max_steps=_STEPS))
+    except LiePoissonError:
+        return False
+    first, last = values_of_tape(tape, np.array([starts, orbits.end_state]))[..., 0]
+    return bool(np.abs(last - first).max() > _CHANGE * (np.abs(first) + np.abs(last)).max())
 
 
 def why_constant(system: Any, function: str | Expr) -> str | None:

@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
+from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, NoReturn, cast
 
-from liepoisson.algebra.exact_numbers import as_expression, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import as_expression, exact, substituted, symbols_of, to_sympy
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import Column, Parameter, read_parameter, values_of_symbols
@@ -29,7 +30,7 @@ from liepoisson.structure.lie_algebra import LieAlgebra
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from liepoisson.algebra.exact_numbers import Exact
+    from liepoisson.algebra.exact_numbers import Coefficient, Exact
     from liepoisson.algebra.rational_polynomials import RationalPolynomial
     from liepoisson.structure.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
@@ -71,7 +72,7 @@ class Bracket:
     Attributes:
         algebra: The Lie algebra g.
         extension: The commutative algebra A.
-        constant: The entries of the constant part that are not zero, by (i, j) with i < j, counted from 0.
+        constant_rows: The constant part as it is kept, before SymPy is asked for it.
 
     Raises:
         CocycleError: the constant part is no 2-cocycle; the error names the three coordinates.
@@ -104,13 +105,14 @@ class Bracket:
         if len(names) < self.dimension:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
         _check_field_names(self.field_names, names - self._scalars)
-        self.constant: dict[tuple[int, int], Exact] = read_constant(constant, self.coordinate_names_in_order)
+        self.constant_rows: dict[tuple[int, int], Coefficient] = read_constant(constant, self.coordinate_names_in_order)
         self._name = name if name is None else check_title(name, "the name of a bracket", None)
         self.check_parameter_names(self.symbols)
-        if self.constant and check:
-            from liepoisson.structure.certificates import check_cocycle
+        if self.constant_rows and check:
+            from liepoisson.structure.certificates import check_cocycle, is_cocycle
 
-            check_cocycle(self.tensor, self.coordinate_names_in_order)
+            if self.is_rational or not is_cocycle(self.dimension, self.kept_entries()):
+                check_cocycle(self.tensor, self.coordinate_names_in_order)
 
     def with_constant(
         self, constant: Mapping[tuple[str | int, str | int], Parameter], *, check: bool = True
@@ -184,7 +186,13 @@ class Bracket:
             BracketError: two coordinates, or a coordinate and a parameter or a field, would have the same name.
             ParameterError: a name is not an identifier.
         """
-        return Bracket(self.algebra, self.extension, field_names, constant=cast("Any", self.constant), check=False)
+        constant: Any = self.constant_rows
+        return Bracket(self.algebra, self.extension, field_names, constant=constant, check=False)
+
+    @cached_property
+    def constant(self) -> dict[tuple[int, int], Exact]:
+        """The entries of the constant part that are not zero, by (i, j) with i < j, counted from 0."""
+        return {pair: exact(value) for pair, value in self.constant_rows.items()}
 
     @property
     def dimension(self) -> int:
@@ -223,7 +231,7 @@ class Bracket:
     @property
     def symbols(self) -> set[str]:
         """Names of the parameters kept symbolic."""
-        own = {name for value in self.constant.values() for name in symbols_of(value)}
+        own = {name for value in self.constant_rows.values() for name in symbols_of(value)}
         return self.algebra.symbols | self.extension.symbols | own
 
     @property
@@ -259,6 +267,19 @@ class Bracket:
         imported then.
         """
         return tuple(term for term in self._terms if term[0] < term[1])
+
+    def kept_entries(self) -> tuple[tuple[int, int, int | None, Coefficient], ...]:
+        """The linear and the constant part as they are kept, before SymPy is asked for them; m is None for the latter.
+
+        All (i, j, m, c) with i < j, as in `entries`.
+        """
+        linear = (term for term in self._kept_terms if term[0] < term[1])
+        return (*linear, *((i, j, None, c) for (i, j), c in self.constant_rows.items()))
+
+    @property
+    def is_rational(self) -> bool:
+        """Whether all structure constants and the constant part are rational numbers."""
+        return all(isinstance(c, Fraction) for *_, c in self.kept_entries())
 
     def poisson_tensor(self) -> Matrix:
         r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x, shape (N, N)."""
@@ -420,7 +441,7 @@ class Bracket:
         terms = [(divmod(i, n), divmod(j, n), c) for (i, j), c in self.constant.items()]
         return [entry for i, j, c in terms for entry in ((i, j, c), (j, i, -c))]
 
-    def substitute(self, values: Mapping[str, Exact]) -> Bracket:
+    def substitute(self, values: Mapping[str, Coefficient]) -> Bracket:
         """The same bracket with values for some of its symbols.
 
         Raises:
@@ -431,7 +452,7 @@ class Bracket:
             return self
         algebra = self.algebra.substitute({s: value for s, value in values.items() if s in self.algebra.symbols})
         extension = self.extension.substitute({s: value for s, value in values.items() if s in self.extension.symbols})
-        constant: Any = {pair: substituted(value, values) for pair, value in self.constant.items()}
+        constant: Any = {pair: substituted(value, values) for pair, value in self.constant_rows.items()}
         return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
 
     def __add__(self, other: object) -> NoReturn:
@@ -450,7 +471,7 @@ class Bracket:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
         own = {"coefficients": self.coefficients} if self.coefficients else {}
-        return {**definition, "constant": self.constant, "_name": self._name, **own}
+        return {**definition, "constant_rows": self.constant_rows, "_name": self._name, **own}
 
     def _repr_latex_(self) -> str | None:
         """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
@@ -459,7 +480,7 @@ class Bracket:
     def __repr__(self) -> str:
         if self._name is not None:
             return self._name
-        return f"{self.algebra.name} ⊗ {self.extension.name}{' + constant part' if self.constant else ''}"
+        return f"{self.algebra.name} ⊗ {self.extension.name}{' + constant part' if self.constant_rows else ''}"
 
     @cached_property
     def tensor(self) -> LinearPoissonTensor:
@@ -479,9 +500,18 @@ class Bracket:
     @cached_property
     def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
         """All (i, j, m, c) with sum_m c x_m the linear part of J_ij, both orders of i and j."""
+        kept: Any = self._kept_terms
+        if all(isinstance(c, Fraction) for *_, c in kept):
+            return tuple(kept)
+        known = {c: to_sympy(c) for *_, c in kept}
+        return tuple((i, j, m, known[c]) for i, j, m, c in kept)
+
+    @cached_property
+    def _kept_terms(self) -> list[tuple[int, int, int, Coefficient]]:
+        """The same before SymPy is asked for them."""
         from liepoisson.structure.poisson.poisson_tensor import linear_terms
 
-        return linear_terms(self.algebra.dimension, self.algebra.brackets, self.extension)
+        return linear_terms(self.algebra.dimension, self.algebra.rows, self.extension.rows)
 
     @cached_property
     def _matrix(self) -> PoissonMatrix:

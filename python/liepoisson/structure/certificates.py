@@ -2,16 +2,18 @@ r"""Proofs about a bracket as objects that say what was computed: the Jacobi ide
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 from math import comb, lcm
+from operator import mul
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, is_zero, product_of
 from liepoisson.algebra.linear_algebra import rank
+from liepoisson.algebra.symbol_polynomials import SymbolPolynomial
 from liepoisson.errors import CocycleError
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.structure.poisson.poisson_tensor import CONSTANT, LinearPoissonTensor
@@ -143,6 +145,24 @@ def check_cocycle(tensor: LinearPoissonTensor, names: tuple[str, ...]) -> None:
             exact = value if scale is None else Fraction(value, scale**2)
             residual = _form(tensor, {CONSTANT: exact}, names, 2)
             raise CocycleError(tuple(names[i] for i in triple), str(residual))
+
+
+def is_cocycle(dimension: int, coefficients: Iterable[tuple[int, int, int | None, Coefficient]]) -> bool:
+    """Whether the constant part is a 2-cocycle for all values of the symbols; False where this takes SymPy, too.
+
+    Args:
+        dimension: Number of coordinates.
+        coefficients: The bracket, all (i, j, m, c) with i < j; m is None in the constant part.
+    """
+    rows: list[dict[int, list[tuple[int, Coefficient]]]] = [{} for _ in range(dimension)]
+    for i, j, m, c in coefficients:
+        if not isinstance(c, (Fraction, SymbolPolynomial)):
+            return False
+        place = CONSTANT if m is None else m
+        rows[i].setdefault(j, []).append((place, c))
+        rows[j].setdefault(i, []).append((place, -c))
+    triples = combinations(range(dimension), 3)
+    return all(is_zero(_cyclic_sum(rows, triple, mul).get(CONSTANT, Fraction(0))) for triple in triples)
 
 
 def _cyclic_sum(rows: Any, triple: tuple[int, int, int], times: Callable[[Any, Any], Any]) -> dict[int, Any]:

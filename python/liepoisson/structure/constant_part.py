@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.algebra.exact_numbers import is_zero, product_of, sum_of, symbols_of
 from liepoisson.errors import BracketError, ParameterError, did_you_mean
-from liepoisson.formula.parameters import Parameter, read_parameter
+from liepoisson.formula.parameters import Parameter, read_coefficient
 from liepoisson.inputs.given import is_named
 
 if TYPE_CHECKING:
-    from liepoisson.algebra.exact_numbers import Exact
+    from liepoisson.algebra.exact_numbers import Coefficient, Exact
 
 Pair: TypeAlias = tuple[int, int]
 
 
 def read_constant(
     given: Mapping[tuple[str | int, str | int], Parameter] | None, names: Sequence[str]
-) -> dict[tuple[int, int], Exact]:
+) -> dict[tuple[int, int], Coefficient]:
     """Read a constant part: the nonzero entries by (i, j) with i < j, counted from 0.
 
     Raises:
@@ -31,10 +31,10 @@ def read_constant(
         raise ParameterError(
             f"constant must be a mapping from pairs of coordinates; got {entries!r:.60}. Write {_example(names)}."
         )
-    found: dict[tuple[int, int], Exact] = {}
+    found: dict[tuple[int, int], Coefficient] = {}
     for pair, value in entries.items():
         i, j = _read_pair(pair, names)
-        entry = read_parameter(value, f"the constant part of {{{names[i]}, {names[j]}}}")
+        entry = read_coefficient(value, f"the constant part of {{{names[i]}, {names[j]}}}")
         if i == j or (min(i, j), max(i, j)) in found:
             what = "with itself" if i == j else "twice"
             raise BracketError(

@@ -6,7 +6,7 @@ small ones in `classification`.  References: Thiffeault and Morrison, Physica D 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import cached_property
@@ -14,10 +14,10 @@ from itertools import pairwise, product
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, cast
 
-from liepoisson.algebra.exact_numbers import Exact, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.formula.parameters import Parameter, read_parameter, values_of_symbols
-from liepoisson.formula.tensors import Tensor3, read_names, read_tensor
+from liepoisson.formula.parameters import Parameter, read_coefficient, values_of_symbols
+from liepoisson.formula.tensors import Rows, Tensor3, in_sympy, of_one_kind, read_names, read_tensor
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import is_named
@@ -73,8 +73,8 @@ class Extension:
         W = read_tensor(tensor, "W")
         if check:
             _check_commutative(W)
-        self._set(len(W), _products_of(W), name, field_names, check=check)
-        self.tensor = W
+        rows = _products_of(W) if check else _products_of(W) | _products_against_symmetry(W)
+        self._set(len(W), rows, name, field_names, check=check)
 
     @classmethod
     def from_products(
@@ -105,32 +105,13 @@ class Extension:
         extension._set(n, read_products(n, products), name, field_names, check=check)
         return extension
 
-    @classmethod
-    def with_symbol(cls, make: Callable[[Exact], Extension], symbol: str, name: str) -> Extension:
-        """An extension with one parameter, which is kept symbolic until a value is inserted.
-
-        SymPy is imported when its products are asked for; inserting a rational number does not ask for them.
-
-        Args:
-            make: The extension with a value, or with the symbol, for the parameter, on which the products depend
-                linearly and the fields do not.
-            symbol: The name of the parameter.
-            name: How the extension is printed.
-        """
-        extension, other = make(Fraction(1)), make(Fraction(2))
-        extension.name = name
-        if extension.products != other.products:
-            del extension.products
-            extension._family = (make, symbol)
-        return extension
-
-    def _set(self, n: int, products: Products, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
+    def _set(self, n: int, rows: Rows, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
         self.dimension = read_field_count(n)
-        self.products = products
+        self.rows = rows
         self.name: str = check_title(name, "the name of an extension", None)
         self.field_names: tuple[str, ...] = self._read_field_names(field_names)
         if check:
-            _check_associative(n, products)
+            _check_associative(n, rows)
 
     def _read_field_names(self, given: Sequence[str] | None) -> tuple[str, ...]:
         n = self.dimension
@@ -142,22 +123,21 @@ class Extension:
     dimension: int
     """Number n of basis elements, which is the number of fields."""
 
-    _family: tuple[Callable[[Exact], Extension], str] | None = None
-    """What makes it of the value of its one parameter, and the name of this, where it was given so."""
+    rows: Rows
+    """The nonzero products as they are kept, before SymPy is asked for them."""
 
     @cached_property
     def products(self) -> Products:
         """The nonzero products, sparse: `products[mu, nu][lam]` = W[lam][mu][nu] for mu <= nu."""
-        assert self._family is not None, "other extensions begin with their products"
-        make, symbol = self._family
-        return make(read_parameter(symbol, symbol)).products
+        return in_sympy(self.rows)
 
     @cached_property
     def tensor(self) -> Tensor3:
         """The tensor `W[lam][mu][nu]`, dense, shape (n, n, n)."""
         n, zero = range(self.dimension), self._zero
         return tuple(
-            tuple(tuple(self.products.get((min(m, v), max(m, v)), {}).get(k, zero) for v in n) for m in n) for k in n
+            tuple(tuple(self.products.get((m, v), self.products.get((v, m), {})).get(k, zero) for v in n) for m in n)
+            for k in n
         )
 
     @property
@@ -169,11 +149,9 @@ class Extension:
     @property
     def symbols(self) -> set[str]:
         """Names of the free symbols in the tensor."""
-        if self._family is not None:
-            return {self._family[1]}
-        return {name for row in self.products.values() for value in row.values() for name in symbols_of(value)}
+        return {name for row in self.rows.values() for value in row.values() for name in symbols_of(value)}
 
-    def substitute(self, values: Mapping[str, Exact]) -> Extension:
+    def substitute(self, values: Mapping[str, Coefficient]) -> Extension:
         """The same extension with values for some of its symbols.
 
         Raises:
@@ -184,16 +162,10 @@ class Extension:
             return self
         shown = ", ".join(f"{name} = {values[name]}" for name in sorted(values))
         named = f"{self.name} at {shown}"
-        return Extension.from_products(self.dimension, self._products_at(values), named, self.field_names, check=False)
-
-    def _products_at(self, values: Mapping[str, Exact]) -> Products:
-        if self._family is not None:
-            make, symbol = self._family
-            if isinstance(value := values[symbol], Fraction):
-                return make(value).products
-        return {
-            pair: {k: substituted(value, values) for k, value in row.items()} for pair, row in self.products.items()
+        products: Any = {
+            pair: {k: substituted(value, values) for k, value in row.items()} for pair, row in self.rows.items()
         }
+        return Extension.from_products(self.dimension, products, named, self.field_names, check=False)
 
     def rename(self, *field_names: str) -> Extension:
         """The same extension with other names for its fields.
@@ -216,11 +188,12 @@ class Extension:
         """
         check_kind(other, Extension, "+", "an extension to add", "write for example trivial() + trivial()")
         n = self.dimension
-        shifted = {(i + n, j + n): {k + n: value for k, value in row.items()} for (i, j), row in other.products.items()}
+        shifted = {(i + n, j + n): {k + n: value for k, value in row.items()} for (i, j), row in other.rows.items()}
+        products: Any = self.rows | shifted
         names = (*self.field_names, *other.field_names)
         name = f"({_inner_name(self)} + {_inner_name(other)})"
         distinct = names if len(set(names)) == len(names) else None
-        return Extension.from_products(n + other.dimension, self.products | shifted, name, distinct, check=False)
+        return Extension.from_products(n + other.dimension, products, name, distinct, check=False)
 
     def unit(self) -> Element | None:
         """The unit element of A, or None if A has none."""
@@ -297,7 +270,7 @@ class Extension:
     def _algebra(self) -> CommutativeAlgebra:
         from liepoisson.structure.commutative_algebra import CommutativeAlgebra
 
-        _check_associative(self.dimension, self.products)  # an unchecked extension has no unit, ideals, ...
+        _check_associative(self.dimension, self.rows)  # an unchecked extension has no unit, ideals, ...
         return CommutativeAlgebra(self.dimension, self.products)
 
     def _write(self, vectors: Sequence[Vector]) -> tuple[Element, ...]:
@@ -312,7 +285,7 @@ def _inner_name(extension: Extension) -> str:
     return name[1:-1] if name.startswith("(") and name.endswith(")") and " + " in name else name
 
 
-def _products_of(W: Tensor3) -> Products:
+def _products_of(W: Sequence[Sequence[Sequence[Coefficient]]]) -> Rows:
     n = len(W)
     rows = {
         (mu, nu): {lam: W[lam][mu][nu] for lam in range(n) if not is_zero(W[lam][mu][nu])}
@@ -320,6 +293,17 @@ def _products_of(W: Tensor3) -> Products:
         for nu in range(mu, n)
     }
     return {pair: row for pair, row in rows.items() if row}
+
+
+def _products_against_symmetry(W: Sequence[Sequence[Sequence[Coefficient]]]) -> Rows:
+    """The products e_mu e_nu, mu > nu, that are not those of e_nu e_mu: of tensors that are not checked."""
+    n = range(len(W))
+    return {
+        (mu, nu): {lam: W[lam][mu][nu] for lam in n if not is_zero(W[lam][mu][nu])}
+        for mu in n
+        for nu in range(mu)
+        if not all(is_zero(W[lam][mu][nu] - W[lam][nu][mu]) for lam in n)
+    }
 
 
 def _numbered(n: int) -> tuple[str, ...]:
@@ -341,7 +325,7 @@ def read_field_count(n: object) -> int:
     return int(n)
 
 
-def read_products(n: int, products: object) -> Products:
+def read_products(n: int, products: object) -> Rows:
     """Read products that a caller gives, `products[mu, nu][lam]`; zeros are dropped.
 
     Raises:
@@ -353,22 +337,19 @@ def read_products(n: int, products: object) -> Products:
         raise ShapeError(
             f"products must be a mapping; got {type(products).__name__}. Write for example {{(0, 0): {{0: 1}}}}."
         )
-    read: Products = {}
+    read: Rows = {}
     for given, given_row in cast("Mapping[object, object]", products).items():
         (mu, nu), row = _read_pair(given, n), _read_row(given, given_row, n)
-        values = {k: read_parameter(value, f"products[{mu}, {nu}][{k}]") for k, value in row.items()}
+        values = {k: read_coefficient(value, f"products[{mu}, {nu}][{k}]") for k, value in row.items()}
         values = {k: value for k, value in values.items() if not is_zero(value)}
         pair = (min(mu, nu), max(mu, nu))
-        if read.setdefault(pair, values) != values:
+        known = read.setdefault(pair, values)
+        if known != values and in_sympy({pair: known}) != in_sympy({pair: values}):
             raise BracketError(
-                f"products must be commutative; got e_{mu} e_{nu} = {values} and for the reverse {read[pair]} "
+                f"products must be commutative; got e_{mu} e_{nu} = {values} and for the reverse {known} "
                 "(coefficient by index). Correct one of the two."
             )
-    read = {pair: row for pair, row in read.items() if row}
-    if all(isinstance(value, Fraction) for row in read.values() for value in row.values()):
-        return read
-    # Fraction and SymPy numbers do not mix under multiplication.
-    return {pair: {k: to_sympy(value) for k, value in row.items()} for pair, row in read.items()}
+    return of_one_kind({pair: row for pair, row in read.items() if row})
 
 
 def _read_pair(pair: object, n: int) -> tuple[int, int]:
@@ -391,7 +372,7 @@ def _read_index(index: object, n: int, name: str) -> int:
     return int(index)
 
 
-def _check_commutative(W: Tensor3) -> None:
+def _check_commutative(W: Sequence[Sequence[Sequence[Coefficient]]]) -> None:
     for lam, mu, nu in product(range(len(W)), repeat=3):
         if not is_zero(W[lam][mu][nu] - W[lam][nu][mu]):
             raise BracketError(
@@ -400,14 +381,14 @@ def _check_commutative(W: Tensor3) -> None:
             )
 
 
-def _check_associative(n: int, products: Products) -> None:
+def _check_associative(n: int, rows: Rows) -> None:
     for mu, nu, rho in product(range(n), repeat=3):
         if mu >= rho:  # the associator of (mu, nu, rho) is minus that of (rho, nu, mu)
             continue
         checkpoint("a check of associativity")
-        residual: dict[int, Exact] = {}
-        _add_product(residual, products, (mu, nu), rho, 1)
-        _add_product(residual, products, (nu, rho), mu, -1)
+        residual: dict[int, Any] = {}
+        _add_product(residual, rows, (mu, nu), rho, 1)
+        _add_product(residual, rows, (nu, rho), mu, -1)
         for lam, value in residual.items():
             if not is_zero(value):
                 raise BracketError(
@@ -416,9 +397,9 @@ def _check_associative(n: int, products: Products) -> None:
                 )
 
 
-def _add_product(total: dict[int, Exact], products: Products, pair: tuple[int, int], other: int, sign: int) -> None:
+def _add_product(total: dict[int, Any], rows: Any, pair: tuple[int, int], other: int, sign: int) -> None:
     """Add +-(e_mu e_nu) e_other to the total."""
-    for k, first in products.get((min(pair), max(pair)), {}).items():
-        for lam, second in products.get((min(k, other), max(k, other)), {}).items():
+    for k, first in rows.get((min(pair), max(pair)), {}).items():
+        for lam, second in rows.get((min(k, other), max(k, other)), {}).items():
             term = first * second if sign > 0 else -(first * second)
             total[lam] = total[lam] + term if lam in total else term

@@ -10,12 +10,14 @@ from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
 from numbers import Integral
+from typing import Any
 
-from liepoisson.algebra.exact_numbers import Exact, is_zero, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, is_zero
 from liepoisson.errors import ParameterError
-from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
+from liepoisson.formula.parameters import Parameter, read_coefficient
+from liepoisson.formula.tensors import Rows, of_one_kind
 from liepoisson.inputs.calls import explains_its_arguments
-from liepoisson.structure.extension import Extension, Products, read_field_count
+from liepoisson.structure.extension import Extension, read_field_count
 
 
 @explains_its_arguments
@@ -96,8 +98,8 @@ def crmhd(beta_e: Parameter = "beta_e") -> Extension:
     return _with_strength(_crmhd, beta_e, "beta_e", "CRMHD(")
 
 
-def _crmhd(strength: Exact) -> Extension:
-    products = _with_unit(4, {(1, 2): {3: -strength}}, strength)
+def _crmhd(strength: Coefficient) -> Extension:
+    products: Any = _with_unit(4, {(1, 2): {3: -strength}})
     return Extension.from_products(4, products, "CRMHD", ("omega", "v", "p", "psi"), check=False)
 
 
@@ -129,15 +131,13 @@ def binary_cubic(a: Parameter = "a", b: Parameter = "b", c: Parameter = "c", d: 
 
     References: Delone and Faddeev (1964).
     """
-    given = {name: read_parameter(value, name) for name, value in zip("abcd", (a, b, c, d), strict=True)}
-    if not all(isinstance(value, Fraction) for value in given.values()):
-        given = {name: to_sympy(value) for name, value in given.items()}
-    p, q, r, s = given.values()
+    read = {k: read_coefficient(value, "abcd"[k]) for k, value in enumerate((a, b, c, d))}
+    form: list[Any] = list(of_one_kind({(0, 0): read})[0, 0].values())
+    p, q, r, s = form
     squares = {(1, 1): {0: -p * r, 1: q, 2: -p}, (1, 2): {0: -p * s}, (2, 2): {0: -q * s, 1: s, 2: -r}}
     products = {pair: {k: v for k, v in row.items() if not is_zero(v)} for pair, row in squares.items()}
-    name = f"binary cubic ({', '.join(map(str, given.values()))})"
-    units = _with_unit(3, {}, p)
-    return Extension.from_products(3, units | {pair: row for pair, row in products.items() if row}, name, check=False)
+    rows: Any = _with_unit(3, {}) | {pair: row for pair, row in products.items() if row}
+    return Extension.from_products(3, rows, f"binary cubic ({', '.join(map(str, form))})", check=False)
 
 
 def normal_form(n: int, k: int) -> Extension:
@@ -168,25 +168,23 @@ EXTENSIONS: dict[str, Callable[..., Extension]] = {
 """Constructors by the name that system files use."""
 
 
-def _with_strength(make: Callable[[Exact], Extension], given: Parameter, parameter: str, head: str) -> Extension:
-    """The extension with this parameter, printed behind the head; the products of a name are made when needed."""
-    if (symbol := read_symbol(given, parameter)) is not None:
-        return Extension.with_symbol(make, symbol, f"{head}{symbol})")
-    strength = read_parameter(given, parameter)
+def _with_strength(make: Callable[[Coefficient], Extension], given: Parameter, parameter: str, head: str) -> Extension:
+    """The extension with this parameter, printed behind the head."""
+    strength = read_coefficient(given, parameter)
     extension = make(strength)
     extension.name = f"{head}{parameter} = {strength})" if isinstance(strength, Fraction) else f"{head}{strength})"
     return extension
 
 
-def _graded(n: int, strength: Exact, name: str) -> Extension:
+def _graded(n: int, strength: Coefficient, name: str) -> Extension:
     n = read_field_count(n)
-    cocycle: Products = {(i, j): {i + j: strength} for i in range(1, n) for j in range(i, n) if i + j < n}
+    cocycle: Rows = {(i, j): {i + j: strength} for i in range(1, n) for j in range(i, n) if i + j < n}
     # The products are those of powers of z, or zero: associative, which tests verify.
-    return Extension.from_products(n, _with_unit(n, cocycle, strength), name, check=False)
+    products: Any = _with_unit(n, cocycle)
+    return Extension.from_products(n, products, name, check=False)
 
 
-def _with_unit(n: int, products: Products, like: Exact) -> Products:
-    """Add the unit e_0, with the type of number of `like`; leave out products that vanish."""
-    one = Fraction(1) if isinstance(like, Fraction) else to_sympy(Fraction(1))
-    unit: Products = {(0, m): {m: one} for m in range(n)}
+def _with_unit(n: int, products: Rows) -> Rows:
+    """Add the unit e_0; leave out products that vanish."""
+    unit: Rows = {(0, m): {m: Fraction(1)} for m in range(n)}
     return unit | {pair: row for pair, row in products.items() if not any(is_zero(v) for v in row.values())}

@@ -8,17 +8,20 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import cached_property
 from itertools import combinations, product
 from numbers import Integral
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, substituted, symbols_of, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, ExactMatrix, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import Parameter, values_of_symbols
 from liepoisson.formula.tensors import (
     Brackets,
+    Rows,
     Tensor3,
+    in_sympy,
     nonzero_brackets,
     read_brackets,
     read_components,
@@ -59,7 +62,7 @@ class LieAlgebra:
         check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
 
     Attributes:
-        brackets: The nonzero $c_{ij}^k$ for i < j, by (i, j), then by k; counted from 0.
+        rows: The nonzero $c_{ij}^k$ as they are kept, before SymPy is asked for them.
         dimension: The dimension n.
         basis_names: Names of the basis elements.
         name: How it is printed.
@@ -145,10 +148,10 @@ class LieAlgebra:
         # Commutators of matrices obey the Jacobi identity.
         return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
 
-    def _set(self, n: int, brackets: Brackets, name: str, basis_names: Sequence[str] | None, *, check: bool) -> None:
+    def _set(self, n: int, rows: Rows, name: str, basis_names: Sequence[str] | None, *, check: bool) -> None:
         check_dimension(n)
         self.dimension: int = int(n)
-        self.brackets: Brackets = brackets
+        self.rows: Rows = rows
         self.family: MatrixFamily | None = None
         self.summands: tuple[LieAlgebra, ...] = ()
         self.name: str = check_title(name, "the name of a Lie algebra", None)
@@ -159,6 +162,11 @@ class LieAlgebra:
             _check_basis_names(self.basis_names)
         if check:
             self._check_jacobi()
+
+    @cached_property
+    def brackets(self) -> Brackets:
+        """The nonzero $c_{ij}^k$ for i < j, by (i, j), then by k; counted from 0."""
+        return in_sympy(self.rows)
 
     @property
     def structure_constants(self) -> Tensor3:
@@ -184,7 +192,7 @@ class LieAlgebra:
         """Names of the free symbols in the structure constants."""
         return {name for value in self._values for name in symbols_of(value)}
 
-    def substitute(self, values: Mapping[str, Exact]) -> LieAlgebra:
+    def substitute(self, values: Mapping[str, Coefficient]) -> LieAlgebra:
         """The same algebra with values for some of its symbols.
 
         Raises:
@@ -194,7 +202,7 @@ class LieAlgebra:
         if not values:
             return self
         changed = {value: substituted(value, values) for value in self._values}
-        brackets = {pair: {k: changed[c] for k, c in row.items()} for pair, row in self.brackets.items()}
+        brackets: Any = {pair: {k: changed[c] for k, c in row.items()} for pair, row in self.rows.items()}
         return LieAlgebra.from_brackets(self.dimension, brackets, self.name, self.basis_names, check=False)
 
     def bracket(self, u: Sequence[Parameter], v: Sequence[Parameter]) -> tuple[Exact, ...]:
@@ -248,7 +256,7 @@ class LieAlgebra:
     @property
     def is_abelian(self) -> bool:
         """Whether all brackets vanish."""
-        return not self.brackets
+        return not self.rows
 
     @property
     def is_semisimple(self) -> bool:
@@ -273,10 +281,11 @@ class LieAlgebra:
         r"""The direct sum $g \oplus h$, the basis of g first."""
         check_kind(other, LieAlgebra, "+", "a Lie algebra to add", "write for example so(3) + so(3)")
         n, m = self.dimension, other.dimension
-        moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.brackets.items()}
+        moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.rows.items()}
         names = joined_names(self.basis_names, other.basis_names)
         name = f"{self.name} + {other.name}"
-        total = LieAlgebra.from_brackets(n + m, {**self.brackets, **moved}, name, names, check=False)
+        brackets: Any = {**self.rows, **moved}
+        total = LieAlgebra.from_brackets(n + m, brackets, name, names, check=False)
         total.summands = (*(self.summands or (self,)), *(other.summands or (other,)))
         return total
 
@@ -294,8 +303,8 @@ class LieAlgebra:
         return self.name
 
     @property
-    def _values(self) -> list[Exact]:
-        return list(dict.fromkeys(c for row in self.brackets.values() for c in row.values()))
+    def _values(self) -> list[Coefficient]:
+        return list(dict.fromkeys(c for row in self.rows.values() for c in row.values()))
 
     @property
     def _zero(self) -> Exact:
@@ -372,7 +381,7 @@ def _misplaced(names: tuple[str, ...]) -> int | None:
     return next((k for k, name in numbers if name != str(k + 1) and 1 <= int(name) <= len(names)), None)
 
 
-def _check_antisymmetry(c: Tensor3) -> None:
+def _check_antisymmetry(c: Sequence[Sequence[Sequence[Coefficient]]]) -> None:
     n = len(c)
     for i, j, k in product(range(n), repeat=3):
         if not is_zero(c[i][j][k] + c[j][i][k]):

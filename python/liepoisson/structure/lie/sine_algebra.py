@@ -15,10 +15,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import combinations
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    from sympy import Expr
+from liepoisson.algebra.symbol_polynomials import Irrational, SymbolPolynomial
 
 Mode: TypeAlias = tuple[int, int]
 
@@ -49,7 +48,7 @@ def sine_names(N: int) -> tuple[str, ...]:
     return tuple(f"{part}{separator.join(n)}" for n in numbers for part in "cs")
 
 
-def sine_brackets(N: int) -> dict[tuple[int, int], dict[int, Expr]]:
+def sine_brackets(N: int) -> dict[tuple[int, int], dict[int, SymbolPolynomial]]:
     r"""The brackets of the algebra of the module for odd N, without a check of N: see `structure.lie_algebras.sine`.
 
     With $w_n = c_n + i s_n$ and $S = \frac{N}{2\pi} \sin(2\pi\, m \times n/N)$ the brackets of the coordinates are
@@ -62,7 +61,7 @@ def sine_brackets(N: int) -> dict[tuple[int, int], dict[int, Expr]]:
     modes = sine_modes(N)
     place = {mode: r for r, mode in enumerate(modes)}
     half = _half_sines(N)
-    brackets: dict[tuple[int, int], dict[int, Expr]] = {}
+    brackets: dict[tuple[int, int], dict[int, SymbolPolynomial]] = {}
 
     def find(n1: int, n2: int) -> tuple[int, int]:
         """Number of the mode that stands for n, and the sign of s_n in terms of it."""
@@ -89,8 +88,13 @@ def sine_brackets(N: int) -> dict[tuple[int, int], dict[int, Expr]]:
     return brackets
 
 
-def _half_sines(N: int) -> list[Expr]:
+def _half_sines(N: int) -> list[SymbolPolynomial]:
     r"""The numbers $\frac{N}{4\pi} \sin(2\pi k/N)$, k = 0, ..., N - 1."""
-    from sympy import Rational, pi, sin
+    above_pi = Irrational("pi", Fraction(-1))
+    first = [SymbolPolynomial({(above_pi, _sine(Fraction(2 * k, N))): Fraction(N, 4)}) for k in range(1, N // 2 + 1)]
+    return [SymbolPolynomial({}), *first, *(-number for number in reversed(first))]
 
-    return [Rational(N, 4) / pi * sin(Rational(2 * k, N) * pi) for k in range(N)]
+
+def _sine(q: Fraction) -> Irrational:
+    """The sine of pi q, 0 < q < 1, by an angle of the first quadrant."""
+    return Irrational("sin", min(q, 1 - q))

@@ -14,12 +14,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from itertools import combinations, product
+from itertools import combinations
 from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import Exact, is_zero, product_of, to_sympy
+from liepoisson.algebra.exact_numbers import Coefficient, Exact, product_of, to_sympy
 from liepoisson.algebra.linear_algebra import rank, rank_mod, solve
 from liepoisson.algebra.residues import PRIME, Residues
 from liepoisson.inputs.deadline import checkpoint
@@ -27,8 +27,7 @@ from liepoisson.inputs.deadline import checkpoint
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
-    from liepoisson.formula.tensors import Brackets
-    from liepoisson.structure.extension import Extension
+    from liepoisson.formula.tensors import Rows
 
 CONSTANT = -1
 """The index of the constant coordinate, 1; a list of coordinates with a 1 behind them has it at this index."""
@@ -173,21 +172,29 @@ Term: TypeAlias = "tuple[int, int, int, Exact]"
 """(i, j, m, c): the summand $c\\,x_m$ of $J_{ij}$."""
 
 
-def linear_terms(n: int, brackets: Brackets, extension: Extension) -> tuple[Term, ...]:
-    r"""All terms of the bracket of g (x) A, $J = -W_\lambda{}^{\mu\nu} c_{ij}{}^k x_{\lambda k}$, g of dimension n."""
-    W = extension.tensor
-    labels = range(extension.dimension)
-    products = [
-        (mu, nu, lam, W[lam][mu][nu]) for mu, nu, lam in product(labels, repeat=3) if not is_zero(W[lam][mu][nu])
-    ]
-    terms: list[Term] = []
+def linear_terms(n: int, brackets: Rows, products: Rows) -> list[tuple[int, int, int, Coefficient]]:
+    r"""All terms of the bracket of g (x) A, $J = -W_\lambda{}^{\mu\nu} c_{ij}{}^k x_{\lambda k}$.
+
+    Args:
+        n: The dimension of g.
+        brackets: Its structure constants.
+        products: Those of A, in one order where they commute.
+    """
+    both = [(mu, nu, lam, w) for (mu, nu), row in products.items() for lam, w in row.items()]
+    both += [(nu, mu, lam, w) for mu, nu, lam, w in both if (nu, mu) not in products]
+    terms: list[tuple[int, int, int, Coefficient]] = []
+    made: dict[tuple[int, int], tuple[Coefficient, Coefficient]] = {}  # a few numbers occur again and again
     for (i, j), row in brackets.items():
         for k, c in row.items():
-            for mu, nu, lam, w in products:
-                value = product_of(w, c)
-                terms.append((mu * n + i, nu * n + j, lam * n + k, -value))
+            for mu, nu, lam, w in both:
+                key = id(w), id(c)
+                if key not in made:
+                    value = product_of(w, c)
+                    made[key] = value, -value
+                value, opposite = made[key]
+                terms.append((mu * n + i, nu * n + j, lam * n + k, opposite))
                 terms.append((mu * n + j, nu * n + i, lam * n + k, value))
-    return tuple(sorted(terms, key=lambda term: term[:3]))
+    return sorted(terms, key=lambda term: term[:3])
 
 
 @dataclass(frozen=True)
