@@ -1,9 +1,8 @@
 //! How fast are fields given as tapes?
-//! `cargo run --release --example rate_tape -- [tolerance] [trajectories] [t_end] [repeats] [name]`
+//! `cargo run --release --example rate_tape -- [tolerance] [trajectories] [t_end] [repeats] [name] [order]`
 //!
-//! A double pendulum and the canonical top, each with one tangent vector, one thread, every instruction set of this
-//! processor (or the one in `LIEPOISSON_SIMD`); the best of the repeats. The name of one of the two
-//! leaves the other out.
+//! A double pendulum, the canonical top and a Toda chain, each with one tangent vector, one thread, every instruction set of this
+//! processor (or the one in `LIEPOISSON_SIMD`); the best of the repeats. The name of one of them leaves the others out.
 
 use liepoisson_core::analysis::lyapunov;
 use liepoisson_core::ensemble::{Control, Ensemble};
@@ -102,10 +101,23 @@ fn canonical_top() -> Result<Tape, Error> {
     Tape::new(6, w.instructions, vec![p_theta, phi_rate, psi_rate, p_theta_rate, p_phi_rate, zero])
 }
 
+/// The periodic Toda chain of eight, state `(q, p)`: `q_k' = p_k`, `p_k' = exp(q_(k-1) - q_k) - exp(q_k - q_(k+1))`.
+fn toda() -> Result<Tape, Error> {
+    let mut w = Writer { n_components: 16, instructions: vec![] };
+    let springs: Vec<usize> = (0..8)
+        .map(|k| {
+            let stretch = w.linear(&[(k, 1.0), ((k + 1) % 8, -1.0)], 0.0);
+            w.add(Instruction::Exp(stretch))
+        })
+        .collect();
+    let forces = (0..8).map(|k| w.linear(&[(springs[(k + 7) % 8], 1.0), (springs[k], -1.0)], 0.0)).collect::<Vec<_>>();
+    Tape::new(16, w.instructions, (8..16).chain(forces).collect())
+}
+
 /// A fixed spread of numbers in `[low, high)`, by multiples of an irrational number for each component.
 fn spread(k: usize, component: usize, low: f64, high: f64) -> f64 {
     let step = [0.618_033_988_75, 0.754_877_666_25, 0.569_840_290_998, 0.819_172_513_396, 0.671_043_606_704, 0.549_700];
-    low + (high - low) * ((k as f64 + 0.5) * step[component]).fract()
+    low + (high - low) * ((k as f64 + 0.5) * step[component % 6] + (component / 6) as f64 * 0.377).fract()
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -115,12 +127,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let t_end: f64 = arguments.next().map_or(Ok(50.0), |s| s.parse())?;
     let repeats: usize = arguments.next().map_or(Ok(3), |s| s.parse())?;
     let wanted = arguments.next().unwrap_or_default();
-    let method = Taylor::new(tolerance, None, u64::MAX)?;
+    let order = arguments.next().map(|s| s.parse()).transpose()?;
+    let method = Taylor::new(tolerance, order, u64::MAX)?;
     let pendulum_ranges = [(-1.5, 1.5), (-1.5, 1.5), (-1.0, 1.0), (-1.0, 1.0)];
     let top_ranges = [(0.8, 2.3), (-3.0, 3.0), (-3.0, 3.0), (-0.5, 0.5), (-0.5, 0.5), (0.5, 1.5)];
     for (name, tape, ranges) in [
         ("double pendulum", double_pendulum()?, &pendulum_ranges[..]),
         ("canonical top", canonical_top()?, &top_ranges[..]),
+        ("Toda chain", toda()?, &[(-1.0, 1.0); 16][..]),
     ] {
         if !name.contains(&wanted) {
             continue;
@@ -149,7 +163,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             println!(
                 "{name}, {:>6}: order {}, {:.2} steps per unit, {:.4}e6 units/s, {:.0} ns per step, exponent {mean:.12}",
                 simd.name(),
-                method.order(),
+                method.for_tape(&tape).order(),
                 steps as f64 / units,
                 units / best / 1e6,
                 best * 1e9 / steps as f64,

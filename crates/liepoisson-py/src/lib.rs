@@ -126,7 +126,7 @@ fn orbits<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
-    let simd = Simd::from_environment().map_err(translate)?;
+    let simd = Simd::for_trajectories(states.len() / field.n_components()).map_err(translate)?;
     let (kernel, method) = match (components, method.0) {
         (false, method) => (None, method),
         (true, AnyMethod::Taylor(taylor)) if n_tangents == 0 && matches!(field.0, AnyField::Top(_)) => {
@@ -183,8 +183,8 @@ fn growth<'py>(
     time_limit: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let simd = Simd::from_environment().map_err(translate)?;
     let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
+    let simd = Simd::for_trajectories(states.len() / field.n_components()).map_err(translate)?;
     let ensemble = AnyEnsemble::new(field.0.with(method.0).map_err(translate)?, states, tangents, 1, times);
     let found = supervised(py, ensemble.n_trajectories(), time_limit, progress, |control, watch| {
         lyapunov::finite_time_exponents(ensemble, threads, simd, control, watch)

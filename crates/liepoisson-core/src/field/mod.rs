@@ -260,18 +260,20 @@ pub(crate) fn over<V: Lane>(sum: V, order: usize) -> V {
     }
 }
 
-/// The same with the remainder at every order, so that orders differ in numbers alone: they share compiled code.
+/// The same without a bias at any order, so that orders differ in numbers alone: they share compiled code. The inverse is a number and
+/// what that lacks, so the quotient is off by half a unit of the last place and 2^-53 of one.
 #[inline(always)]
 pub(crate) fn over_uniformly<V: Lane>(sum: V, order: usize) -> V {
-    if order == 1 {
+    let order = order as f64;
+    if order == 1.0 {
         return sum;
     }
     if !IS_FUSED {
-        return sum.div(V::splat(order as f64));
+        return sum.div(V::splat(order));
     }
-    let inverse = V::splat(1.0 / order as f64);
-    let quotient = sum.mul(inverse);
-    quotient.neg_mul_add(V::splat(order as f64), sum).mul_add(inverse, quotient)
+    let inverse = 1.0 / order;
+    let lacking = f64::mul_add(-inverse, order, 1.0) * inverse;
+    sum.mul_add(V::splat(inverse), sum.mul(V::splat(lacking)))
 }
 
 /// The vector field as the first coefficient of its series.

@@ -70,8 +70,6 @@ const SIGNS: Opcode = Opcode(1, false, 0x50);
 
 /// The predicate "larger, and none is NaN".
 const LARGER: u8 = 30;
-/// The predicate "not equal, or one is NaN".
-const NOT_EQUAL: u8 = 4;
 
 /// A place in the code that a jump goes to.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +99,7 @@ impl Assembler {
     pub(super) fn operate(&mut self, opcode: Opcode, d: u8, a: u8, b: Place) {
         match self.instructions {
             Instructions::Vex => self.vex(opcode, d, a, b, 0),
-            Instructions::Evex => self.evex(opcode, d, a, b, 0, 0),
+            Instructions::Evex => self.evex(opcode, d, a, b, 0),
         }
     }
 
@@ -116,8 +114,8 @@ impl Assembler {
         match self.instructions {
             Instructions::Vex => self.vex(opcode, d, 0, from, 0),
             // one number is what this instruction reads anyway
-            Instructions::Evex if opcode == BROADCAST => self.evex_with(opcode, d, 0, from, 0, (0, false, 8)),
-            Instructions::Evex => self.evex(opcode, d, 0, from, 0, 0),
+            Instructions::Evex if opcode == BROADCAST => self.evex_with(opcode, d, 0, from, 0, (false, 8)),
+            Instructions::Evex => self.evex(opcode, d, 0, from, 0),
         }
     }
 
@@ -136,26 +134,9 @@ impl Assembler {
         const LEFT: u8 = 6;
         match self.instructions {
             Instructions::Vex => self.vex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1),
-            Instructions::Evex => self.evex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1, 0),
+            Instructions::Evex => self.evex(SHIFT_LEFT, LEFT, d, Place::Register(a), 1),
         }
         self.code.push(52);
-    }
-
-    /// `d = value`, zero in the lanes where `other` is zero; `zero` is where that constant is, and `d` another register than `value`.
-    pub(super) fn where_not_zero(&mut self, d: u8, value: u8, other: u8, zero: Place) {
-        debug_assert!(d != value);
-        match self.instructions {
-            Instructions::Vex => {
-                self.vex(COMPARE, d, other, zero, 1);
-                self.code.push(NOT_EQUAL);
-                self.vex(AND, d, value, Place::Register(d), 0);
-            }
-            Instructions::Evex => {
-                self.evex(COMPARE, 1, other, zero, 1, 0);
-                self.code.push(NOT_EQUAL);
-                self.evex_with(LOAD, d, 0, Place::Register(value), 0, (1, false, 64));
-            }
-        }
     }
 
     /// A jump that is taken if `value` is larger than `limit` in any lane.
@@ -168,7 +149,7 @@ impl Assembler {
                 self.code.extend([0x85, 0xC0]); // test eax, eax
             }
             Instructions::Evex => {
-                self.evex(COMPARE, 1, value, limit, 1, 0);
+                self.evex(COMPARE, 1, value, limit, 1);
                 self.code.push(LARGER);
                 self.code.extend([0xC5, 0xF9, 0x98, 0xC9]); // kortestb k1, k1
             }
@@ -183,13 +164,12 @@ impl Assembler {
         self.operand(d, b, 1, n_after);
     }
 
-    fn evex(&mut self, opcode: Opcode, d: u8, a: u8, b: Place, n_after: usize, mask: u8) {
+    fn evex(&mut self, opcode: Opcode, d: u8, a: u8, b: Place, n_after: usize) {
         let is_broadcast = matches!(b, Place::Constant(_) | Place::Varying(..));
-        self.evex_with(opcode, d, a, b, n_after, (mask, is_broadcast, if is_broadcast { 8 } else { 64 }));
+        self.evex_with(opcode, d, a, b, n_after, (is_broadcast, if is_broadcast { 8 } else { 64 }));
     }
 
-    /// Four bytes of prefix; a mask, which zeroes what it leaves out; whether one number in memory stands for all; the unit of short
-    /// displacements.
+    /// Four bytes of prefix; whether one number in memory stands for all, and the unit of short displacements.
     fn evex_with(
         &mut self,
         Opcode(map, _, opcode): Opcode,
@@ -197,12 +177,12 @@ impl Assembler {
         a: u8,
         b: Place,
         n_after: usize,
-        (mask, is_broadcast, unit): (u8, bool, i32),
+        (is_broadcast, unit): (bool, i32),
     ) {
         let high = high_bits(b);
         let first = (!(d >> 3) & 1) << 7 | (!(high >> 1) & 1) << 6 | (!high & 1) << 5 | (!(d >> 4) & 1) << 4 | map;
         let second = 1 << 7 | (!a & 15) << 3 | 0b101;
-        let third = u8::from(mask > 0) << 7 | 0b10 << 5 | u8::from(is_broadcast) << 4 | (!(a >> 4) & 1) << 3 | mask;
+        let third = 0b10 << 5 | u8::from(is_broadcast) << 4 | (!(a >> 4) & 1) << 3;
         self.code.extend([0x62, first, second, third, opcode]);
         self.operand(d, b, unit, n_after);
     }

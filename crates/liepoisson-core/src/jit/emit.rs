@@ -244,13 +244,6 @@ impl<'a> Emitter<'a> {
             Operation::NegMulAdd(a, b, c) => {
                 self.multiply_add([NEG_MUL_ADD_132, NEG_MUL_ADD_213, NEG_MUL_ADD_231], at, [a, b, c]);
             }
-            Operation::WhereNotZero(a, b) => {
-                let zero = self.constants.place(&[0], CONSTANTS);
-                let (from, other) = (self.register(a, at), self.register(b, at));
-                let to = self.result(value, &[], at);
-                self.assembler.where_not_zero(to, from, other, zero);
-                self.finish(&[a, b], at);
-            }
             Operation::PowerOfTwo(a) => {
                 let whole = self.constants.place(&[WHOLE.to_bits()], CONSTANTS);
                 let one = self.constants.place(&[1.0_f64.to_bits()], CONSTANTS);

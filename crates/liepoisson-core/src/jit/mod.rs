@@ -197,7 +197,7 @@ mod tests {
         }
         let products: Vec<V> = (0..50).map(|i| memory[i].mul(memory[i + 1])).collect();
         for i in 0..50 {
-            memory[1700 + i] = products[i].add(products[49 - i].sqrt()).where_not_zero(products[i]);
+            memory[1700 + i] = products[i].add(products[49 - i].sqrt()).sub(products[i]);
         }
         memory[k] = sum;
         // what is read and then written, and what is moved

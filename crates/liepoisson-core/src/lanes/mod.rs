@@ -212,9 +212,9 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
         None
     }
 
-    /// Records that the code is to be left where a lane is larger than `limit` in size. False: to be looked at.
+    /// Records that the code is to be left where a lane is larger than that of `most`. False: to be looked at.
     #[inline(always)]
-    fn record_limit(self, _limit: f64) -> bool {
+    fn record_limit(self, _most: Self) -> bool {
         false
     }
 

@@ -94,7 +94,7 @@ impl<T: Lane> Lane for Pair<T> {
         Some([Pair([a, c]), Pair([b, d])])
     }
     #[inline(always)]
-    fn record_limit(self, limit: f64) -> bool {
-        self.0[0].record_limit(limit) && self.0[1].record_limit(limit)
+    fn record_limit(self, most: Self) -> bool {
+        self.0[0].record_limit(most.0[0]) && self.0[1].record_limit(most.0[1])
     }
 }

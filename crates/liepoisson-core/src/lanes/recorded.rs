@@ -27,8 +27,6 @@ pub(crate) enum Operation {
     MulAdd(Value, Value, Value),
     /// `c - a b`
     NegMulAdd(Value, Value, Value),
-    /// The first, zero in the lanes where the second is zero.
-    WhereNotZero(Value, Value),
     /// `2^a`, as [`Lane::power_of_two`] has it, and some number of NaN.
     PowerOfTwo(Value),
     /// A function of a register, with two results; what it is only the caller knows.
@@ -53,7 +51,6 @@ impl Operation {
             Operation::Limit(a, b) => Operation::Limit(to(a), to(b)),
             Operation::MulAdd(a, b, c) => Operation::MulAdd(to(a), to(b), to(c)),
             Operation::NegMulAdd(a, b, c) => Operation::NegMulAdd(to(a), to(b), to(c)),
-            Operation::WhereNotZero(a, b) => Operation::WhereNotZero(to(a), to(b)),
             Operation::PowerOfTwo(a) => Operation::PowerOfTwo(to(a)),
             Operation::Call(function, a) => Operation::Call(function, to(a)),
             Operation::Result(a, result) => Operation::Result(to(a), result),
@@ -223,10 +220,6 @@ impl Lane for Recorded {
         put(Operation::Sqrt(self.value()))
     }
 
-    fn where_not_zero(self, other: Self) -> Self {
-        put(Operation::WhereNotZero(self.value(), other.value()))
-    }
-
     fn power_of_two(self) -> Self {
         put(Operation::PowerOfTwo(self.value())).add(self.mul(Recorded::splat(0.0)))
     }
@@ -244,8 +237,8 @@ impl Lane for Recorded {
         Some([0, 1].map(|result| put(Operation::Result(call, result))))
     }
 
-    fn record_limit(self, limit: f64) -> bool {
-        put(Operation::Limit(self.abs().value(), Recorded::splat(limit).value()));
+    fn record_limit(self, most: Self) -> bool {
+        put(Operation::Limit(self.value(), most.value()));
         true
     }
 
@@ -271,15 +264,12 @@ mod tests {
     #[test]
     fn code_is_recorded_as_its_operations_and_what_it_leaves() {
         let recording = Recorded::trace(3, |memory| {
-            memory[2] = memory[0].mul_add(memory[1], Recorded::splat(0.5)).where_not_zero(memory[0]);
+            memory[2] = memory[0].mul_add(memory[1], Recorded::splat(0.5)).div(memory[0]);
             memory[1] = memory[0].mul_add(memory[1], Recorded::splat(0.5));
         })
         .recording();
         let done = &recording.operations[3..];
-        assert_eq!(
-            done,
-            [Operation::Constant(0.5_f64.to_bits()), Operation::MulAdd(0, 1, 3), Operation::WhereNotZero(4, 0)]
-        );
+        assert_eq!(done, [Operation::Constant(0.5_f64.to_bits()), Operation::MulAdd(0, 1, 3), Operation::Div(4, 0)]);
         assert_eq!(recording.memory, [0, 4, 5]);
     }
 }

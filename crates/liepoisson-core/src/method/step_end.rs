@@ -12,7 +12,8 @@
 //!
 //! Nodes inside of the step are for fields with terms that hide like this, exponentials and high powers
 //! ([`Tape::has_steep_barriers`]). What varies as a power of the distance, such as a pole, is seen from everywhere or is too thin
-//! for any nodes; of fields that have nothing else the end of the step is looked at, and its length is not limited.
+//! for any nodes; of fields that have nothing else the end of the step is looked at, and its length is not limited. Nor is anything
+//! but the end of a step looked at along which exponents change too little for an exponential to come out of round-off ([`SLOW`]).
 //!
 //! Fields of degree two need no such look where a term vanishes exactly: a series that ends before half of its order and
 //! obeys the equations up to its order is a solution.
@@ -33,6 +34,10 @@ const MANY: usize = 32;
 /// at 1e-12 missed 9.
 const EVERY: usize = 4;
 
+/// Exponents that change by no more along a step hide nothing: `exp(2 SLOW)` times round-off, the two for `1 - tanh^2`, is less than what is
+/// [`HARMLESS`].
+const SLOW: f64 = 4.5;
+
 /// The longest step, in units of the one before it.
 const GROWTH: f64 = 2.0;
 
@@ -45,9 +50,9 @@ const NO_ROUND_OFF: f64 = 1e-6;
 /// What the last terms of an honest series leave at most, in units of the order times the tolerance.
 const HONEST: f64 = 64.0;
 
-/// Nodes at which a step is looked at unless it is as long as it may grow.
+/// Nodes at which a step is looked at unless it is as long as it may grow, or exponents change much.
 pub(super) fn n_looks(field: &Tape, order: usize) -> usize {
-    if field.has_steep_barriers(order) { MANY / EVERY } else { 1 }
+    if field.has_steep_powers(order) { MANY / EVERY } else { 1 }
 }
 
 /// Places to compute in, and what is known of each lane.
@@ -66,6 +71,9 @@ pub(super) struct StepEnd<V> {
     allowed: Vec<f64>,
     errors: Errors,
     has_steep_barriers: bool,
+    has_steep_powers: bool,
+    /// Lanes in which nothing can hide along the step.
+    are_clear: Vec<bool>,
 }
 
 /// What is known of the step of one lane.
@@ -74,6 +82,8 @@ struct Look {
     is_open: bool,
     /// Whether the step is as long as it may grow: the series may know nothing of what comes.
     is_free: bool,
+    /// Every which node is looked at.
+    every: usize,
     /// Part of the step up to which no defect was seen.
     good: f64,
     /// Part of the step at which one was seen.
@@ -102,6 +112,8 @@ impl<V: Wide> StepEnd<V> {
             allowed: (1..=MANY).map(allowed).collect(),
             errors: Errors::default(),
             has_steep_barriers: field.has_steep_barriers(order),
+            has_steep_powers: field.has_steep_powers(order),
+            are_clear: vec![!field.has_steep_barriers(order); V::WIDTH],
         }
     }
 
@@ -152,10 +164,20 @@ impl<V: Wide> StepEnd<V> {
         for (look, &step) in self.looks.iter_mut().zip(steps.iter()) {
             look.is_open = step != 0.0 && step.is_finite();
         }
+        if self.has_steep_barriers && !self.has_steep_powers {
+            let (changes, are_clear) = (ChangesOfExponents { field, row, order }, &mut self.are_clear[..]);
+            V::outline(ClearLanes { changes, memory, steps, are_clear });
+        }
+        for (look, is_clear) in self.looks.iter_mut().zip(&self.are_clear) {
+            look.every = match (is_clear, look.is_free) {
+                (true, _) => MANY,
+                (false, false) => EVERY,
+                (false, true) => 1,
+            };
+        }
         let mut nodes = std::mem::take(&mut self.nodes);
-        let every = if self.has_steep_barriers { EVERY } else { MANY };
         let mut are_good = false;
-        if self.has_steep_barriers && !self.looks.iter().any(|look| look.is_open && look.is_free) {
+        if self.stride() == EVERY {
             V::outline(CommonNodes { field, memory, row, order, steps, are_good: &mut are_good, to: self });
         }
         let passes = if are_good { 0 } else { MOST_PASSES };
@@ -166,18 +188,16 @@ impl<V: Wide> StepEnd<V> {
             for look in &mut self.looks {
                 (look.good, look.bad) = (0.0, 0.0);
             }
-            let is_free = self.looks.iter().any(|look| look.is_open && look.is_free);
-            let stride = if is_free { 1 } else { every };
+            let stride = self.stride();
             for node in (stride..=MANY).step_by(stride) {
                 let part = node as f64 / MANY as f64;
                 for (node, step) in nodes.iter_mut().zip(steps.iter()) {
                     *node = part * step;
                 }
                 V::outline(Defects { field, memory, row, order, steps: &nodes, part, to: self });
-                let is_common = node.is_multiple_of(every);
                 for lane in 0..V::WIDTH {
                     let look = &self.looks[lane];
-                    if !(look.is_open && look.bad == 0.0 && (is_common || look.is_free)) {
+                    if !(look.is_open && look.bad == 0.0 && node.is_multiple_of(look.every)) {
                         continue;
                     }
                     let (defect, allowed) = (self.defects[lane], self.allowed[node - 1]);
@@ -201,6 +221,11 @@ impl<V: Wide> StepEnd<V> {
             look.found = step;
         }
         self.nodes = nodes;
+    }
+
+    /// Every which node has to be looked at for some lane.
+    fn stride(&self) -> usize {
+        self.looks.iter().filter(|look| look.is_open).map(|look| look.every).fold(MANY, usize::min)
     }
 
     /// The defect of one lane at the node that was looked at last, less what round-off explains.
@@ -373,6 +398,56 @@ impl Straight for TwoNodes<'_> {
             *to = found.registers()[1];
         }
         room[3 * n + 4] = found[3 * n].registers()[0];
+    }
+}
+
+/// Finds the lanes in which exponents change too little for anything to hide.
+struct ClearLanes<'a, V> {
+    changes: ChangesOfExponents<'a>,
+    memory: &'a mut [V],
+    steps: &'a [f64],
+    are_clear: &'a mut [bool],
+}
+
+impl<V: Wide> Body for ClearLanes<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let ClearLanes { changes, memory, steps, are_clear } = self;
+        let (field, room) = (changes.field, memory.len() - look_registers(changes.field));
+        memory[room].as_scalars_mut().copy_from_slice(&steps[..V::WIDTH]);
+        if !field.run_compiled(&changes, memory) {
+            changes.run(memory);
+        }
+        let limit = SLOW / field.n_exponentials();
+        for (is_clear, &square) in are_clear.iter_mut().zip(memory[room + 1].as_scalars()) {
+            *is_clear = square <= limit * limit;
+        }
+    }
+}
+
+/// [`Tape::square_of_changes`] as straight code on a memory with the series and, in the end, room for the look: from the steps in the
+/// first register of that into the second.
+struct ChangesOfExponents<'f> {
+    field: &'f Tape,
+    row: usize,
+    order: usize,
+}
+
+impl Straight for ChangesOfExponents<'_> {
+    fn key(&self) -> u64 {
+        5 << 32 | (self.row as u64) << 8 | self.order as u64
+    }
+
+    fn n_rates(&self) -> usize {
+        1
+    }
+
+    #[inline(always)]
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        let ChangesOfExponents { field, row, order } = *self;
+        let (n_tangents, room) = (row / field.n_components() - 1, memory.len() - look_registers(field));
+        let rows = &memory[..field.registers(n_tangents, order)];
+        memory[room + 1] = field.square_of_changes(rows, n_tangents, order, memory[room]);
     }
 }
 

@@ -5,7 +5,7 @@
 //! Experimental Mathematics 14 (2005): the choice of order and step; here each lane takes its own step.
 
 use crate::error::Error;
-use crate::field::{Field, Instance, Instantiate};
+use crate::field::{Field, Instance, Instantiate, Straight};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
@@ -101,6 +101,8 @@ pub(super) struct TaylorBlock<F, V> {
     pub(super) n_registers: usize,
     /// These, and what else a method keeps behind them.
     pub(super) rows: Vec<V>,
+    /// Whether compiled code has put the sizes of terms behind the series: [`TermSizes`].
+    has_sizes: bool,
 }
 
 impl<F: Instance, V: Wide> Block for TaylorBlock<F, V> {
@@ -135,14 +137,13 @@ impl<F: Instance, V: Wide> Block for TaylorBlock<F, V> {
 
     fn prepare(&mut self, ahead: &[f64], longest: &mut [f64]) {
         V::outline(Expansion(self));
+        let sizes = TermSizes::of(self);
+        self.has_sizes = self.rows.len() >= sizes.end() && self.field.run_compiled(&sizes, &mut self.rows);
         let mut is_out_of_range = false;
-        V::outline(Steps { block: self, sizes: longest, is_out_of_range: &mut is_out_of_range });
+        V::outline(Steps { block: self, ahead, sizes: longest, is_out_of_range: &mut is_out_of_range });
         if is_out_of_range {
-            // most often an empty lane, which rests at the origin
-            for (lane, longest) in longest.iter_mut().enumerate().filter(|&(lane, _)| ahead[lane] != 0.0) {
-                if !self.is_in_range(lane) {
-                    self.rely_on_known_terms(lane, longest);
-                }
+            for (lane, longest) in longest.iter_mut().enumerate() {
+                self.rely_on_known_terms(lane, longest);
             }
         }
     }
@@ -211,6 +212,7 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
             row: field.row(n_tangents),
             n_registers,
             rows: vec![V::splat(0.0); n_registers],
+            has_sizes: false,
             method,
             field,
         }
@@ -227,13 +229,6 @@ impl<F: Field, V: Wide> TaylorBlock<F, V> {
     pub(super) fn norm_in(&self, lane: usize, k: usize, group: usize) -> f64 {
         let at = k * self.row + group * self.field.group();
         self.rows[at..at + self.field.n_components()].iter().map(|register| register.get(lane).abs()).sum()
-    }
-
-    /// Whether no last term of one lane is lost or beyond the range of numbers.
-    fn is_in_range(&self, lane: usize) -> bool {
-        let order = self.method.order;
-        (0..=self.n_tangents)
-            .all(|group| [order - 1, order].into_iter().all(|k| is_in_range(self.norm_in(lane, k, group))))
     }
 
     /// Cuts the series of one lane where it is no longer finite, and shortens its step where the last terms are lost.
@@ -308,20 +303,22 @@ impl<F: Field, V: Wide> Body for Expansion<'_, F, V> {
 /// own series allows any step.
 struct Steps<'b, F, V> {
     block: &'b TaylorBlock<F, V>,
+    /// How far each lane has to go: zero where there is no trajectory.
+    ahead: &'b [f64],
     sizes: &'b mut [f64],
-    /// Whether a last term may be lost, or is beyond the range of numbers, in any lane.
+    /// Whether a last term may be lost, or is beyond the range of numbers, in any lane with a trajectory.
     is_out_of_range: &'b mut bool,
 }
 
 impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Steps { block, sizes, is_out_of_range } = self;
+        let Steps { block, ahead, sizes, is_out_of_range } = self;
         let (sizes, order) = (&mut sizes[..V::WIDTH], block.method.order);
         let mut are_in_range = true;
         sizes.fill(f64::INFINITY);
         for group in 0..=block.n_tangents {
-            let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
+            let [size, last, before] = [0, order, order - 1].map(|k| block.size(k, group));
             // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
             let defect = size.add(last).mul(V::splat(0.0));
             let allowed = logarithms(size.mul(V::splat(block.method.tolerance)));
@@ -330,8 +327,8 @@ impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
             }
             shorten(sizes, allowed.as_scalars(), last.as_scalars(), order);
             shorten(sizes, allowed.as_scalars(), before.as_scalars(), order - 1);
-            for (&last, &before) in last.as_scalars().iter().zip(before.as_scalars()) {
-                are_in_range &= is_in_range(last) & is_in_range(before);
+            for ((&last, &before), &ahead) in last.as_scalars().iter().zip(before.as_scalars()).zip(ahead) {
+                are_in_range &= (is_in_range(last) & is_in_range(before)) | (ahead == 0.0);
             }
         }
         *is_out_of_range = !are_in_range;
@@ -427,7 +424,63 @@ pub(super) trait Terms<V> {
 impl<F: Field, V: Wide> Terms<V> for TaylorBlock<F, V> {
     #[inline(always)]
     fn size(&self, k: usize, group: usize) -> V {
-        self.norm(k, group)
+        if self.has_sizes { self.rows[TermSizes::of(self).at(k, group)] } else { self.norm(k, group) }
+    }
+}
+
+/// The sizes of the terms that the step depends on, those of order 0 and the last eight, as straight code: put behind the series.
+pub(super) struct TermSizes {
+    n_registers: usize,
+    n_components: usize,
+    group: usize,
+    row: usize,
+    order: usize,
+}
+
+impl TermSizes {
+    /// Registers behind the series for each group.
+    pub(super) const COUNT: usize = 9;
+
+    #[inline(always)]
+    fn of<F: Field, V>(block: &TaylorBlock<F, V>) -> TermSizes {
+        let &TaylorBlock { ref field, ref method, row, n_registers, .. } = block;
+        TermSizes { n_registers, n_components: field.n_components(), group: field.group(), row, order: method.order }
+    }
+
+    #[inline(always)]
+    fn lowest(&self) -> usize {
+        self.order.saturating_sub(7).max(1)
+    }
+
+    /// The register of a size.
+    #[inline(always)]
+    fn at(&self, k: usize, group: usize) -> usize {
+        self.n_registers + group * TermSizes::COUNT + if k == 0 { 0 } else { k + 1 - self.lowest() }
+    }
+
+    #[inline(always)]
+    fn end(&self) -> usize {
+        self.n_registers + self.row / self.group * TermSizes::COUNT
+    }
+}
+
+impl Straight for TermSizes {
+    fn key(&self) -> u64 {
+        6 << 32 | (self.row as u64) << 8 | self.order as u64
+    }
+
+    fn n_rates(&self) -> usize {
+        1
+    }
+
+    #[inline(always)]
+    fn run<V: Lane>(&self, memory: &mut [V]) {
+        for group in 0..self.row / self.group {
+            for k in std::iter::once(0).chain(self.lowest()..=self.order) {
+                let at = k * self.row + group * self.group;
+                memory[self.at(k, group)] = sum_of_sizes(&memory[at..at + self.n_components]);
+            }
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::field::{Field, Space, Straight, Tape};
 use crate::lanes::{Body, Lane, Wide};
 use crate::method::step_end::{StepEnd, look_registers, n_looks};
-use crate::method::taylor::{Advance, TaylorBlock};
+use crate::method::taylor::{Advance, TaylorBlock, TermSizes};
 use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping, Taylor};
 
 /// A step that is shortened to less than this part of the largest so far, so that no branch is left, is none.
@@ -44,7 +44,8 @@ impl Method<Tape> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f Tape, n_tangents: usize) -> Box<dyn Block + 'f> {
         let method = self.for_tape(field);
         let mut taylor = TaylorBlock::new(method, field, n_tangents);
-        taylor.rows.extend(vec![V::splat(0.0); look_registers(field)]);
+        let n_sizes = TermSizes::COUNT * (1 + n_tangents);
+        taylor.rows.extend(vec![V::splat(0.0); n_sizes + look_registers(field)]);
         Box::new(TapeBlock::<V> {
             taylor,
             end: StepEnd::new(field, method.order(), method.tolerance()),
@@ -54,7 +55,8 @@ impl Method<Tape> for Taylor {
     }
 
     fn registers(&self, field: &Tape, n_tangents: usize) -> usize {
-        field.registers(n_tangents, self.for_tape(field).order()) + look_registers(field)
+        let series = field.registers(n_tangents, self.for_tape(field).order());
+        series + TermSizes::COUNT * (1 + n_tangents) + look_registers(field)
     }
 
     fn max_steps(&self) -> u64 {

@@ -36,9 +36,11 @@ impl Tape {
         let of_a_term: f64 = convolutions.iter().map(|one| products(one.kind, one.tangent.is_some())).sum();
         let (order, n_looks, n) = (order as f64, n_looks as f64, self.n_components as f64);
         let of_a_look = 2.0 * n * order + OF_A_RULE * self.program.steps.len() as f64;
+        let of_exponents = 2.0 * order * self.program.exponents.len() as f64;
         of_a_term * (order * (order - 1.0) / 2.0)
             + OF_A_NODE * convolutions.len() as f64 * order
             + n_looks * of_a_look
+            + of_exponents
             + OF_A_STEP
     }
 

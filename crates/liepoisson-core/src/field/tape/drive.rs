@@ -39,7 +39,7 @@ pub(super) fn complete_order<V: Lane>(program: &Program, frame: &Frame, row: &[V
     }
 }
 
-/// The derivatives of the components: order `k + 1` of their series.
+/// The derivatives of the components: order `k + 1` of their series. A defect shows in the first one, which the size of a state contains.
 #[inline(always)]
 pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mut [V], work: &[V]) {
     let n = program.outputs.len();
@@ -48,16 +48,17 @@ pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mu
     if frame.n_tangents == 0 {
         for (i, to) in next[..n].iter_mut().enumerate() {
             let [value, _] = joint::output::<V, false>(program, frame, work, i);
-            *to = over_uniformly(value, order).add(defect);
+            *to = over_uniformly(value, order);
         }
     } else {
         let (values, derivatives) = next.split_at_mut(n);
         for (i, (to, derivative_to)) in values.iter_mut().zip(derivatives.iter_mut()).enumerate() {
             let [value, derivative] = joint::output::<V, true>(program, frame, work, i);
-            *to = over_uniformly(value, order).add(defect);
+            *to = over_uniformly(value, order);
             *derivative_to = over_uniformly(derivative, order);
         }
     }
+    next[0] = next[0].add(defect);
     for tangent in 1..frame.n_tangents {
         let group = frame.tangent(program, tangent);
         for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {

@@ -80,7 +80,7 @@ fn reduce<V: Lane>(x: V, n: V, high: f64, middle: f64, low: f64) -> (V, V) {
 #[inline(always)]
 fn all_within<V: Lane>(x: V, limit: f64) -> bool {
     if V::IS_RECORDED {
-        return x.record_limit(limit);
+        return x.abs().record_limit(V::splat(limit));
     }
     !x.as_scalars().iter().fold(false, |beyond, lane| beyond | (lane.to_f64().abs() > limit))
 }

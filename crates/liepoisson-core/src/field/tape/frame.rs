@@ -98,8 +98,14 @@ impl Group {
 
     #[inline(always)]
     pub(super) fn form<V: Lane>(&self, work: &[V], form: &Form) -> V {
-        let mut sum = V::splat(self.constant(form.constant));
-        for &(slot, c) in &form.terms {
+        let constant = self.constant(form.constant);
+        let (mut sum, mut terms) = (V::splat(constant), &form.terms[..]);
+        if constant == 0.0
+            && let Some((&(slot, c), others)) = terms.split_first()
+        {
+            (sum, terms) = (work[self.at(slot)].mul(V::splat(c)), others);
+        }
+        for &(slot, c) in terms {
             sum = work[self.at(slot)].mul_add(V::splat(c), sum);
         }
         sum

@@ -197,24 +197,36 @@ impl Graph {
         })
     }
 
-    /// The order up to which derivatives tell that a rule is not constant: infinite for an exponential, which can be below
-    /// round-off with all its derivatives and large nearby. Sines with their cosines are never small together; a sine is level
-    /// to the second order at most. Roots, quotients and logarithms vary as a power of the distance from where they are singular,
-    /// which does not hide them; elsewhere `a/b` is as near to a number c as `a - c b` is to zero.
-    pub(super) fn degree(&self) -> f64 {
+    /// The arguments of exponentials and of their kin.
+    pub(super) fn exponents(&self) -> impl Iterator<Item = Node> {
+        self.rules.iter().filter_map(|rule| match *rule {
+            Rule::Integral { function: Function::Exp | Function::Tanh, of, .. }
+            | Rule::Pair { of, hyperbolic: true } => Some(of),
+            _ => None,
+        })
+    }
+
+    /// The order up to which derivatives tell that a rule is not constant, the largest of all rules, given what a component and an
+    /// exponential count. A component counts one; an exponential can be below round-off with all its derivatives and large nearby, so
+    /// it counts infinitely many, or none where its argument is known not to change much. Sines with their cosines are never small
+    /// together; a sine is level to the second order at most. Roots, quotients and logarithms vary as a power of the distance from
+    /// where they are singular, which does not hide them; elsewhere `a/b` is as near to a number c as `a - c b` is to zero.
+    ///
+    /// With nothing for components and one for an exponential: how many exponentials are multiplied.
+    pub(super) fn degree(&self, component: f64, exponential: f64) -> f64 {
         let mut degrees: Vec<f64> = Vec::with_capacity(self.rules.len());
         for rule in &self.rules {
             let degree = match *rule {
-                Rule::Component(_) => 1.0,
+                Rule::Component(_) => component,
                 Rule::Affine(ref form) => form.terms.iter().map(|&(node, _)| degrees[node]).fold(0.0, f64::max),
                 Rule::Product(a, b) => degrees[a] + degrees[b],
                 Rule::Quotient(Some(a), b) => f64::max(degrees[a], degrees[b]),
                 Rule::Square(a) => 2.0 * degrees[a],
                 Rule::Quotient(None, a) | Rule::Sqrt(a) | Rule::DividedIntegral { of: a, .. } => degrees[a],
                 Rule::Integral { function: Function::Power(exponent), of, .. } => exponent.abs().max(1.0) * degrees[of],
-                Rule::Integral { .. } | Rule::Pair { hyperbolic: true, .. } => f64::INFINITY,
+                Rule::Integral { .. } | Rule::Pair { hyperbolic: true, .. } => exponential,
                 Rule::Pair { of, .. } => 2.0 * degrees[of],
-                Rule::Second => degrees.last().copied().unwrap_or(f64::INFINITY),
+                Rule::Second => degrees.last().copied().unwrap_or(exponential),
             };
             degrees.push(degree);
         }

@@ -150,17 +150,17 @@ fn run<V: Lane, const TANGENT: bool, const PHASE: u8>(program: &Program, frame: 
                         sum = add_late(l, r, k, sum);
                         dsum = add_late(dl, r, k, add_late(l, dr, k, dsum));
                     }
-                    let value = divided(minus(numerator, l[k].mul_add(r[0], sum)), inverse);
+                    let value = divided(minus(numerator, l[k].mul_add(r[0], sum)), inverse, k);
                     let dsum = dl[k].mul_add(r[0], dr[0].mul_add(l[k], dsum));
                     let numerator = a.map_or(V::splat(0.0), |a| work[tangent.at(a[1])]);
-                    let derivative = divided(dl[0].neg_mul_add(value, minus(numerator, dsum)), inverse);
+                    let derivative = divided(dl[0].neg_mul_add(value, minus(numerator, dsum)), inverse, k);
                     groups.keep::<V, PHASE>(work, sums, [next, dnext]);
                     work[state.start(z[0]) + k] = value;
                     work[tangent.start(z[1]) + k] = derivative;
                 } else {
                     let [sum, next] = state.sums::<V, PHASE>(work, sums[0], || convolution::product(l, r, k));
                     let sum = if PHASE == SECOND { add_late(l, r, k, sum) } else { sum };
-                    let value = divided(minus(numerator, l[k].mul_add(r[0], sum)), inverse);
+                    let value = divided(minus(numerator, l[k].mul_add(r[0], sum)), inverse, k);
                     state.keep::<V, PHASE>(work, sums[0], next);
                     work[state.start(z[0]) + k] = value;
                 }
@@ -319,12 +319,15 @@ pub(super) fn output<V: Lane, const TANGENT: bool>(program: &Program, frame: &Fr
 impl Groups<'_> {
     #[inline(always)]
     fn form<V: Lane, const TANGENT: bool>(&self, work: &[V], form: &JointForm) -> [V; 2] {
-        let mut sums = [V::splat(self.state.constant(form.constant)), V::splat(0.0)];
-        for &(slots, c) in &form.terms {
+        let constant = self.state.constant(form.constant);
+        let mut sums = [V::splat(constant), V::splat(0.0)];
+        for (number, &(slots, c)) in form.terms.iter().enumerate() {
             let c = V::splat(c);
-            sums[0] = work[self.state.at(slots[0])].mul_add(c, sums[0]);
+            let x = work[self.state.at(slots[0])];
+            sums[0] = if number == 0 && constant == 0.0 { x.mul(c) } else { x.mul_add(c, sums[0]) };
             if TANGENT {
-                sums[1] = work[self.tangent.at(slots[1])].mul_add(c, sums[1]);
+                let dx = work[self.tangent.at(slots[1])];
+                sums[1] = if number == 0 { dx.mul(c) } else { dx.mul_add(c, sums[1]) };
             }
         }
         sums

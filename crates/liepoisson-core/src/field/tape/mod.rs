@@ -45,7 +45,7 @@ use program::Program;
 /// whole powers turned into products.
 ///
 /// Where an instruction has no finite value (a pole, the logarithm of zero) or no series (the square root of zero), the
-/// whole series is NaN, so the trajectory ends there. A series would continue a root or a power beyond a zero, on its other
+/// series has NaN in every order, so the trajectory ends there. A series would continue a root or a power beyond a zero, on its other
 /// branch (`sqrt(x^2)` as `x`, not `|x|`): the trajectory ends before such a zero. A quotient has one branch: where its pole
 /// cancels, the solution passes through it.
 ///
@@ -66,8 +66,10 @@ pub struct Tape {
     instructions: Vec<Instruction>,
     outputs: Vec<usize>,
     program: Program,
-    /// The highest order of a zero of what it is made of.
+    /// The highest order of a zero of what it is made of, exponentials left aside.
     degree: f64,
+    /// How many exponentials are multiplied at most.
+    n_exponentials: f64,
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     compiled: std::sync::Arc<compiled::Compiled>,
 }
@@ -89,7 +91,8 @@ impl Tape {
             instructions,
             outputs,
             program: Program::new(&graph),
-            degree: graph.degree(),
+            degree: graph.degree(1.0, 0.0),
+            n_exponentials: graph.degree(0.0, 1.0),
             #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
             compiled: std::sync::Arc::default(),
         })
@@ -106,7 +109,37 @@ impl Tape {
     /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
     /// that is thin beside it.
     pub(crate) fn has_steep_barriers(&self, order: usize) -> bool {
+        self.has_steep_powers(order) || !self.program.exponents.is_empty()
+    }
+
+    /// Whether there are such terms that are not exponentials.
+    pub(crate) fn has_steep_powers(&self, order: usize) -> bool {
         self.degree > order as f64 / 2.0
+    }
+
+    /// How many exponentials are multiplied at most.
+    pub(crate) fn n_exponentials(&self) -> f64 {
+        self.n_exponentials
+    }
+
+    /// The square of how much the arguments of exponentials change along `step` at most, given the series of the state up to `order`:
+    /// an argument `a` changes by the sum of `|a_j h^j|` at most, all together by the root of the sum of the squares.
+    #[inline(always)]
+    pub(crate) fn square_of_changes<V: Lane>(&self, rows: &[V], n_tangents: usize, order: usize, step: V) -> V {
+        let row = self.row(n_tangents);
+        // the work of the last order is not complete
+        let frame = Frame::new(&self.program, rows.len(), row, n_tangents, order - 1);
+        let (state, work) = (frame.state(&self.program), &rows[frame.n_orders * row..]);
+        let (size, mut squares) = (step.abs(), V::splat(0.0));
+        for &series in &self.program.exponents {
+            let mut sum = V::splat(0.0);
+            for slope in state.series(work, series)[1..order].iter().rev() {
+                sum = sum.mul_add(size, slope.abs());
+            }
+            let change = sum.mul(size);
+            squares = change.mul_add(change, squares);
+        }
+        squares
     }
 
     /// Whether the field has branches, such as the two values of a root, that a series can pass from one to another.

@@ -45,6 +45,8 @@ pub(super) struct Program {
     pub(super) defect: usize,
     /// Series that must not pass through zero.
     pub(super) branches: Vec<usize>,
+    /// The series of `j a_j` for each argument `a` of an exponential.
+    pub(super) exponents: Vec<usize>,
 }
 
 /// Which nodes' series the sums of products read.
@@ -124,6 +126,7 @@ impl Program {
                 tangent,
                 defect,
                 branches: vec![],
+                exponents: vec![],
             },
         };
         for (z, rule) in graph.rules.iter().enumerate() {
@@ -133,6 +136,8 @@ impl Program {
             layout.join(z, rule, before, convolutions);
         }
         layout.program.branches = graph.branches().map(|node| layout.slots[node].index).collect();
+        layout.program.exponents = graph.exponents().map(|node| layout.weighted[node]).collect();
+        layout.program.exponents.dedup();
         layout.program
     }
 }

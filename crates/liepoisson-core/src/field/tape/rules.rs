@@ -63,7 +63,8 @@ impl<V: Lane> Factors<'_, V> {
 }
 
 /// Order 0 of the state. Where a rule has no value or no series, it shows in the register of the defect. A number beyond the
-/// range does not: what is divided by it is zero, and everything else that it enters shows that it is not finite.
+/// range, and what is computed of it, does not: what is divided by it is zero, and everything else that it enters shows that it is not
+/// finite. Nor do the components: they are the state.
 #[inline(always)]
 pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: &mut [V]) {
     let (one, zero) = (V::splat(1.0), V::splat(0.0));
@@ -72,7 +73,7 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
         let value = match *step {
             Step::Component { from, to } => {
                 work[state.at(to)] = row[from];
-                Some(row[from])
+                None
             }
             Step::Affine { ref form, to } => {
                 let value = state.form(work, form);
@@ -96,7 +97,8 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
                 let value = a.map_or(reciprocal, |a| work[state.at(a)].div(b));
                 work[state.singles + inverse] = reciprocal;
                 work[state.start(to)] = value;
-                Some(value.add(reciprocal))
+                // an inverse that is not finite shows in the series
+                Some(value)
             }
             Step::Sqrt { a, inverse, to, .. } => {
                 let value = work[state.at(a)].sqrt();
@@ -119,7 +121,7 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
                 let [one, other] = Called::Pair { hyperbolic }.of(a);
                 work[state.start(first)] = one;
                 work[state.start(second)] = other;
-                (!hyperbolic).then(|| one.add(other))
+                None
             }
             Step::DividedIntegral { function, a, divisor, weighted, inverse, to, .. } => {
                 let [value, _] = Called::One(function).of(work[state.at(a)]);
@@ -158,7 +160,7 @@ pub(super) fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &
             let factors = state.factors(work, b, state, to, frame);
             let sum = factors.add_left_end(factors.add_late(state.formed(work, sums, frame)));
             let a = a.map_or(V::splat(0.0), |a| work[state.at(a)]);
-            work[state.start(to) + k] = divided(minus(a, sum), inverse_of(work, inverse));
+            work[state.start(to) + k] = divided(minus(a, sum), inverse_of(work, inverse), k);
         }
         // z z = a: 2 z_k z_0 = a_k - sum
         Step::Sqrt { a, sums, inverse, to } => {
@@ -187,17 +189,25 @@ pub(super) fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &
             let factors = state.factors(work, weighted, state, divisor, frame);
             let sum = factors.add_late(state.formed(work, sums, frame));
             let right = work[state.at(a)].mul(V::splat(factor * k as f64));
-            let slope = divided(minus(right, sum), inverse_of(work, inverse));
+            let slope = divided(minus(right, sum), inverse_of(work, inverse), k);
             work[state.start(weighted) + k] = slope;
             work[state.at(to)] = slope.mul(V::splat(1.0 / k as f64));
         }
     }
 }
 
-/// `rest * inverse`, for the inverse of a divisor: zero where the divisor is beyond the range of numbers, whatever its series.
+/// `rest * inverse` at order `k`, for the inverse of a divisor: zero where the divisor is beyond the range of numbers, whatever its
+/// series. Compiled code is left there, where the first orders find it.
 #[inline(always)]
-pub(super) fn divided<V: Lane>(rest: V, inverse: V) -> V {
-    rest.mul(inverse).where_not_zero(inverse)
+pub(super) fn divided<V: Lane>(rest: V, inverse: V, k: usize) -> V {
+    let quotient = rest.mul(inverse);
+    if !V::IS_RECORDED {
+        return quotient.where_not_zero(inverse);
+    }
+    if k <= 1 {
+        V::splat(f64::MIN_POSITIVE * f64::EPSILON).record_limit(inverse.abs());
+    }
+    quotient
 }
 
 /// `a - b`
@@ -241,7 +251,7 @@ pub(super) fn advance_tangent<V: Lane>(
             let sum = of_b.add_late(of_z.add_late(tangent.formed(work, sums, frame)));
             let sum = of_z.add_ends(of_b.add_left_end_unless_same(sum));
             let da = da.map_or(V::splat(0.0), |da| work[tangent.at(da)]);
-            work[tangent.start(to) + k] = divided(minus(da, sum), inverse_of(work, inverse));
+            work[tangent.start(to) + k] = divided(minus(da, sum), inverse_of(work, inverse), k);
         }
         // z dz = da / 2, and the inverse is that of 2 z_0
         TangentStep::Sqrt { da, z, sums, inverse, to } => {
@@ -259,7 +269,7 @@ pub(super) fn advance_tangent<V: Lane>(
             let factors = state.factors(work, divisor, tangent, to, frame);
             let sum = factors.add_left_end_unless_same(factors.add_late(tangent.formed(work, sums, frame)));
             let right = work[tangent.at(da)].mul(V::splat(factor));
-            work[tangent.start(to) + k] = divided(minus(right, sum), inverse_of(work, inverse));
+            work[tangent.start(to) + k] = divided(minus(right, sum), inverse_of(work, inverse), k);
         }
     }
 }

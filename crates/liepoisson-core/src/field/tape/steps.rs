@@ -10,7 +10,8 @@ pub(super) struct Slot {
     pub(super) is_series: bool,
 }
 
-/// `constant + sum c_i x_i` with its operands in slots.
+/// `constant + sum c_i x_i` with its operands in slots. A sum without a constant begins with its first term; if one has the coefficient 1,
+/// it is the first.
 #[derive(Clone, Debug)]
 pub(super) struct Form {
     pub(super) constant: f64,
@@ -24,7 +25,11 @@ impl Form {
 
     /// The form without its constant.
     pub(super) fn linear(form: &Affine, slots: &[Slot]) -> Form {
-        Form { constant: 0.0, terms: form.terms.iter().map(|&(node, c)| (slots[node], c)).collect() }
+        let mut terms: Vec<(Slot, f64)> = form.terms.iter().map(|&(node, c)| (slots[node], c)).collect();
+        if let Some(first) = terms.iter().position(|&(_, c)| c == 1.0) {
+            terms[..=first].rotate_right(1);
+        }
+        Form { constant: 0.0, terms }
     }
 }
 
