@@ -46,7 +46,7 @@ pub enum Lowered {
     Tape(Lines),
 }
 
-/// The terms `(i, j, m, c)` of `{x_i, x_j}` in a graph.
+/// The terms `(i, j, m, c)` of `{x_i, x_j}` in a graph; where `m` is `None`, `c` may depend on the state.
 pub(super) type Terms = Vec<(usize, usize, Option<usize>, Node)>;
 
 /// The field of a Hamiltonian in the coordinates `0..n`: quadratic where it is of degree two, else a tape.
@@ -56,10 +56,19 @@ pub(super) fn field_of_hamiltonian(
     energy: Node,
     terms: &Terms,
 ) -> Result<Lowered, Refusal> {
+    if depends_on_state(graph, n, terms) {
+        let rates = rates(graph, n, energy, terms)?;
+        return field_of_equations(graph, n, &rates);
+    }
     match equations_of_degree_two(graph, n, energy, terms) {
         Some(equations) => quadratic(n, &equations),
         None => tape_of_hamiltonian(graph, n, energy, terms).map(Lowered::Tape),
     }
+}
+
+/// Whether a coefficient of the bracket is a function of the state: the bracket is not linear then.
+pub(super) fn depends_on_state(graph: &Graph, n: usize, terms: &Terms) -> bool {
+    terms.iter().any(|term| graph.symbols(term.3).first().is_some_and(|&symbol| symbol < n))
 }
 
 /// The same as a tape, whatever its degree.
@@ -129,6 +138,8 @@ pub(super) fn rates(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) ->
 }
 
 /// The equations of a quadratic Hamiltonian, or of a cubic one where J is constant: coefficients by component and monomial.
+///
+/// The bracket must be linear in the state.
 pub(super) fn equations_of_degree_two(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) -> Option<top::Terms> {
     let is_constant = terms.iter().all(|term| term.2.is_none());
     let mut energy = polynomial(graph, energy, n, if is_constant { 3 } else { 2 })?;

@@ -284,11 +284,10 @@ class PolynomialView:
 
 
 def is_rational(bracket: Bracket) -> bool:
-    """Whether all structure constants and the constant part are rational numbers."""
-    if bracket.algebra.symbols or bracket.extension.symbols:
+    """Whether the bracket is linear, and all structure constants and the constant part are rational numbers."""
+    if not bracket.is_linear or bracket.symbols:
         return False
-    linear = all(isinstance(c, Fraction) for *_, c in bracket.entries())
-    return linear and all(isinstance(c, Fraction) for c in bracket.constant.values())
+    return all(isinstance(c, Fraction) for *_, c in bracket.terms())
 
 
 def rates_of(bracket: Bracket, hamiltonian: RationalPolynomial) -> tuple[RationalPolynomial, ...]:

@@ -71,7 +71,7 @@ def _bracket_hint(given: Any) -> str:
         return f"a Lie algebra is half of one: write {given!r} @ trivial(){vectors}"
     if isinstance(given, Extension):
         return "an extension is half of one: write so(3) @ extension"
-    return "write for example so(3) @ leibniz(3, 1)"
+    return "write for example so(3) @ leibniz(3, 1), or PoissonTensor(variables, entries)"
 
 
 class AsGiven(NamedTuple):
@@ -92,7 +92,7 @@ class AsGiven(NamedTuple):
 
 @explains_its_methods
 class System:
-    r"""A Lie-Poisson system, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
+    r"""A Hamiltonian system on a Poisson bracket, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
 
     Example:
         >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3", {"I": [2, 2, 1]})
@@ -102,7 +102,7 @@ class System:
         [0.0, -0.5, 0.0, 0.0, 0.5, 0.0]
 
     Args:
-        bracket: The Lie-Poisson bracket.
+        bracket: The Lie-Poisson bracket, or a `PoissonTensor`.
         hamiltonian: A text such as `"dot(l, inv(I)*l)/2 + dot(a, alpha)"` (see `liepoisson.formula.expression`), a
             SymPy expression in `bracket.variables` and parameters that are declared, or a Python function that takes
             one SymPy column per field (l, alpha, beta for three fields) and returns such an expression.
@@ -149,7 +149,8 @@ class System:
         self.symbolic_bracket: Bracket = bracket
         of_bracket = {name: value for name, value in self.parameters.items() if name in bracket.symbols}
         self.bracket: Bracket = bracket.substitute(of_bracket)
-        default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
+        is_lie_poisson = bracket.has_algebra and not bracket.constant
+        default = "Lie-Poisson system" if is_lie_poisson else "Hamiltonian system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
@@ -684,7 +685,7 @@ class System:
             raise AttributeError(message, name=name, obj=self)
 
     def _recognise_top(self) -> TopParameters | None:
-        if self.bracket.dimension != 9 or self.bracket.constant:
+        if self.bracket.dimension != 9 or not self.bracket.has_algebra or self.bracket.constant:
             return None
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two
