@@ -81,7 +81,9 @@ fn is_polynomial(graph: &Graph, n: usize, node: Node) -> bool {
     graph.reachable(&[node]).into_iter().all(|part| match graph.expression(part) {
         Expression::Symbol(index) => *index < n,
         Expression::Number(_) | Expression::Pi | Expression::Sum { .. } => true,
-        Expression::Product(factors) => factors.iter().all(|(_, exponent)| exponent.to_integer().is_some_and(|k| k > 0)),
+        Expression::Product(factors) => {
+            factors.iter().all(|(_, exponent)| exponent.to_integer().is_some_and(|k| k > 0))
+        }
         _ => false,
     })
 }

@@ -371,7 +371,9 @@ class PhaseFunctions:
             at_zero = self.poisson_tensor(np.zeros(n))
             return np.broadcast_to(self.poisson_tensor(np.eye(n)) - at_zero, (*states.shape, n, n)).copy()
         terms, slopes = system.bracket.terms(), np.zeros((*states.shape, n, n))
-        values = evaluated(system.variables, [cast("Expr", c).diff(x) for *_, c in terms for x in system.variables], states)
+        values = evaluated(
+            system.variables, [cast("Expr", c).diff(x) for *_, c in terms for x in system.variables], states
+        )
         for k, (i, j, *_) in enumerate(terms):
             slopes[..., i, j] = values[..., k * n : (k + 1) * n]
             slopes[..., j, i] = -slopes[..., i, j]

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
     from liepoisson.structure.derivations import Constant, Derivation, Scaling
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
-    from liepoisson.structure.tensor_bracket import PoissonTensor
     from liepoisson.structure.strata import Stratum
     from liepoisson.structure.trace_casimirs import TraceCasimirs
 
@@ -438,10 +437,10 @@ class Bracket:
 
     def in_variables(
         self, variables: Mapping[str, str | Expr], inverse: Mapping[str, str | Expr], *, check: bool = True
-    ) -> PoissonTensor:
+    ) -> Bracket:
         r"""The same bracket in other coordinates y(x), $\{y_a, y_b\} = \sum_{ij} \partial_i y_a\, J_{ij}\, \partial_j y_b$.
 
-        Its Casimirs are those of this bracket, in the new coordinates.
+        It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.
 
         Example:
             >>> bent = lp.canonical(1).in_variables({"x": "q1", "y": "p1 + q1^2"}, {"q1": "x", "p1": "y - x^2"})
@@ -460,9 +459,7 @@ class Bracket:
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a name is none that a user may choose.
         """
-        from liepoisson.structure.tensor_sources import changed
-
-        return changed(self, variables, inverse, check=check)
+        return function_of("Bracket.in_variables")(self, variables, inverse, check=check)
 
     def substitute(self, values: Mapping[str, Exact]) -> Bracket:
         """The same bracket with values for some of its symbols.

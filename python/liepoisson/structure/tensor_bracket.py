@@ -308,7 +308,9 @@ class PoissonTensor(Bracket):
         lower, N = self.formulas.lower_rank, self.dimension
         even = N - N % 2
         if lower == even:
-            return RankCertificate(lower, even, N, f"J has rank {lower} at one point, and no antisymmetric one has more")
+            return RankCertificate(
+                lower, even, N, f"J has rank {lower} at one point, and no antisymmetric one has more"
+            )
         method = f"J has rank {lower} at one point; elimination over the field of its entries bounds it from above"
         return RankCertificate(lower, min(even, self.formulas.upper_rank), N, method)
 
@@ -402,7 +404,9 @@ class PoissonTensor(Bracket):
         functions = [read_function(one, scope, "a Casimir") for one in _listed_functions(given)]
         for function in functions:
             if not function.free_symbols & {*self.variables}:
-                raise BracketError(f"a Casimir must depend on the coordinates; got {function}, a constant. Leave it out.")
+                raise BracketError(
+                    f"a Casimir must depend on the coordinates; got {function}, a constant. Leave it out."
+                )
             if image := self.formulas.image(function):
                 raise BracketError(
                     f"a Casimir C must have J grad C = 0; of {function!s:.60} a component is {image[0]!s:.60}, which is "
@@ -418,7 +422,15 @@ class PoissonTensor(Bracket):
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
-        kept = ("coordinate_names_in_order", "formulas", "_name", "_jacobi", "given_casimirs", "constant", "coefficients")
+        kept = (
+            "coordinate_names_in_order",
+            "formulas",
+            "_name",
+            "_jacobi",
+            "given_casimirs",
+            "constant",
+            "coefficients",
+        )
         return {name: value for name, value in self.__dict__.items() if name in kept}
 
     def __repr__(self) -> str:
@@ -443,7 +455,9 @@ def read_variables(given: object) -> tuple[str, ...]:
     """
     items = listed_names(given, "variables")
     if not items or not all(isinstance(item, str) for item in items):
-        raise ShapeError(f'variables must be a sequence of names; got {given!r:.60}. Write for example ["x", "y", "z"].')
+        raise ShapeError(
+            f'variables must be a sequence of names; got {given!r:.60}. Write for example ["x", "y", "z"].'
+        )
     names = tuple(check_name(str(item), "the name of a coordinate") for item in items)
     if len({*names}) < len(names):
         raise BracketError(f"coordinates must have distinct names; got {list(names)!s:.100}. Rename one of them.")

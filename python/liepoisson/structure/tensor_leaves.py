@@ -190,7 +190,9 @@ def rational_casimirs(bracket: PoissonTensor, degree: int) -> list[Expr]:
     if isinstance(degree, bool) or not isinstance(degree, int) or degree < 1:
         raise ParameterError(f"degree must be an integer of at least 1; got {degree!r}. Write for example degree=2.")
     if N * comb(N + degree, degree) > MAX_WORK:
-        raise ParameterError(f"the search must stay below its size limit; degree {degree} exceeds it. Lower the degree.")
+        raise ParameterError(
+            f"the search must stay below its size limit; degree {degree} exceeds it. Lower the degree."
+        )
     found: list[Expr] = []
     corank, n = bracket.corank(), 0
     for Q in _denominators(bracket, degree):

@@ -47,7 +47,10 @@ def log_canonical(matrix: Sequence[Sequence[Parameter]], variables: Sequence[str
     n = len(rows)
     if not n or any(row is None or len(row) != n for row in rows):
         raise ShapeError(f"matrix must have shape (n, n); got {matrix!r:.60}. Give n rows of n numbers.")
-    read = [[to_sympy(read_parameter(c, f"matrix[{i}][{j}]")) for j, c in enumerate(row or ())] for i, row in enumerate(rows)]
+    read = [
+        [to_sympy(read_parameter(c, f"matrix[{i}][{j}]")) for j, c in enumerate(row or ())]
+        for i, row in enumerate(rows)
+    ]
     names = read_variables([f"x{k}" for k in range(1, n + 1)] if variables is None else variables)
     if len(names) != n:
         raise ShapeError(f"variables must be {n} names, one per row; got {len(names)}. Name all of them.")
@@ -101,7 +104,9 @@ def nambu(
     """
     names = read_variables(variables)
     if len(names) != 3:
-        raise ShapeError(f"variables must be three names; got {len(names)}. A Nambu bracket here has three coordinates.")
+        raise ShapeError(
+            f"variables must be three names; got {len(names)}. A Nambu bracket here has three coordinates."
+        )
     scope = Scope(parameters=parameters or {}, symbols=(*names, *symbols), scalars=names)
     C, f = (cast("Any", read_function(one, scope, what)) for one, what in ((casimir, "casimir"), (factor, "factor")))
     from sympy import Symbol
@@ -109,7 +114,9 @@ def nambu(
     x, y, z = (Symbol(name) for name in names)
     entries = {(0, 1): -f * C.diff(z), (0, 2): f * C.diff(y), (1, 2): -f * C.diff(x)}
     if all(is_zero(entry) for entry in entries.values()):
-        raise BracketError(f"wanted a function of the three coordinates; got {C} with the factor {f}, whose bracket is 0.")
+        raise BracketError(
+            f"wanted a function of the three coordinates; got {C} with the factor {f}, whose bracket is 0."
+        )
     return PoissonTensor.of_entries(names, entries, casimirs=[C], jacobi="proved")
 
 
@@ -173,7 +180,10 @@ def changed(
     for a in range(len(new)):
         for b in range(a + 1, len(new)):
             total: Any = sum(
-                ((slopes[a][i] * slopes[b][j] - slopes[a][j] * slopes[b][i]) * J for (i, j), J in entries_of(bracket).items()),
+                (
+                    (slopes[a][i] * slopes[b][j] - slopes[a][j] * slopes[b][i]) * J
+                    for (i, j), J in entries_of(bracket).items()
+                ),
                 S.Zero,
             )
             entries[a, b] = _shortened(total.xreplace(inserted), new)

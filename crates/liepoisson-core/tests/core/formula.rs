@@ -218,7 +218,10 @@ fn entries_of_a_bracket_may_be_functions_of_the_state() {
     let given = named(&[("a", scalar("3/2"))]);
     let species = System::new(tensor(["a*x*y", "-x*z", "y*z"]), "x + y + z - log(x) - 2*log(y)", &given, &[]).unwrap();
     let Lowered::Quadratic { linear, quadratic, .. } = species.field().unwrap() else { panic!("of degree two") };
-    assert_eq!(quadratic, [(0, 0, 1, 1.5), (0, 0, 2, -1.0), (1, 0, 1, -1.5), (1, 1, 2, 1.0), (2, 0, 2, 1.0), (2, 1, 2, -1.0)]);
+    assert_eq!(
+        quadratic,
+        [(0, 0, 1, 1.5), (0, 0, 2, -1.0), (1, 0, 1, -1.5), (1, 1, 2, 1.0), (2, 0, 2, 1.0), (2, 1, 2, -1.0)]
+    );
     assert_eq!(linear, [(0, 0, -3.0), (1, 1, 1.5), (2, 2, 1.0)]);
     assert_eq!(species.general_field().unwrap(), species.field().unwrap());
     // x' = exp(x) cos(z) H_y - y H_z / (1 + x^2), by hand

@@ -53,6 +53,10 @@ class TensorEntries:
     variables: tuple[Symbol, ...]
     entries: Mapping[Pair, Expr]
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: the formulas; everything else is derived again."""
+        return {"variables": self.variables, "entries": self.entries}
+
     @property
     def dimension(self) -> int:
         """Number N of coordinates."""
