@@ -116,8 +116,8 @@ class JacobiError(BracketError):
     def __init__(self, triple: tuple[str, ...], residual: str) -> None:
         self.triple, self.residual = triple, residual
         super().__init__(
-            f"the entries of a Poisson tensor must obey the Jacobi identity; for ({', '.join(triple)}) the cyclic sum of "
-            f"{{{{x, y}}, z}} is {residual:.200} instead of 0. Correct its entries."
+            f"the entries of a Poisson tensor must obey the Jacobi identity; for ({', '.join(triple)}) the cyclic sum "
+            f"of {{{{x, y}}, z}} is {residual:.200} instead of 0. Correct its entries."
         )
 
     def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str]]:

@@ -184,7 +184,7 @@ NEEDS_AN_ALGEBRA = {
     "frozen": lambda system: system.bracket.frozen(START),
     "constant part": lambda system: system.bracket.with_constant({("x", "y"): 1}),
     "argument shift": lambda system: lp.integrability.argument_shift(system.bracket, START),
-    "lax": lambda system: lp.integrability.search_lax_pairs(system),
+    "lax": lp.integrability.search_lax_pairs,
 }
 
 

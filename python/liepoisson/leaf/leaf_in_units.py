@@ -234,12 +234,12 @@ _MOST = 100
 
 @lru_cache(maxsize=64)
 def unit_groups(bracket: Bracket) -> tuple[int, ...]:
-    r"""Which coordinates are in one unit: a number for each, equal for those that are.  Each has its own if J is not linear.
+    r"""Which coordinates are in one unit: a number for each, equal for those that are.
 
     Those of one field are, unless weights tell them apart with $w_i + w_j = w_m$ whenever $x_m$ occurs in
     $\{x_i, x_j\}$: then $x_i\to s^{w_i}x_i$ keeps the bracket, as for rotations and translations in se(n).  Where the
-    bracket is only constant each coordinate has a unit of its own: canonical coordinates are lengths, angles and what
-    else one likes.
+    bracket is only constant, or not linear, each coordinate has a unit of its own: canonical coordinates are lengths,
+    angles and what else one likes.
     """
     n, N = bracket.field_lengths[0], bracket.dimension
     entries = bracket.entries() if bracket.is_linear else ()

@@ -55,9 +55,9 @@ class Place:
 def place_of(system: System, x: Array) -> Place:
     """The place of one state, shape (N,).
 
-    Where J is linear without a constant part, the conditions are homogeneous: x and any multiple of it lie on one stratum,
-    and the multiple by a power of two neither overflows nor underflows, for which the largest and the smallest field
-    are as far above one as below it.
+    Where J is linear without a constant part, the conditions are homogeneous: x and any multiple of it lie on one
+    stratum, and the multiple by a power of two neither overflows nor underflows, for which the largest and the smallest
+    field are as far above one as below it.
     """
     if system.bracket.is_linear and not system.bracket.constant and x.any():
         largest = np.abs(x.reshape(-1, system.bracket.field_lengths[0])).max(axis=1)

@@ -36,7 +36,8 @@ _KEYS: dict[str, tuple[str, ...]] = {
     table: tuple(keys.split())
     for table, keys in {
         "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
-        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta tensor casimirs",
+        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta "
+        "tensor casimirs",
         "hamiltonian": "expression",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",

@@ -276,7 +276,7 @@ class Bracket:
         return (*self.entries(), *((i, j, None, c) for (i, j), c in self.constant.items()))
 
     def poisson_tensor(self) -> Matrix:
-        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, shape (N, N); of degree at most one in x for a Lie-Poisson bracket."""
+        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x where J is linear, shape (N, N)."""
         return self._matrix.matrix.copy()
 
     def __call__(self, f: Expr, g: Expr) -> Expr:
@@ -438,7 +438,9 @@ class Bracket:
     def in_variables(
         self, variables: Mapping[str, str | Expr], inverse: Mapping[str, str | Expr], *, check: bool = True
     ) -> Bracket:
-        r"""The same bracket in other coordinates y(x), $\{y_a, y_b\} = \sum_{ij} \partial_i y_a\, J_{ij}\, \partial_j y_b$.
+        r"""The same bracket in other coordinates y(x).
+
+        $$\{y_a, y_b\} = \sum_{ij} \partial_i y_a\, J_{ij}\, \partial_j y_b .$$
 
         It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.
 

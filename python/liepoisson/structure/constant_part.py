@@ -45,7 +45,7 @@ def read_constant(
             raise BracketError(
                 f"a constant part must not depend on the state; got {{{names[i]}, {names[j]}}} = {entry} with the "
                 f"coordinate {inside[0]}. Rename a parameter of this name. A linear bracket is one of a Lie algebra, "
-                "LieAlgebra.from_brackets, and one whose entries are any functions of the state is a PoissonTensor; the "
+                "LieAlgebra.from_brackets, one of any functions of the state a PoissonTensor(variables, entries); the "
                 "equations dx/dt = f(x) of no bracket are those of H = p1*f1(x) + p2*f2(x) + ... on "
                 "canonical(names=..., momenta=...)."
             )

@@ -25,7 +25,7 @@ from liepoisson.formula.expression import read_expression
 from liepoisson.formula.parameters import GivenValue, Parameter, flattened, values_of_symbols
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_methods
-from liepoisson.inputs.given import is_named, listed_names
+from liepoisson.inputs.given import is_named, listed, listed_names, named
 from liepoisson.inputs.names import check_name, check_title
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.constant_part import read_pair
@@ -69,7 +69,8 @@ class PoissonTensor(Bracket):
             given in both orders, if these agree.
         parameters: Values of other names in the texts: numbers, vectors or matrices.
         symbols: Names that stay symbolic and are taken as generic; a vector with its length, as in "a[3]".
-        casimirs: Known Casimirs, a list or a mapping from names, which are not kept; they are C1, C2, ... in this order.
+        casimirs: Known Casimirs, a list or a mapping from names, which are not kept: they are C1, C2, ... in this
+            order.
         name: How it is printed.
         check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
 
@@ -409,15 +410,15 @@ class PoissonTensor(Bracket):
                 )
             if image := self.formulas.image(function):
                 raise BracketError(
-                    f"a Casimir C must have J grad C = 0; of {function!s:.60} a component is {image[0]!s:.60}, which is "
-                    "not found zero. Correct it, or write it so that it cancels."
+                    f"a Casimir C must have J grad C = 0; of {function!s:.60} a component is {image[0]!s:.60}, which "
+                    "is not found zero. Correct it, or write it so that it cancels."
                 )
         return tuple(functions)
 
     def _refusal(self, what: str) -> BracketError:
         return BracketError(
-            f"wanted a bracket that is given by a Lie algebra, for its {what}; got {self!r}, which is given by formulas. "
-            "This is not available for it; write it as algebra @ extension if it is linear."
+            f"wanted a bracket that is given by a Lie algebra, for its {what}; got {self!r}, which is given by "
+            "formulas. This is not available for it; write it as algebra @ extension if it is linear."
         )
 
     def __getstate__(self) -> dict[str, Any]:
@@ -519,8 +520,9 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
 
 
 def _listed_functions(given: Any) -> list[Any]:
-    if is_named(given):
-        return list(given.values())
-    if isinstance(given, (str, bytes)) or is_sympy(given) or not isinstance(given, Sequence):
+    if (by_name := named(given, "casimirs")) is not None:
+        return list(by_name.values())
+    items = None if is_sympy(given) else listed(given, "casimirs")
+    if items is None:
         raise ParameterError(f'casimirs must be a list of functions; got {given!r:.60}. Write for example ["x*y*z"].')
-    return list(cast("Sequence[Any]", given))
+    return items

@@ -21,7 +21,6 @@ from math import comb
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank
 from liepoisson.algebra.rational_polynomials import RationalPolynomial
 from liepoisson.errors import BracketError, ParameterError

@@ -1,4 +1,4 @@
-r"""Poisson tensors from less than all their entries: log-canonical ones, Nambu brackets, products, other coordinates."""
+r"""Poisson tensors from less than all their entries: log-canonical, Nambu, products, in other coordinates."""
 
 from __future__ import annotations
 
@@ -77,10 +77,10 @@ def nambu(
     factor: str | Expr = "1",
     symbols: Sequence[str] = (),
 ) -> PoissonTensor:
-    r"""The Nambu bracket of a function C in three dimensions, $J = f\,\nabla C\times$, $\dot x = f\,\nabla C\times\nabla H$.
+    r"""The Nambu bracket of a function C in three dimensions, $\dot x = f\,\nabla C\times\nabla H$.
 
-    $\{x_1, x_2\} = -f\,\partial C/\partial x_3$, and so on in turn; C is its Casimir whatever the factor f is.  With
-    $C = |x|^2/2$ this is the bracket of so(3).
+    $J = f\,\nabla C\times$, $\{x_1, x_2\} = -f\,\partial C/\partial x_3$, and so on in turn; C is its Casimir,
+    whatever the factor f is.  With $C = |x|^2/2$ this is the bracket of so(3).
 
     Example:
         >>> bracket = lp.brackets.nambu("x^2 + y^2 - z", ["x", "y", "z"])

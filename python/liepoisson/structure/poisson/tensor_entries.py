@@ -1,9 +1,9 @@
 r"""Poisson tensors by the formulas of their entries: Jacobi identity, rank and Casimirs, exact where it can be decided.
 
 The entries, their derivatives and what is compared with them are elements of the field that they generate with the
-coordinates and the parameters: of rational functions, in which equality is decided, or of rational functions in further
-generators such as sin(x1), of which only "is zero" is a proof.  Where that leaves an identity open it is tried at random
-points in 50 digits.
+coordinates and the parameters: of rational functions, in which equality is decided, or of rational functions in
+further generators such as sin(x1), of which only "is zero" is a proof.  Where that leaves an identity open it is tried
+at random points in 50 digits.
 """
 
 from __future__ import annotations
