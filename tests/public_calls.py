@@ -216,13 +216,13 @@ def _of_algebras(add):
     cycle = {("x", "y"): "k*x*y", ("y", "z"): "y*z", ("x", "z"): "-x*z"}
     tensor = lp.PoissonTensor(["x", "y", "z"], cycle, symbols=["k"])
     add(
-        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:o", variables=["x", "y", "z"],
-        entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"], casimirs=["z"],
+        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w", variables=["x", "y", "z"],
+        entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"], casimirs={"C": "z"},
     )  # fmt: skip
     for name in ("corank", "rank"):
         add(f"brackets.PoissonTensor.{name}", "point:N", tensor, tensor.coordinate_names_in_order, point=(1, 2, 3))
     add("brackets.PoissonTensor.substitute", "values:v", tensor, values={"k": 2})
-    add("brackets.PoissonTensor.with_casimirs", "casimirs:o symbols:o", tensor, casimirs=["log(x) + log(y) + k*log(z)"],
+    add("brackets.PoissonTensor.with_casimirs", "casimirs:w symbols:o", tensor, casimirs={"C": "log(x) + log(y) + k*log(z)"},
         symbols=["b"])  # fmt: skip
     bent = {"variables": {"u": "l1", "v": "l2 + l1^2", "w": "l3"}, "inverse": {"l1": "u", "l2": "v - u^2", "l3": "w"}}
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):

@@ -22,7 +22,7 @@ from liepoisson.algebra.exact_numbers import (
 )
 from liepoisson.errors import BracketError, JacobiError, ParameterError, ShapeError
 from liepoisson.formula.expression import read_expression
-from liepoisson.formula.parameters import GivenValue, Parameter, flattened, values_of_symbols
+from liepoisson.formula.parameters import GivenValue, Parameter, flattened, read_values, values_of_symbols
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import is_named, listed, listed_names, named
@@ -99,7 +99,7 @@ class PoissonTensor(Bracket):
         check: bool = True,
     ) -> None:
         names = read_variables(variables)
-        scope = Scope(parameters=parameters or {}, symbols=(*names, *symbols), scalars=names)
+        scope = scope_with(names, parameters, symbols)
         title = name if name is None else check_title(name, "the name of a bracket", None)
         self._define(names, _read_entries(entries, names, scope), title)
         self._jacobi = self._checked_jacobi() if check else "not checked"
@@ -114,23 +114,6 @@ class PoissonTensor(Bracket):
         self.check_parameter_names(self.symbols)
         if self.is_linear:
             self.constant = {(i, j): c for i, j, m, c in self.formulas.linear_terms if m is None}
-
-    @classmethod
-    def of_entries(
-        cls,
-        names: tuple[str, ...],
-        entries: Mapping[tuple[int, int], Expr],
-        *,
-        casimirs: Sequence[Expr] = (),
-        jacobi: str | None = None,
-        name: str | None = None,
-    ) -> PoissonTensor:
-        """A tensor of entries and Casimirs that have been derived; `jacobi` is what is known, else it is checked."""
-        made = cls.__new__(cls)
-        made._define(names, {pair: entry for pair, entry in entries.items() if not is_zero(entry)}, name)
-        made._jacobi = jacobi or made._checked_jacobi()
-        made.given_casimirs = tuple(casimirs)
-        return made
 
     @property
     def jacobi(self) -> str:
@@ -200,9 +183,8 @@ class PoissonTensor(Bracket):
             ParameterError: a function is neither a text nor an expression.
         """
         names = self.coordinate_names_in_order
-        known = Scope(symbols=(*names, *symbols), scalars=names)
-        more = sorted(self.symbols.difference(known.numbers()))
-        scope = Scope(symbols=(*names, *symbols, *more), scalars=names)
+        more = sorted(self.symbols.difference(scope_with(names, None, symbols).numbers()))
+        scope = scope_with(names, None, [*(listed_names(symbols, "symbols") or ()), *more])
         made = self._mapped(names, lambda f: f)
         made.given_casimirs = self._read_casimirs(casimirs, scope)
         return made
@@ -243,7 +225,7 @@ class PoissonTensor(Bracket):
     def _mapped(self, names: tuple[str, ...], change: Any) -> PoissonTensor:
         entries = {pair: change(entry) for pair, entry in self.formulas.entries.items()}
         casimirs = [change(casimir) for casimir in self.given_casimirs]
-        return self.of_entries(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
+        return tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
 
     # What is proved about it
 
@@ -444,6 +426,35 @@ class PoissonTensor(Bracket):
             if name in ("algebra", "extension", "constant"):
                 raise self._refusal("constant part" if name == "constant" else name)
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+
+
+def tensor_of(
+    names: tuple[str, ...],
+    entries: Mapping[tuple[int, int], Expr],
+    *,
+    casimirs: Sequence[Expr] = (),
+    jacobi: str | None = None,
+    name: str | None = None,
+) -> PoissonTensor:
+    """A tensor of entries and Casimirs that have been derived; `jacobi` is what is known, else it is checked."""
+    made = PoissonTensor.__new__(PoissonTensor)
+    made._define(names, {pair: entry for pair, entry in entries.items() if not is_zero(entry)}, name)
+    made._jacobi = jacobi or made._checked_jacobi()
+    made.given_casimirs = tuple(casimirs)
+    return made
+
+
+def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | None, symbols: Sequence[str]) -> Scope:
+    """The names that formulas may use: coordinates, parameters with values, and names that stay symbolic.
+
+    Raises:
+        ParameterError: the parameters are no mapping, a declaration is none, or a name stands for two things.
+    """
+    declared = listed_names(symbols, "symbols")
+    if declared is None or not all(isinstance(item, str) for item in declared):
+        raise ParameterError(f'symbols must be a list of declarations; got {symbols!r:.60}. Write ["epsilon", "a[3]"].')
+    values: Any = read_values(parameters)
+    return Scope(parameters=values, symbols=(*names, *declared), scalars=names)
 
 
 def read_variables(given: object) -> tuple[str, ...]:

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.algebra.exact_numbers import is_zero, to_sympy
 from liepoisson.errors import BracketError, ShapeError
 from liepoisson.formula.parameters import GivenValue, Parameter, read_parameter
-from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import not_a
 from liepoisson.structure.bracket import Bracket
-from liepoisson.structure.tensor_bracket import PoissonTensor, read_function, read_variables
+from liepoisson.structure.tensor_bracket import PoissonTensor, read_function, read_variables, scope_with, tensor_of
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -65,7 +64,7 @@ def log_canonical(matrix: Sequence[Sequence[Parameter]], variables: Sequence[str
 
     x: list[Any] = [Symbol(name) for name in names]
     entries = {(i, j): read[i][j] * x[i] * x[j] for i in range(n) for j in range(i + 1, n)}
-    return PoissonTensor.of_entries(names, entries, jacobi="proved")
+    return tensor_of(names, entries, jacobi="proved")
 
 
 @explains_its_arguments
@@ -107,7 +106,7 @@ def nambu(
         raise ShapeError(
             f"variables must be three names; got {len(names)}. A Nambu bracket here has three coordinates."
         )
-    scope = Scope(parameters=parameters or {}, symbols=(*names, *symbols), scalars=names)
+    scope = scope_with(names, parameters, symbols)
     C, f = (cast("Any", read_function(one, scope, what)) for one, what in ((casimir, "casimir"), (factor, "factor")))
     from sympy import Symbol
 
@@ -117,7 +116,7 @@ def nambu(
         raise BracketError(
             f"wanted a function of the three coordinates; got {C} with the factor {f}, whose bracket is 0."
         )
-    return PoissonTensor.of_entries(names, entries, casimirs=[C], jacobi="proved")
+    return tensor_of(names, entries, casimirs=[C], jacobi="proved")
 
 
 @explains_its_arguments
@@ -146,7 +145,7 @@ def product(first: Bracket, second: Bracket) -> PoissonTensor:
     n = len(own)
     moved = {(i + n, j + n): entry for (i, j), entry in entries_of(second).items()}
     casimirs = [*_known(first), *_known(second)]
-    return PoissonTensor.of_entries((*own, *other), entries_of(first) | moved, casimirs=casimirs)
+    return tensor_of((*own, *other), entries_of(first) | moved, casimirs=casimirs)
 
 
 def changed(
@@ -165,8 +164,7 @@ def changed(
         raise BracketError(f"wanted as many new coordinates as old ones, {len(old)}, and all of these; got {got}.")
     if clash := bracket.symbols & {*new}:
         raise BracketError(f"{sorted(clash)} name both coordinates and parameters; choose other names.")
-    here = Scope(symbols=(*old, *sorted(bracket.symbols)), scalars=old)
-    there = Scope(symbols=(*new, *sorted(bracket.symbols)), scalars=new)
+    here, there = (scope_with(names, None, sorted(bracket.symbols)) for names in (old, new))
     forward: list[Any] = [read_function(given[name], here, name) for name in new]
     inserted: Any = {Symbol(name): read_function(back[name], there, name) for name in old}
     for name, function in zip(new, forward, strict=True):
@@ -188,7 +186,7 @@ def changed(
             )
             entries[a, b] = _shortened(total.xreplace(inserted), new)
     casimirs = [_shortened(cast("Any", casimir).xreplace(inserted), new) for casimir in _known(bracket)]
-    return PoissonTensor.of_entries(new, entries, casimirs=casimirs, jacobi=None if check else "not checked")
+    return tensor_of(new, entries, casimirs=casimirs, jacobi=None if check else "not checked")
 
 
 def entries_of(bracket: Bracket) -> dict[tuple[int, int], Any]:
