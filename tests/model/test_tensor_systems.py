@@ -44,7 +44,7 @@ def test_the_core_follows_the_same_equations():
     from scipy.integrate import solve_ivp
 
     start = [1.2, 1.5, 0.8, 1.1]
-    run = lp.integrate(VOLTERRA, start, t=[0, 5, 10], method=lp.Taylor(tol=1e-15))
+    run = lp.integrate(VOLTERRA, start, times=[0, 5, 10], method=lp.Taylor(tol=1e-15))
     other = solve_ivp(lambda _, x: rates_by_hand(x), (0, 10), start, t_eval=[0, 5, 10], rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(run.state[0], other.y.T, rtol=1e-9)
 
@@ -66,9 +66,9 @@ def test_invariants_are_kept():
 
 
 def test_sections_and_exponents():
-    points = lp.section(ROTOR, START, surface="x", direction=1, t_end=200)
+    points = lp.section(ROTOR, START, surface="y + 7/10", direction=1, t_end=200)
     assert points.count[0] > 10
-    assert np.abs(points.state[0, : points.count[0], 0]).max() < 1e-12
+    assert np.abs(points.state[0, : points.count[0], 1] + 0.7).max() < 1e-12
     growth = lp.lyapunov_exponent(ROTOR, START, t_end=2000)
     assert abs(growth.exponent[0, -1]) < 0.01  # two integrals in three dimensions
     spectrum = lp.lyapunov_spectrum(ROTOR, START, t_end=200)
