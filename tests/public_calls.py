@@ -222,8 +222,8 @@ def _of_algebras(add):
     for name in ("corank", "rank"):
         add(f"brackets.PoissonTensor.{name}", "point:N", tensor, tensor.coordinate_names_in_order, point=(1, 2, 3))
     add("brackets.PoissonTensor.substitute", "values:v", tensor, values={"k": 2})
-    add("brackets.PoissonTensor.with_casimirs", "casimirs:w symbols:o", tensor, casimirs={"C": "log(x) + log(y) + k*log(z)"},
-        symbols=["b"])  # fmt: skip
+    known = {"C": "log(x) + log(y) + k*log(z)"}
+    add("brackets.PoissonTensor.with_casimirs", "casimirs:w symbols:o", tensor, casimirs=known, symbols=["b"])
     bent = {"variables": {"u": "l1", "v": "l2 + l1^2", "w": "l3"}, "inverse": {"l1": "u", "l2": "v - u^2", "l3": "w"}}
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
         turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}

@@ -227,7 +227,7 @@ def test_the_refusal_of_a_bracket_names_the_triple_and_the_residual():
     with pytest.raises(JacobiError) as caught:
         tensor("x y z", {("x", "y"): "z", ("y", "z"): "x*y", ("z", "x"): "y"})
     error = caught.value
-    assert (error.triple, error.residual) == (("x", "y", "z"), "x*z - y**2") or error.residual
+    assert (error.triple, error.residual) == (("x", "y", "z"), "-x*z")
     again = pickle.loads(pickle.dumps(error))
     assert (again.triple, again.residual, str(again)) == (error.triple, error.residual, str(error))
 
@@ -266,7 +266,7 @@ def test_parameters_are_inserted_or_stay():
     assert fixed.symbols == set()
     assert symbolic.symbols == {"a1", "a2", "b"}
     assert symbolic.substitute({"a1": 1, "a2": 2, "b": "1/3"}).poisson_tensor() == fixed.poisson_tensor()
-    assert fixed.casimirs() == [x * y**-6 * z**3] or fixed.n_unknown_casimirs == 0
+    assert fixed.casimirs() == [y**6 / (x * z**3)]
     system = lp.System(symbolic, "x + y + z", {"a": [1, 2], "b": "1/3"})
     assert system.equations == lp.System(fixed, "x + y + z").equations
     with pytest.raises(BracketError, match="parameters"):
@@ -300,16 +300,16 @@ def test_strata_of_a_log_canonical_tensor_are_where_coordinates_vanish():
 
 
 def test_rational_casimirs_are_found_by_their_denominators():
-    entries = {("x", "y"): "x*y", ("y", "z"): "x*y - y*z", ("x", "z"): "x^2"}
-    random = Random(1)
-    bracket = tensor("x y z", entries, check=False)
-    if worst_residual(bracket.variables, bracket.poisson_tensor(), random) > 1e-6:
-        entries = {("x", "y"): "x*y", ("y", "z"): "-2*y*z", ("x", "z"): "2*x*z"}
     volterra = lp.brackets.log_canonical([[0, 1, -1], [-1, 0, -1], [1, 1, 0]])
     x1, x2, x3 = volterra.variables
     (found,) = volterra.rational_casimirs(2)
-    wanted = x1 / (x2 * x3)
-    assert sp.simplify(found / wanted).is_number or sp.simplify(found * wanted).is_number
+    assert found in (x1 / (x2 * x3), x2 * x3 / x1)
+    assert volterra.rational_casimirs(1) == []
+    with pytest.raises(BracketError, match="rational"):
+        tensor("x y", {("x", "y"): "exp(x)"}).rational_casimirs(2)
+    for degree in (0, True, 1.5, 1000):
+        with pytest.raises(ParameterError, match="egree"):
+            volterra.rational_casimirs(degree)
 
 
 def test_other_coordinates_give_the_same_motion():
