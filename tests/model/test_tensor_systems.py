@@ -193,3 +193,18 @@ def test_what_needs_structure_constants_refuses_a_tensor_with_a_sentence(name):
     with pytest.raises((BracketError, UnsupportedFieldError, ParameterError)) as caught:
         NEEDS_AN_ALGEBRA[name](ROTOR)
     assert "formulas" in str(caught.value) or "linear" in str(caught.value)
+
+
+def test_smooth_tensors_are_followed_and_reported():
+    """The pendulum in c = cos q and s = sin q, against the one in q and p."""
+    system = lp.System(lp.PoissonTensor(["c", "s", "p"], ROUND, casimirs=["c^2 + s^2"]), "p^2/2 - c")
+    pendulum = lp.System(lp.canonical(names=["q"], momenta=["p"]), "p^2/2 - cos(q)")
+    q, p = lp.integrate(pendulum, [0, 2.5], t_end=20, method=lp.Taylor(tol=1e-15)).end_state[0]
+    end = lp.integrate(system, [1, 0, 2.5], t_end=20, method=lp.Taylor(tol=1e-15)).end_state[0]
+    np.testing.assert_allclose(end, [np.cos(q), np.sin(q), p], atol=1e-12)
+    assert lp.inspect(system).failed == ()
+    unknown = lp.System(lp.PoissonTensor(["c", "s", "p"], ROUND), "p^2/2 - c")
+    report = unknown.bracket.casimir_report()
+    assert (report.generators, report.complete) == ((), False)
+    assert "no rational functions" in report.limits
+    assert lp.inspect(unknown).failed == ()
