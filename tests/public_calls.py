@@ -213,6 +213,26 @@ def _of_algebras(add):
     )  # fmt: skip
     add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 0], [0, "t"]])
     add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
+    cycle = {("x", "y"): "k*x*y", ("y", "z"): "y*z", ("x", "z"): "-x*z"}
+    tensor = lp.PoissonTensor(["x", "y", "z"], cycle, symbols=["k"])
+    add(
+        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w", variables=["x", "y", "z"],
+        entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"], casimirs={"C": "z"},
+    )  # fmt: skip
+    for name in ("corank", "rank"):
+        add(f"brackets.PoissonTensor.{name}", "point:N", tensor, tensor.coordinate_names_in_order, point=(1, 2, 3))
+    add("brackets.PoissonTensor.substitute", "values:v", tensor, values={"k": 2})
+    known = {"C": "log(x) + log(y) + k*log(z)"}
+    add("brackets.PoissonTensor.with_casimirs", "casimirs:w symbols:o", tensor, casimirs=known, symbols=["b"])
+    bent = {"variables": {"u": "l1", "v": "l2 + l1^2", "w": "l3"}, "inverse": {"l1": "u", "l2": "v - u^2", "l3": "w"}}
+    for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
+        turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}
+        add(f"brackets.{name}.in_variables", "variables:v inverse:v", given, **(bent if name == "Bracket" else turned))
+    add("brackets.log_canonical", "matrix:o variables:o", matrix=[[0, 1], [-1, 0]], variables=["x", "y"])
+    add(
+        "brackets.nambu", "variables:o parameters:c symbols:o", casimir="x*y + k*z + a1*x", variables=["x", "y", "z"],
+        parameters={"a": [1, 2]}, symbols=["k"],
+    )  # fmt: skip
     twists = lp.cocycles(lp.so(3) @ lp.semidirect(3))
     add("extensions.Twists.cocycle", "products:v", twists, products={(1, 1): {2: 1}})
     add("extensions.Twists.combination", "coefficients:o", twists, coefficients=[1, 2, 3, 5])

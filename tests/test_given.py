@@ -176,7 +176,7 @@ seen.register(list, lambda items: [seen(item) for item in items])
 seen.register(tuple, lambda items: [seen(item) for item in items])
 seen.register(lp.System, lambda system: seen([system.hamiltonian, system.bracket, dict(system.invariants)]))
 seen.register(lp.VectorField, lambda field: seen([field.equations, dict(field.invariants)]))
-seen.register(lp.Bracket, lambda bracket: (str(bracket.entries()), bracket.field_names))
+seen.register(lp.Bracket, lambda bracket: (str(bracket.terms()), bracket.field_names))
 seen.register(lp.LieAlgebra, lambda algebra: (str(algebra.brackets), algebra.basis_names))
 seen.register(lp.Extension, lambda extension: (str(extension.products), extension.field_names))
 

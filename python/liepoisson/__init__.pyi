@@ -57,4 +57,5 @@ from liepoisson.structure.lie_algebra import LieAlgebra as LieAlgebra
 from liepoisson.structure.lie_algebras import sl as sl
 from liepoisson.structure.lie_algebras import so as so
 from liepoisson.structure.lie_algebras import su as su
+from liepoisson.structure.tensor_bracket import PoissonTensor as PoissonTensor
 from liepoisson.sweeps.run import sweep as sweep

@@ -10,3 +10,7 @@ from liepoisson.structure.contractions import contraction as contraction
 from liepoisson.structure.derivations import Derivation as Derivation
 from liepoisson.structure.strata import Locus as Locus
 from liepoisson.structure.strata import Stratum as Stratum
+from liepoisson.structure.tensor_bracket import PoissonTensor as PoissonTensor
+from liepoisson.structure.tensor_sources import log_canonical as log_canonical
+from liepoisson.structure.tensor_sources import nambu as nambu
+from liepoisson.structure.tensor_sources import product as product

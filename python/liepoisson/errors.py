@@ -21,6 +21,7 @@ __all__ = [
     "EnclosureError",
     "ExpressionError",
     "InertiaWarning",
+    "JacobiError",
     "LaxPairError",
     "LeafError",
     "LiePoissonError",
@@ -101,7 +102,26 @@ class UnknownNameError(LiePoissonError, LookupError):
 
 
 class BracketError(LiePoissonError, ValueError):
-    """Structure constants or an extension tensor that do not define a Lie-Poisson bracket."""
+    """Structure constants, an extension tensor or formulas that do not define a Poisson bracket, or no such one."""
+
+
+class JacobiError(BracketError):
+    """Formulas of a Poisson tensor that does not obey the Jacobi identity.
+
+    Attributes:
+        triple: Names of the three coordinates at which it fails.
+        residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+    """
+
+    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
+        self.triple, self.residual = triple, residual
+        super().__init__(
+            f"the entries of a Poisson tensor must obey the Jacobi identity; for ({', '.join(triple)}) the cyclic sum "
+            f"of {{{{x, y}}, z}} is {residual:.200} instead of 0. Correct its entries."
+        )
+
+    def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str]]:
+        return type(self), (self.triple, self.residual)
 
 
 class CocycleError(BracketError):

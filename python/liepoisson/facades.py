@@ -13,6 +13,7 @@ from typing import Any
 FACADES = {
     "LieAlgebra._repr_latex_": "report.describe.displayed_algebra",
     "Bracket._repr_latex_": "report.describe.displayed_bracket",
+    "Bracket.in_variables": "structure.tensor_sources.changed",
     "System.__str__": "report.describe.describe",
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",

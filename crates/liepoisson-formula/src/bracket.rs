@@ -1,4 +1,4 @@
-//! Poisson brackets of degree one by their structure constants, and those that have names.
+//! Poisson brackets by their terms: structure constants, or functions of the state; and brackets that have names.
 
 use super::refusal::Refusal;
 use super::scope::Coordinates;
@@ -20,11 +20,11 @@ pub struct Entry {
     pub j: usize,
     /// The coordinate in the term; `None` for a constant one.
     pub m: Option<usize>,
-    /// The coefficient, a formula in parameters.
+    /// The coefficient, a formula in parameters; with `m = None` in a known bracket, in the coordinates, too.
     pub c: String,
 }
 
-/// A bracket `{x_i, x_j} = sum of c x_m + k`.
+/// A bracket `{x_i, x_j} = sum of c x_m + k`, where `k` may be any smooth function of the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bracket {
     pub(super) coordinates: Coordinates,

@@ -2,8 +2,8 @@
 
 use super::cancellation::{MOST_TERMS, Product, all_vanish, sum_of_products};
 use super::constant::constant;
-use super::expand::{Monomial, Polynomial, polynomial};
-use super::graph::{Graph, Node};
+use super::expand::{Monomial, Polynomial, expanded, n_terms, polynomial};
+use super::graph::{Expression, Graph, Node};
 use super::lowering::{Lines, coefficient, lines};
 use super::overflow::without_overflow;
 use super::rational::Rational;
@@ -46,7 +46,7 @@ pub enum Lowered {
     Tape(Lines),
 }
 
-/// The terms `(i, j, m, c)` of `{x_i, x_j}` in a graph.
+/// The terms `(i, j, m, c)` of `{x_i, x_j}` in a graph; where `m` is `None`, `c` may depend on the state.
 pub(super) type Terms = Vec<(usize, usize, Option<usize>, Node)>;
 
 /// The field of a Hamiltonian in the coordinates `0..n`: quadratic where it is of degree two, else a tape.
@@ -56,10 +56,41 @@ pub(super) fn field_of_hamiltonian(
     energy: Node,
     terms: &Terms,
 ) -> Result<Lowered, Refusal> {
+    if depends_on_state(graph, n, terms) {
+        let rates = rates(graph, n, energy, terms)?;
+        let rates: Vec<Node> = rates.into_iter().map(|rate| without_poles(graph, n, rate)).collect();
+        return field_of_equations(graph, n, &rates);
+    }
     match equations_of_degree_two(graph, n, energy, terms) {
         Some(equations) => quadratic(n, &equations),
         None => tape_of_hamiltonian(graph, n, energy, terms).map(Lowered::Tape),
     }
+}
+
+/// A rate as it stands, or multiplied out where it is a polynomial only then, as `x y (1 - 1/x)` of Lotka and Volterra.
+fn without_poles(graph: &mut Graph, n: usize, rate: Node) -> Node {
+    if is_polynomial(graph, n, rate) || n_terms(graph, rate) > MOST_TERMS as u64 {
+        return rate;
+    }
+    let multiplied = expanded(graph, rate);
+    if is_polynomial(graph, n, multiplied) { multiplied } else { rate }
+}
+
+/// Whether an expression is made of coordinates by sums, products and powers alone, as it stands.
+fn is_polynomial(graph: &Graph, n: usize, node: Node) -> bool {
+    graph.reachable(&[node]).into_iter().all(|part| match graph.expression(part) {
+        Expression::Symbol(index) => *index < n,
+        Expression::Number(_) | Expression::Pi | Expression::Sum { .. } => true,
+        Expression::Product(factors) => {
+            factors.iter().all(|(_, exponent)| exponent.to_integer().is_some_and(|k| k > 0))
+        }
+        _ => false,
+    })
+}
+
+/// Whether a coefficient of the bracket is a function of the state: the bracket is not linear then.
+pub(super) fn depends_on_state(graph: &Graph, n: usize, terms: &Terms) -> bool {
+    terms.iter().any(|term| graph.symbols(term.3).first().is_some_and(|&symbol| symbol < n))
 }
 
 /// The same as a tape, whatever its degree.
@@ -129,6 +160,8 @@ pub(super) fn rates(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) ->
 }
 
 /// The equations of a quadratic Hamiltonian, or of a cubic one where J is constant: coefficients by component and monomial.
+///
+/// The bracket must be linear in the state.
 pub(super) fn equations_of_degree_two(graph: &mut Graph, n: usize, energy: Node, terms: &Terms) -> Option<top::Terms> {
     let is_constant = terms.iter().all(|term| term.2.is_none());
     let mut energy = polynomial(graph, energy, n, if is_constant { 3 } else { 2 })?;

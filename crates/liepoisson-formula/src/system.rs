@@ -4,7 +4,8 @@ use super::bracket::Bracket;
 use super::constant::constant;
 use super::expand::expanded;
 use super::field::{
-    Lowered, Terms, equations_of_degree_two, field_of_hamiltonian, quadratic, rates, tape, tape_of_hamiltonian,
+    Lowered, Terms, depends_on_state, equations_of_degree_two, field_of_hamiltonian, quadratic, rates, tape,
+    tape_of_hamiltonian,
 };
 use super::grammar::{Part, Tree, parse};
 use super::graph::{Graph, Node};
@@ -103,6 +104,9 @@ impl System {
     /// A parameter without value; a coefficient that no double holds; a system that is too large.
     pub fn field(&self) -> Result<Lowered, Refusal> {
         let (mut graph, energy, terms) = self.with_values()?;
+        if depends_on_state(&graph, self.n(), &terms) {
+            return field_of_hamiltonian(&mut graph, self.n(), energy, &terms);
+        }
         let Some(equations) = equations_of_degree_two(&mut graph, self.n(), energy, &terms) else {
             return tape_of_hamiltonian(&mut graph, self.n(), energy, &terms).map(Lowered::Tape);
         };
@@ -170,7 +174,9 @@ impl System {
         let mut terms = vec![];
         for (entry, tree) in self.bracket.entries.iter().zip(&self.coefficients) {
             let c = self.read(graph, &entry.c, tree, insert_values, false)?;
-            if graph.symbols(c).first().is_some_and(|&symbol| symbol < self.n()) {
+            let is_constant = graph.symbols(c).first().is_none_or(|&symbol| symbol >= self.n());
+            // what is not checked for Jacobi's identity may be any function of the state
+            if !is_constant && (entry.m.is_some() || !self.bracket.is_known) {
                 return Err(Refusal::new("a structure constant must not depend on the state", &entry.c, 0));
             }
             if !graph.is_zero(c) {

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson import _core
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.compile.field import QuadraticField, TapeField, TapeFunction, field_of
 from liepoisson.compile.printing import PrintedExpressions
 from liepoisson.errors import ParameterError, UnsupportedFieldError
@@ -45,15 +46,12 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
 
 
 def _field_of_bracket(bracket: Bracket, hamiltonian: Expr, *, as_tape: bool) -> dict[str, Any]:
-    printed = PrintedExpressions(bracket.variables, [hamiltonian])
-    terms = terms_of(bracket, printed)
-    return _core.printed_field(printed.n_components, printed.parts, terms, printed.texts[0], as_tape)
-
-
-def terms_of(bracket: Bracket, printed: PrintedExpressions) -> list[tuple[int, int, int | None, str]]:
-    r"""The terms (i, j, m, c) of $\{x_i, x_j\}$ for the core; m is None for a constant one."""
-    linear = [(i, j, m, printed.number(c)) for i, j, m, c in bracket.entries()]
-    return [*linear, *((i, j, None, printed.number(c)) for (i, j), c in bracket.constant.items())]
+    terms = bracket.terms()
+    functions = [] if bracket.is_linear else [to_sympy(c) for *_, c in terms]
+    printed = PrintedExpressions(bracket.variables, [hamiltonian, *functions])
+    texts = [printed.number(c) for *_, c in terms] if bracket.is_linear else printed.texts[1:]
+    named = [(i, j, m, text) for (i, j, m, _), text in zip(terms, texts, strict=True)]
+    return _core.printed_field(printed.n_components, printed.parts, named, printed.texts[0], as_tape)
 
 
 def check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:

@@ -34,6 +34,7 @@ class PrintedExpressions:
         expressions: What is printed.
         angles: Whether angles of pairs, atan2(y, x), may occur.
         shares: Whether parts are named.
+        names: What the coordinates are called, in place of x1, x2, ...
 
     Attributes:
         n_components: The number of coordinates.
@@ -46,13 +47,22 @@ class PrintedExpressions:
     """
 
     def __init__(
-        self, variables: Sequence[Symbol], expressions: Sequence[Expr], *, angles: bool = False, shares: bool = True
+        self,
+        variables: Sequence[Symbol],
+        expressions: Sequence[Expr],
+        *,
+        angles: bool = False,
+        shares: bool = True,
+        names: Sequence[str] | None = None,
     ) -> None:
         private, given = in_compiler_symbols(variables, expressions)
         self.n_components = len(variables)
         self.parts: list[str] = []
         self._angles, self._shares = angles, shares
-        self._known: dict[Any, tuple[str, int]] = {symbol: (f"x{k}", 0) for k, symbol in enumerate(private, start=1)}
+        called = [f"x{k}" for k in range(1, len(private) + 1)] if names is None else names
+        self._known: dict[Any, tuple[str, int]] = {
+            symbol: (name, 0) for symbol, name in zip(private, called, strict=True)
+        }
         self._uses: dict[Any, int] = {}
         for expression in given:
             self._count(expression)
@@ -161,6 +171,11 @@ class PrintedExpressions:
 def printed_number(value: Expr) -> str:
     """A number as one text, in which no part has a name."""
     return PrintedExpressions((), [value], shares=False).texts[0]
+
+
+def printed_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) -> list[str]:
+    """Functions as texts in the names of the variables, in which no part has a name."""
+    return PrintedExpressions(variables, functions, shares=False, names=[str(v) for v in variables]).texts
 
 
 def _factor(part: Any, text: str) -> str:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
 from liepoisson import _core
-from liepoisson.algebra.exact_numbers import Coefficient, symbols_of
+from liepoisson.algebra.exact_numbers import Coefficient, symbols_of, to_sympy
 from liepoisson.algebra.symbol_polynomials import SymbolPolynomial
 from liepoisson.errors import LiePoissonError
 from liepoisson.formula.parameters import Kept, flattened
@@ -34,20 +34,35 @@ def read_system(
 
     Args:
         names: The coordinates.
-        bracket: The bracket with numbers; None where functions alone are wanted.
+        bracket: The bracket with numbers, linear or not; None where functions alone are wanted.
         hamiltonian: The Hamiltonian.
         values: Of the parameters.
     """
-    numbers = () if bracket is None else bracket.kept_entries()
-    if any(symbols_of(c) for *_, c in numbers) or any(map(symbols_of, flattened(values).values())):
+    if (bracket is not None and _has_symbols(bracket)) or any(map(symbols_of, flattened(values).values())):
         return None
     try:
-        terms = [(i, j, m, _text(c)) for i, j, m, c in numbers]
+        terms = [] if bracket is None else _terms(bracket)
         return _core.TypedSystem(
             names, terms, hamiltonian, [(name, _texts(value)) for name, value in values.items()], []
         )
     except LiePoissonError:
         return None
+
+
+def _has_symbols(bracket: Bracket) -> bool:
+    """Whether a number of the bracket is a symbol."""
+    return any(symbols_of(c) for *_, c in bracket.kept_entries()) if bracket.is_linear else bool(bracket.symbols)
+
+
+def _terms(bracket: Bracket) -> list[tuple[int, int, int | None, str]]:
+    """The terms of a bracket with numbers, as the core takes them; functions of the state in the names of these."""
+    if bracket.is_linear:
+        return [(i, j, m, _text(c)) for i, j, m, c in bracket.kept_entries()]
+    from liepoisson.compile.printing import printed_functions
+
+    terms = bracket.terms()
+    texts = printed_functions(bracket.variables, [to_sympy(c) for *_, c in terms])
+    return [(i, j, m, text) for (i, j, m, _), text in zip(terms, texts, strict=True)]
 
 
 def _texts(value: Kept) -> str | list[str] | list[list[str]]:

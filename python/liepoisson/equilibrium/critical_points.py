@@ -67,11 +67,13 @@ class HamiltonianFields:
 
     @cached_property
     def _constants(self) -> Array:
-        """The derivative of J, which is of degree one: [m, i, j] is that of J_ij along x_m."""
+        """The derivative of a J of degree one: [m, i, j] is that of J_ij along x_m."""
         return self._system.functions.poisson_tensor(np.eye(self._system.bracket.dimension)) - self._at_zero
 
     def poisson(self, x: Array) -> Array:
         """Poisson tensors, shape (..., N, N)."""
+        if not self._system.bracket.is_linear:
+            return self._system.functions.poisson_tensor(x)
         tensor = linear.einsum("...m,mij->...ij", x, self._constants)
         return tensor + self._at_zero if self._system.bracket.constant else tensor
 
@@ -93,7 +95,11 @@ class HamiltonianFields:
         if self._last is not None and np.array_equal(self._last[0], x):
             return self._last[1]
         poisson = self.poisson(x)
-        turning = linear.einsum("mij,...kj->...imk", self._constants, gradients_of(self.functions, x))
+        slopes = gradients_of(self.functions, x)
+        if self._system.bracket.is_linear:
+            turning = linear.einsum("mij,...kj->...imk", self._constants, slopes)
+        else:
+            turning = linear.einsum("...mij,...kj->...imk", self._system.functions.poisson_slopes(x), slopes)
         bending = [linear.matmul(poisson, f.hessian(x)) for f in self.functions]
         found = turning, np.stack(bending, axis=-1)
         self._last = x.copy(), found

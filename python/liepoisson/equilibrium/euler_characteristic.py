@@ -45,6 +45,8 @@ def euler_characteristic(leaf: Leaf) -> int | None:
     top = exact_top(system)
     if top is not None:
         return euler_characteristic_of_leaf(leaf, top)
+    if not system.bracket.has_algebra:
+        return None
     if system.bracket.extension.dimension == 1:
         moved = _without_constant_part(system, leaf.state)
         return None if moved is None else _of_orbit(system, moved)

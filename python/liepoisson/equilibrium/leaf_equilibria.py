@@ -25,6 +25,7 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import ArrayLike
 
+from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.ideals.certified_roots import ball, precision
 from liepoisson.algebra.ideals.groebner import rational_context
 from liepoisson.algebra.ideals.limits import Limits, NotDecidedError
@@ -350,7 +351,7 @@ def polynomial_equilibria(leaf: Leaf, limits: Limits = LIMITS) -> AllEquilibria 
 
 
 def _equations(leaf: Leaf, limits: Limits) -> PolynomialSystem | None:
-    """J grad H = 0 and C = c; None if they are too long to be read.
+    """J grad H = 0 and C = c; None if they are too long to be read, or J is no polynomial.
 
     Raises:
         ParameterError: they are no polynomials with rational coefficients.
@@ -362,7 +363,10 @@ def _equations(leaf: Leaf, limits: Limits) -> PolynomialSystem | None:
     system = leaf.system
     rates = [rate for rate in system.equations.values() if rate != 0]
     casimirs = {name: function.expression for name, function in leaf.casimir_functions.items()}
+    entries: list[Any] = [] if system.bracket.is_linear else [to_sympy(c) for *_, c in system.bracket.terms()]
     if any(expanded_terms(e) > _MOST_TERMS for e in (*rates, *casimirs.values())):
+        return None
+    if not all(entry.is_polynomial(*system.variables) for entry in entries):
         return None
     levels: list[Any] = [
         casimir - Rational(*leaf.casimirs[name].as_integer_ratio()) for name, casimir in casimirs.items()

@@ -30,6 +30,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed_names
 from liepoisson.inputs.refusals import shown
 from liepoisson.leaf.leaf import Leaf
+from liepoisson.leaf.leaf_in_units import unit_length
 from liepoisson.portable import linear
 from liepoisson.streams import generator
 
@@ -279,7 +280,7 @@ def _residual(fields: HamiltonianFields, y: Array, omega: Array) -> float:
 def not_tiny(leaf: Leaf, name: str) -> Leaf:
     """The leaf, unless J at its state, linear without a constant part, has no inverse in doubles."""
     size = float(np.abs(leaf.state).max(initial=0.0))
-    if leaf.rank and size < _TINY and not leaf.system.bracket.constant:
+    if leaf.rank and size < _TINY and not unit_length(leaf.system.bracket):
         raise ParameterError(
             f"{name} must be zero, or have a component of at least {_TINY:g}, so that its Poisson tensor has an "
             f"inverse in doubles; the largest is {size:.3g}. Choose units in which it is larger."

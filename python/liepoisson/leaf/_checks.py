@@ -49,7 +49,7 @@ def are_equal(first: System, second: System) -> bool:
     if first is second:
         return True
     names = [[str(x) for x in system.variables] for system in (first, second)]
-    if names[0] != names[1] or set(first.bracket.entries()) != set(second.bracket.entries()):
+    if names[0] != names[1] or set(first.bracket.terms()) != set(second.bracket.terms()):
         return False
     difference = first.hamiltonian - second.hamiltonian
     return bool(difference == 0 or difference.expand() == 0)

@@ -98,7 +98,7 @@ def scaling(
     bracket = system.bracket
     groups = unit_groups(bracket)
     n_groups, ones = 1 + max(groups), np.ones(bracket.dimension)
-    length = float(np.abs(state).max()) if state is not None and bracket.constant else 0.0
+    length = float(np.abs(state).max()) if state is not None and unit_length(bracket) else 0.0
     problem = _Problem(n_groups, length or 1.0)
     for sizes, constant in _blocks(bracket):
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
@@ -174,6 +174,8 @@ class _Problem:
 
 def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
     """The linear parts of those blocks {field, field} that have a constant part, with the size of that part."""
+    if not bracket.is_linear:
+        return []
     groups = unit_groups(bracket)
     constants: dict[tuple[int, int], float] = {}
     for (i, j), c in bracket.constant.items():
@@ -236,11 +238,11 @@ def unit_groups(bracket: Bracket) -> tuple[int, ...]:
 
     Those of one field are, unless weights tell them apart with $w_i + w_j = w_m$ whenever $x_m$ occurs in
     $\{x_i, x_j\}$: then $x_i\to s^{w_i}x_i$ keeps the bracket, as for rotations and translations in se(n).  Where the
-    bracket is only constant each coordinate has a unit of its own: canonical coordinates are lengths, angles and what
-    else one likes.
+    bracket is only constant, or not linear, each coordinate has a unit of its own: canonical coordinates are lengths,
+    angles and what else one likes.
     """
-    n, N = bracket.algebra.dimension, bracket.dimension
-    entries = bracket.entries()
+    n, N = bracket.field_lengths[0], bracket.dimension
+    entries = bracket.entries() if bracket.is_linear else ()
     if not entries:
         return tuple(range(N))
     keys = [(i // n, *weights) for i, weights in enumerate(_weights(entries, N))]
@@ -263,8 +265,8 @@ def _weights(entries: Iterable[tuple[int, int, int, Any]], n: int) -> list[tuple
 
 
 def unit_length(bracket: Bracket) -> float:
-    """What is added to the length of a state: 1 where the bracket has a constant part, else 0."""
-    return 1.0 if bracket.constant else 0.0
+    """What is added to the length of a state: 0 where the bracket is linear without a constant part, else 1."""
+    return 1.0 if not bracket.is_linear or bracket.constant else 0.0
 
 
 class FunctionInUnits(PhaseFunction):
@@ -350,6 +352,11 @@ class FunctionsInUnits:
     def poisson_tensor(self, states: Array) -> Array:
         r"""The brackets $\{y_i, y_j\}$, shape (..., N, N)."""
         return self.system.functions.poisson_tensor(states * self.units) / np.outer(self.units, self.units)
+
+    def poisson_slopes(self, states: Array) -> Array:
+        r"""Their derivatives, [..., m, i, j] along y_m, shape (..., N, N, N)."""
+        slopes = self.system.functions.poisson_slopes(states * self.units)
+        return slopes * self.units[:, None, None] / np.outer(self.units, self.units)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from liepoisson.algebra.exact_numbers import is_zero
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.formula.scalars import as_count, as_seed
 from liepoisson.inputs.arrays import Array, check_memory
@@ -118,6 +119,18 @@ def _top_of(leaf: Leaf) -> TopField | None:
 
 
 def _check_unimodular(leaf: Leaf) -> None:
+    bracket = leaf.system.bracket
+    if not bracket.is_linear:
+        J: Any = bracket.poisson_tensor()
+        for j in range(bracket.dimension):
+            divergence_of_column = sum(J[i, j].diff(x) for i, x in enumerate(bracket.variables))
+            if not is_zero(divergence_of_column):
+                raise ParameterError(
+                    "the bracket must be unimodular, sum_i dJ_ij/dx_i = 0, so that flows preserve volume; got "
+                    f"{divergence_of_column!s:.60} for {bracket.coordinate_names_in_order[j]}. There is no invariant "
+                    "density to sample from in these coordinates; start from states of your own."
+                )
+        return
     divergence: dict[int, float] = {}
     for i, j, m, c in leaf.system.bracket.entries():
         value = float(cast("Any", c))

@@ -55,12 +55,12 @@ class Place:
 def place_of(system: System, x: Array) -> Place:
     """The place of one state, shape (N,).
 
-    Without a constant part J is linear and the conditions are homogeneous: x and any multiple of it lie on one stratum,
-    and the multiple by a power of two neither overflows nor underflows, for which the largest and the smallest field
-    are as far above one as below it.
+    Where J is linear without a constant part, the conditions are homogeneous: x and any multiple of it lie on one
+    stratum, and the multiple by a power of two neither overflows nor underflows, for which the largest and the smallest
+    field are as far above one as below it.
     """
-    if not system.bracket.constant and x.any():
-        largest = np.abs(x.reshape(-1, system.bracket.algebra.dimension)).max(axis=1)
+    if system.bracket.is_linear and not system.bracket.constant and x.any():
+        largest = np.abs(x.reshape(-1, system.bracket.field_lengths[0])).max(axis=1)
         exponents = np.frexp(largest[largest > 0])[1]
         x = np.ldexp(x, -int(exponents.max() + exponents.min()) // 2)
     rank = numeric_rank(system, x)
@@ -89,7 +89,7 @@ def open_place(system: System) -> Place:
 def numeric_rank(system: System, x: Array) -> int:
     """The rank of J at one state; singular values below 1e-11 of the largest count as zero, in balanced units."""
     poisson = system.functions.poisson_tensor(x)
-    n = system.bracket.algebra.dimension
+    n = system.bracket.field_lengths[0]
     sizes = linear.svd(_balanced(np.asarray(poisson), n), compute_uv=False)
     return int(np.sum(sizes > RANK * sizes[0])) if sizes.size and sizes[0] > 0 else 0
 
@@ -138,8 +138,8 @@ def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
     """Whether gradients and rows span the normal space of the leaf, of dimension N - rank, at this state."""
     if not place.rank:
         return True
-    lengths = linear.norm(x.reshape(-1, bracket.algebra.dimension), axis=1)
-    units = np.repeat(np.where(lengths > 0, lengths, lengths.max() or 1.0), bracket.algebra.dimension)
+    lengths = linear.norm(x.reshape(-1, bracket.field_lengths[0]), axis=1)
+    units = np.repeat(np.where(lengths > 0, lengths, lengths.max() or 1.0), bracket.field_lengths[0])
     rows = gradients_of(list(place.casimirs.values()), x) * units
     largest = np.abs(rows).max(axis=-1, keepdims=True, initial=0.0)  # whose squares may overflow or underflow
     rows = np.divide(rows, largest, out=np.zeros_like(rows), where=largest > 0)
@@ -152,7 +152,7 @@ def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
 
 
 def _field(bracket: Bracket, name: str, x: Array) -> Array:
-    n, k = bracket.algebra.dimension, bracket.field_names.index(name)
+    n, k = bracket.field_lengths[0], bracket.field_names.index(name)
     return x[k * n : (k + 1) * n]
 
 
@@ -174,7 +174,7 @@ def _are_parallel(u: Array, v: Array) -> bool:
 
 def _pinned(locus: Locus, bracket: Bracket, x: Array) -> Array:
     """The linear equations of the set: fields that vanish, and p u - q v = 0 for two parallel ones."""
-    n, names, N = bracket.algebra.dimension, bracket.field_names, bracket.dimension
+    n, names, N = bracket.field_lengths[0], bracket.field_names, bracket.dimension
     weights: list[Any] = [np.eye(len(names))[names.index(name)] for name in locus.zero]
     for pair in locus.parallel:
         fields = np.stack([_field(bracket, name, x) for name in pair])

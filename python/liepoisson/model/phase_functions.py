@@ -345,6 +345,12 @@ class PhaseFunctions:
         n = len(self._system.component_names)
         states = as_phase_points(states, self._system.component_names, self._system.parts_of_state)
         tensor = np.zeros((*states.shape[:-1], n, n))
+        if not self._system.bracket.is_linear:
+            terms = self._system.bracket.terms()
+            values = evaluated(self._system.variables, [cast("Expr", c) for *_, c in terms], states)
+            for k, (i, j, *_) in enumerate(terms):
+                tensor[..., i, j], tensor[..., j, i] = values[..., k], -values[..., k]
+            return tensor
         for i, j, m, c in self._system.bracket.entries():
             tensor[..., i, j] += float(cast("Any", c)) * states[..., m]
             tensor[..., j, i] -= float(cast("Any", c)) * states[..., m]
@@ -352,6 +358,26 @@ class PhaseFunctions:
             tensor[..., i, j] += float(cast("Any", c))
             tensor[..., j, i] -= float(cast("Any", c))
         return tensor
+
+    def poisson_slopes(self, states: ArrayLike) -> Array:
+        r"""The derivatives $\partial J_{ij}/\partial x_m$ at [..., m, i, j], shape (..., N, N, N).
+
+        Raises:
+            ParameterError: a parameter of the bracket has no number.
+        """
+        system, n = self._system, len(self._system.component_names)
+        states = as_phase_points(states, system.component_names, system.parts_of_state)
+        if system.bracket.is_linear:
+            at_zero = self.poisson_tensor(np.zeros(n))
+            return np.broadcast_to(self.poisson_tensor(np.eye(n)) - at_zero, (*states.shape, n, n)).copy()
+        terms, slopes = system.bracket.terms(), np.zeros((*states.shape, n, n))
+        values = evaluated(
+            system.variables, [cast("Expr", c).diff(x) for *_, c in terms for x in system.variables], states
+        )
+        for k, (i, j, *_) in enumerate(terms):
+            slopes[..., i, j] = values[..., k * n : (k + 1) * n]
+            slopes[..., j, i] = -slopes[..., i, j]
+        return slopes
 
     def jacobian(self, states: ArrayLike) -> Array:
         r"""The derivative of the vector field, $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""

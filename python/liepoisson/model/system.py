@@ -51,7 +51,7 @@ def _bracket_hint(given: Any) -> str:
         return f"a Lie algebra is half of one: write {given!r} @ trivial(){vectors}"
     if isinstance(given, Extension):
         return "an extension is half of one: write so(3) @ extension"
-    return "write for example so(3) @ leibniz(3, 1)"
+    return "write for example so(3) @ leibniz(3, 1), or PoissonTensor(variables, entries)"
 
 
 class AsGiven(NamedTuple):
@@ -72,7 +72,7 @@ class AsGiven(NamedTuple):
 
 @explains_its_methods
 class System(EquationsOfMotion):
-    r"""A Lie-Poisson system, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
+    r"""A Hamiltonian system on a Poisson bracket, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
 
     Example:
         >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3", {"I": [2, 2, 1]})
@@ -82,7 +82,7 @@ class System(EquationsOfMotion):
         [0.0, -0.5, 0.0, 0.0, 0.5, 0.0]
 
     Args:
-        bracket: The Lie-Poisson bracket.
+        bracket: The Lie-Poisson bracket, or a `PoissonTensor`.
         hamiltonian: A text such as `"dot(l, inv(I)*l)/2 + dot(a, alpha)"` (see `liepoisson.formula.expression`), a
             SymPy expression in `bracket.variables` and parameters that are declared, or a Python function that takes
             one SymPy column per field (l, alpha, beta for three fields) and returns such an expression.
@@ -129,7 +129,8 @@ class System(EquationsOfMotion):
         self.symbolic_bracket: Bracket = bracket
         of_bracket: Any = {name: value for name, value in self._numbers.items() if name in bracket.symbols}
         self.bracket: Bracket = bracket.substitute(of_bracket)
-        default = "Hamiltonian system" if bracket.constant_rows else "Lie-Poisson system"
+        is_lie_poisson = bracket.has_algebra and not bracket.constant_rows
+        default = "Lie-Poisson system" if is_lie_poisson else "Hamiltonian system"
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else check_source(source)
         self.bracket = with_coefficients(self.bracket, self._parameter_names)
@@ -420,7 +421,7 @@ class System(EquationsOfMotion):
             raise AttributeError(message, name=name, obj=self)
 
     def _recognise_top(self) -> TopParameters | None:
-        if self.bracket.dimension != 9 or self.bracket.constant_rows:
+        if self.bracket.dimension != 9 or not self.bracket.has_algebra or self.bracket.constant_rows:
             return None
         if self.polynomial_hamiltonian is None and self._typed is not None and self._general_field.kind == "tape":
             return None  # the equations of a top are of degree two

@@ -20,6 +20,15 @@ A canonical bracket is written instead of an algebra:
     [quadratures]                          # further components of the state, if there are, with their rates
     psi = "p_theta - cos(theta)"
 
+A bracket that is not linear is given by the formulas of its Poisson tensor:
+
+    [bracket]
+    variables = ["x", "y", "z"]
+    tensor.x.y = "a*x*y"                   # {x, y} = a x y
+    tensor.y.z = "y*z"
+    tensor.x.z = "-z*x"
+    casimirs = ["..."]                     # if some are known; they are checked
+
 and, where they are known, a source, a description, integrals and reference values:
 
     [integrals]

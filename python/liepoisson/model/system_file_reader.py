@@ -38,7 +38,8 @@ _KEYS: dict[str, tuple[str, ...]] = {
     table: tuple(keys.split())
     for table, keys in {
         "": "name source description symbols bracket parameters hamiltonian integrals quadratures reference",
-        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta",
+        "bracket": "algebra structure_constants matrices basis_names extension W variables constant canonical momenta "
+        "tensor casimirs",
         "hamiltonian": "expression",
         "integral": "expression on source",
         "reference": "state quantity value tolerance source",
@@ -189,6 +190,8 @@ class _Reader(TomlReader):
         self.guarded(("parameters",), lambda: Scope(symbols=declared))
         if "canonical" in table:
             return self.canonical(table)
+        if "tensor" in table or "casimirs" in table:
+            return self.tensor(table, declared)
         algebra = self.algebra(table, declared)
         extension = self.extension(table, declared)
         if "variables" in table:
@@ -209,6 +212,27 @@ class _Reader(TomlReader):
             for second, value in self.table((*keys, first), row).items():
                 entries[first, second] = self.coefficient((*keys, first, second), value, scope)
         return self.guarded(keys, lambda: bracket.with_constant(entries))
+
+    def tensor(self, table: dict[str, Any], symbols: Sequence[str]) -> Bracket:
+        """The bracket of a Poisson tensor that is given by formulas: tensor.x.y = "x*y" is {x, y} = x y."""
+        from liepoisson.structure.tensor_bracket import PoissonTensor
+
+        if other := next((key for key in table if key not in ("variables", "tensor", "casimirs")), None):
+            message = "a Poisson tensor is given by variables, tensor and casimirs alone. Remove the key."
+            raise self.toml.error(("bracket", other), message)
+        if missing := next((key for key in ("variables", "tensor") if key not in table), None):
+            raise self.toml.error(("bracket",), f"wanted the key {missing} of a Poisson tensor. Write it.")
+        names = self.texts(("bracket", "variables"), table["variables"])
+        casimirs = self.texts(("bracket", "casimirs"), table.get("casimirs", []))
+        entries: dict[tuple[str | int, str | int], Any] = {}
+        for first, row in self.table(("bracket", "tensor"), table["tensor"]).items():
+            for second, entry in self.table(("bracket", "tensor", first), row).items():
+                keys = ("bracket", "tensor", first, second)
+                given = {(first, second): entry if isinstance(entry, str) else self.number(keys, entry)}
+                self.guarded(keys, partial(PoissonTensor, names, given, symbols=symbols, check=False))
+                entries |= given
+        found = self.guarded(("bracket", "tensor"), lambda: PoissonTensor(names, entries, symbols=symbols))
+        return self.guarded(("bracket", "casimirs"), lambda: found.with_casimirs(casimirs, symbols=symbols))
 
     def canonical(self, table: dict[str, Any]) -> Bracket:
         """The canonical bracket of a number of degrees of freedom, or of coordinates by name."""
@@ -322,7 +346,7 @@ class _Reader(TomlReader):
         )
 
     def state(self, keys: tuple[str | int, ...], given: object, bracket: Bracket) -> tuple[Exact, ...]:
-        fields, n = bracket.extension.field_names, bracket.algebra.dimension
+        fields, n = bracket.field_names, bracket.field_lengths[0]
         if isinstance(given, dict):
             table = cast("dict[str, object]", given)
             if bracket.has_scalar_fields:  # theta = 1 as well as theta = [1]

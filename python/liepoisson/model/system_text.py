@@ -23,6 +23,7 @@ from liepoisson.model.system import System
 from liepoisson.model.system_file_reader import parse_system_file, vector_field_of
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.canonical_bracket import canonical
+from liepoisson.structure.tensor_bracket import PoissonTensor
 
 if TYPE_CHECKING:
     from liepoisson.structure.bracket import Bracket
@@ -154,8 +155,7 @@ def _check(text: str, system: System, *, symbolic: bool) -> None:
         found = read_system_text(text, type(system).__name__)
         same = (
             found.component_names == system.component_names
-            and found.bracket.entries() == system.bracket.entries()
-            and found.bracket.constant == system.bracket.constant
+            and found.bracket.terms() == system.bracket.terms()
             and _are_equal(found.hamiltonian, system.hamiltonian)
             and _are_same(found.integrals, system.integrals)
             and _are_same(_pairs(found.partial_integrals), _pairs(system.partial_integrals))
@@ -191,6 +191,8 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
         return {"canonical": list(system.coordinates), "momenta": list(system.momenta)}
     if canonical := _canonical(bracket):
         return canonical
+    if isinstance(bracket, PoissonTensor):
+        return _tensor(bracket)
     table = {**_algebra(bracket.algebra), **_extension(bracket.extension), "variables": list(bracket.field_names)}
     if bracket.constant:
         names, rows = bracket.coordinate_names_in_order, dict[str, dict[str, str]]()
@@ -200,10 +202,19 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
     return table
 
 
+def _tensor(bracket: PoissonTensor) -> dict[str, Any]:
+    """The table of a bracket that is given by formulas."""
+    names, rows = bracket.coordinate_names_in_order, dict[str, dict[str, str]]()
+    for (i, j), entry in bracket.formulas.entries.items():
+        rows.setdefault(names[i], {})[names[j]] = formula_text(entry)
+    casimirs = [formula_text(casimir) for casimir in bracket.given_casimirs]
+    return {"variables": list(names), "tensor": rows, **({"casimirs": casimirs} if casimirs else {})}
+
+
 def _canonical(bracket: Bracket) -> dict[str, Any] | None:
     """The table of a canonical bracket; None for another one."""
     names, n = bracket.coordinate_names_in_order, bracket.dimension // 2
-    if not bracket.has_scalar_fields or bracket.entries() or bracket.dimension % 2:
+    if not bracket.has_algebra or not bracket.has_scalar_fields or bracket.entries() or bracket.dimension % 2:
         return None
     found = canonical(names=names[:n], momenta=names[n:])
     return {"canonical": list(names[:n]), "momenta": list(names[n:])} if found.constant == bracket.constant else None

@@ -135,7 +135,7 @@ class TopParameters:
         from liepoisson.structure.extensions import leibniz
         from liepoisson.structure.lie_algebras import so
 
-        if bracket.dimension not in DIMENSIONS or bracket.constant_rows:
+        if bracket.dimension not in DIMENSIONS or not bracket.has_algebra or bracket.constant_rows:
             return False
         wanted = so(3) @ leibniz(bracket.dimension // 3, self.epsilon)
         return set(bracket.entries()) == set(wanted.entries())
@@ -215,7 +215,7 @@ def warn_of_impossible_bodies(inertia: Sequence[Exact], system: System | None = 
 
 def recognised_top(system: System) -> TopParameters | None:
     """The top with the equations of motion of a system, or None; see `match_top`."""
-    if system.bracket.dimension not in DIMENSIONS:
+    if system.bracket.dimension not in DIMENSIONS or not system.bracket.has_algebra:
         return None
     # The equations are expanded to be compared, which for a high power of a sum would take minutes.
     if system.polynomial_hamiltonian is not None and system.polynomial_rates is not None:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from liepoisson.structure.lie_algebra import LieAlgebra
 
 _MOST_CONSTANTS = 12
-"""Entries of a constant part that are printed."""
+"""Entries of a constant part, or of a tensor, that are printed."""
 
 
 def algebra_topic(bracket: Bracket) -> Topic:
@@ -102,15 +102,17 @@ def extension_topic(bracket: Bracket) -> Topic:
 
 
 def jacobi_topic(bracket: Bracket, certificate: JacobiCertificate) -> Topic:
-    """The bracket and the proof that it is one."""
+    """The bracket, with its constant part or, if it is not linear, its entries; and the proof that it is one."""
     names = [str(variable) for variable in bracket.variables]
-    constant = [(names[i], names[j], Formula(to_sympy(c))) for (i, j), c in bracket.constant.items()]
+    known = {(i, j): c for i, j, m, c in bracket.terms() if m is None}
+    constant = [(names[i], names[j], Formula(to_sympy(c))) for (i, j), c in known.items()]
+    title = "constant part" if bracket.is_linear else "entries"
     shown = ", ".join(names) if len(names) <= 12 else f"{', '.join(names[:6])}, ..., {names[-1]}"
     lines: list[Line] = [(f"{bracket!r}, {len(names)} coordinates: {shown}",)]
     if constant:
         parts: list[Written] = [Equation(_braces(u, v), c) for u, v, c in constant]
         more = f", ... ({len(parts)} in all)" if len(parts) > _MOST_CONSTANTS else ""
-        lines.append(("constant part ", *joined(parts[:_MOST_CONSTANTS]), *([more] if more else [])))
+        lines.append((f"{title} ", *joined(parts[:_MOST_CONSTANTS]), *([more] if more else [])))
     lines.append((str(certificate),))
 
     def record() -> dict[str, Any]:
@@ -118,9 +120,9 @@ def jacobi_topic(bracket: Bracket, certificate: JacobiCertificate) -> Topic:
         return {
             "name": repr(bracket),
             "coordinates": names,
-            **({"constant_part": part} if part else {}),
+            **({title.replace(" ", "_"): part} if part else {}),
             "jacobi": {
-                "proved": certificate.holds,
+                "proved": certificate.proved,
                 "method": certificate.method,
                 "n_triples": certificate.n_triples,
                 "failures": [str(failure) for failure in certificate.failures],

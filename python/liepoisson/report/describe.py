@@ -128,7 +128,8 @@ def inspect(system: System) -> Report:
         raise not_a_system(system)
     bracket, notation = system.bracket, VectorNotation(system.bracket)
     topics: list[Topic] = []
-    if bracket.entries() or not bracket.constant:  # else nothing of g and A is left in the bracket
+    # else nothing of g and A is left in the bracket, or it has none
+    if bracket.has_algebra and (bracket.entries() or not bracket.constant):
         topics += [
             unless_too_large("algebra", system, lambda: algebra_topic(bracket)),
             unless_too_large("extension", system, lambda: extension_topic(bracket)),
@@ -155,8 +156,11 @@ def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topi
     if not certificate.holds:  # there are no Casimirs and leaves to speak of
         return [jacobi], failures
     casimirs = Casimirs(bracket, notation)
+    known = [jacobi, casimirs.topic(), rank_topic(casimirs), strata_topic(casimirs)]
+    if not bracket.has_algebra:  # symmetries are looked for among maps of fields
+        return known, failures
     symmetries = unless_too_large("symmetries", system, lambda: symmetry_topic(bracket, system.hamiltonian))
-    return [jacobi, casimirs.topic(), rank_topic(casimirs), strata_topic(casimirs), symmetries], failures
+    return [*known, symmetries], failures
 
 
 def describe(system: System) -> str:

@@ -127,7 +127,7 @@ class VectorEquations:
 
 def vector_equations(bracket: Bracket, hamiltonian: Expr) -> VectorEquations | None:
     """The equations of motion in vector notation, or None where the algebra has no cross product."""
-    if bracket.algebra.dimension != 3:
+    if not bracket.has_algebra or bracket.algebra.dimension != 3:
         return None
     notation = VectorNotation(bracket)
     if notation.metric is None:

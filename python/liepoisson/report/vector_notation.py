@@ -79,7 +79,7 @@ def vector_notation(
         ParameterError: it is no expression, or no bracket.
         UnknownNameError: there is no such style.
     """
-    if not hasattr(bracket, "extension"):
+    if not hasattr(bracket, "coordinate_names_in_order"):
         raise not_a("a bracket", bracket, "bracket", "try system.bracket")
     if style not in _STYLES:
         hint = did_you_mean(str(style), _STYLES)
@@ -93,13 +93,13 @@ class VectorNotation:
     """Writes expressions on one phase space in vector notation where it can."""
 
     def __init__(self, bracket: Bracket) -> None:
-        self.algebra = bracket.algebra
-        self.n = bracket.algebra.dimension
+        self.algebra = bracket.algebra if bracket.has_algebra else None
+        self.n = bracket.field_lengths[0]
         self.field_names: tuple[str, ...] = tuple(bracket.fields)
         self.fields: dict[str, list[Any]] = {name: list(column) for name, column in bracket.fields.items()}
         self.variables: tuple[Any, ...] = bracket.variables
         self.places = {variable: divmod(k, self.n) for k, variable in enumerate(self.variables)}
-        bases = bracket.algebra.basis_names
+        bases = ("",) if self.algebra is None else self.algebra.basis_names
         self.coordinates = {
             str(variable): (self.field_names[f], bases[i]) for variable, (f, i) in self.places.items() if bases[i]
         }
@@ -107,7 +107,7 @@ class VectorNotation:
     @cached_property
     def metric(self) -> tuple[int, ...] | None:
         """The signs of the scalar product of two fields, if there is one."""
-        return invariant_metric(self.algebra)
+        return None if self.algebra is None else invariant_metric(self.algebra)
 
     @property
     def is_euclidean(self) -> bool:

@@ -11,7 +11,7 @@ from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, NoReturn, cast
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, cast
 
 from liepoisson.algebra.exact_numbers import as_expression, exact, substituted, symbols_of, to_sympy
 from liepoisson.errors import BracketError, ParameterError, ShapeError
@@ -83,6 +83,9 @@ class Bracket:
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
+
+    has_algebra: ClassVar[bool] = True
+    """Whether the bracket is given by `algebra` and `extension`; a `PoissonTensor` is given by formulas."""
 
     coefficients: frozenset[str] = frozenset()
     """Names that are like coordinates and stand for coefficients in the functions of a system."""
@@ -256,8 +259,8 @@ class Bracket:
         """The coordinates as one column vector per field, by name."""
         from sympy import Matrix
 
-        n = self.algebra.dimension
-        blocks = (self.variables[i * n : (i + 1) * n] for i in range(self.extension.dimension))
+        n = self.field_lengths[0]
+        blocks = (self.variables[i : i + n] for i in range(0, self.dimension, n))
         return {name: Matrix(block) for name, block in zip(self.field_names, blocks, strict=True)}
 
     def entries(self) -> tuple[tuple[int, int, int, Exact], ...]:
@@ -278,11 +281,23 @@ class Bracket:
 
     @property
     def is_rational(self) -> bool:
-        """Whether all structure constants and the constant part are rational numbers."""
-        return all(isinstance(c, Fraction) for *_, c in self.kept_entries())
+        """Whether the bracket is linear, and all structure constants and the constant part are rational numbers."""
+        return self.is_linear and all(isinstance(c, Fraction) for *_, c in self.kept_entries())
+
+    @property
+    def is_linear(self) -> bool:
+        r"""Whether $\{x_i, x_j\}$ is of degree at most one, so that `entries` and `constant` are all of it."""
+        return True
+
+    def terms(self) -> tuple[tuple[int, int, int | None, Exact], ...]:
+        r"""All terms (i, j, m, c) of $\{x_i, x_j\}$, i < j: $c\,x_m$, and c where m is None.
+
+        These are `entries` and `constant`; where the bracket is not linear c is the function $J_{ij}(x)$ itself.
+        """
+        return (*self.entries(), *((i, j, None, c) for (i, j), c in self.constant.items()))
 
     def poisson_tensor(self) -> Matrix:
-        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x, shape (N, N)."""
+        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x where J is linear, shape (N, N)."""
         return self._matrix.matrix.copy()
 
     def __call__(self, f: Expr, g: Expr) -> Expr:
@@ -440,6 +455,34 @@ class Bracket:
         n = self.algebra.dimension
         terms = [(divmod(i, n), divmod(j, n), c) for (i, j), c in self.constant.items()]
         return [entry for i, j, c in terms for entry in ((i, j, c), (j, i, -c))]
+
+    def in_variables(
+        self, variables: Mapping[str, str | Expr], inverse: Mapping[str, str | Expr], *, check: bool = True
+    ) -> Bracket:
+        r"""The same bracket in other coordinates y(x).
+
+        $$\{y_a, y_b\} = \sum_{ij} \partial_i y_a\, J_{ij}\, \partial_j y_b .$$
+
+        It is a `PoissonTensor`, whose Casimirs are those of this bracket, in the new coordinates.
+
+        Example:
+            >>> bent = lp.canonical(1).in_variables({"x": "q1", "y": "p1 + q1^2"}, {"q1": "x", "p1": "y - x^2"})
+            >>> bent.poisson_tensor()
+            Matrix([
+            [ 0, 1],
+            [-1, 0]])
+
+        Args:
+            variables: The new coordinates, as functions of the old ones.
+            inverse: The old coordinates, as functions of the new ones.
+            check: Verify the Jacobi identity of the result, which it has if this is a Poisson bracket.
+
+        Raises:
+            BracketError: the functions are not inverse to each other, or a coordinate is missing.
+            ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: a name is none that a user may choose.
+        """
+        return function_of("Bracket.in_variables")(self, variables, inverse, check=check)
 
     def substitute(self, values: Mapping[str, Coefficient]) -> Bracket:
         """The same bracket with values for some of its symbols.

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     from liepoisson.algebra.coefficients import Coefficients
     from liepoisson.structure.bracket import Bracket
-    from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.structure.poisson.casimir_search import AnyTensor
 
 MAX_DEGREE = 6
 """Highest degree that is searched when the caller names none."""
@@ -121,7 +121,7 @@ class CasimirReport:
 class _Found:
     """The state of a search."""
 
-    tensor: LinearPoissonTensor
+    tensor: AnyTensor
     corank: int
     generators: list[tuple[int, Polynomial]]
     dimensions: dict[int, int]
@@ -315,7 +315,7 @@ def _exceptional_for_traces(
     return tuple(cases), tuple(condition for condition, _ in values), undecided
 
 
-def quotient_casimirs(tensor: LinearPoissonTensor) -> list[Polynomial]:
+def quotient_casimirs(tensor: AnyTensor) -> list[Polynomial]:
     """Generators of the Casimirs of any linear Poisson tensor, as far as `casimir_report` would go."""
     return [polynomial for _, polynomial in _search(CasimirSearch(tensor), None, _corank(tensor)).generators]
 
@@ -368,6 +368,8 @@ def _lift(bracket: Bracket, pivots: set[Any] | None = None) -> _Found | None:
     """
     from liepoisson.structure.extensions import leibniz
 
+    if not bracket.has_algebra:
+        return None
     n, strength, field = bracket.extension.dimension, leibniz_strength(bracket.extension), bracket.tensor.field
     if n < 2 or strength is None or strength == 0 or field.is_cyclotomic or bracket.constant:
         return None
@@ -389,7 +391,7 @@ def _lift(bracket: Bracket, pivots: set[Any] | None = None) -> _Found | None:
     return _Found(bracket.tensor, _corank(bracket.tensor), generators, {}, found.limits, method)
 
 
-def _corank(tensor: LinearPoissonTensor) -> int:
+def _corank(tensor: AnyTensor) -> int:
     return tensor.dimension - tensor.rank_at_a_point
 
 

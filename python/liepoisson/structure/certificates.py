@@ -60,15 +60,24 @@ class JacobiCertificate:
         n_triples: Number of triples i < j < k of coordinates.
         method: What was computed, in words.
         failures: The first pair or triple that fails; empty if the identity holds.
+        n_points: Random points at which it was only tried, where it is not decided; 0 where it is.
     """
 
     holds: bool
     n_triples: int
     method: str
     failures: tuple[Failure, ...] = ()
+    n_points: int = 0
+
+    @property
+    def proved(self) -> bool:
+        """Whether the identity holds and was decided, not only tried at points."""
+        return self.holds and not self.n_points
 
     def __str__(self) -> str:
-        return f"Jacobi identity proved ({self.method})" if self.holds else "; ".join(str(f) for f in self.failures)
+        if not self.holds:
+            return "; ".join(str(f) for f in self.failures)
+        return f"Jacobi identity {'not refuted' if self.n_points else 'proved'} ({self.method})"
 
 
 @explains_its_methods

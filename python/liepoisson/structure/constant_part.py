@@ -33,7 +33,7 @@ def read_constant(
         )
     found: dict[tuple[int, int], Coefficient] = {}
     for pair, value in entries.items():
-        i, j = _read_pair(pair, names)
+        i, j = read_pair(pair, names, "the constant part")
         entry = read_coefficient(value, f"the constant part of {{{names[i]}, {names[j]}}}")
         if i == j or (min(i, j), max(i, j)) in found:
             what = "with itself" if i == j else "twice"
@@ -45,8 +45,9 @@ def read_constant(
             raise BracketError(
                 f"a constant part must not depend on the state; got {{{names[i]}, {names[j]}}} = {entry} with the "
                 f"coordinate {inside[0]}. Rename a parameter of this name. A linear bracket is one of a Lie algebra, "
-                "LieAlgebra.from_brackets; the equations dx/dt = f(x) of any other are those of "
-                "H = p1*f1(x) + p2*f2(x) + ... on canonical(names=..., momenta=...)."
+                "LieAlgebra.from_brackets, one of any functions of the state a PoissonTensor(variables, entries); the "
+                "equations dx/dt = f(x) of no bracket are those of H = p1*f1(x) + p2*f2(x) + ... on "
+                "canonical(names=..., momenta=...)."
             )
         found[min(i, j), max(i, j)] = entry if i < j else -entry
     return {pair: value for pair, value in sorted(found.items()) if not is_zero(value)}
@@ -56,24 +57,27 @@ def _example(names: Sequence[str]) -> str:
     return f'{{("{names[0]}", "{names[1 % len(names)]}"): "k"}}'
 
 
-def _read_pair(pair: object, names: Sequence[str]) -> tuple[int, int]:
-    """The numbers of two coordinates."""
+def read_pair(pair: object, names: Sequence[str], what: str) -> tuple[int, int]:
+    """The numbers of two coordinates.
+
+    Raises:
+        ParameterError: not a pair.
+        BracketError: a coordinate is unknown.
+    """
     if not isinstance(pair, tuple) or len(cast("tuple[object, ...]", pair)) != 2:
-        raise ParameterError(
-            f"the constant part is given by pairs of coordinates; got {pair!r:.60}. Write {_example(names)}."
-        )
-    first, second = (_read_coordinate(one, names) for one in cast("tuple[object, ...]", pair))
+        raise ParameterError(f"{what} is given by pairs of coordinates; got {pair!r:.60}. Write {_example(names)}.")
+    first, second = (_read_coordinate(one, names, what) for one in cast("tuple[object, ...]", pair))
     return first, second
 
 
-def _read_coordinate(given: object, names: Sequence[str]) -> int:
+def _read_coordinate(given: object, names: Sequence[str], what: str) -> int:
     if not isinstance(given, bool) and isinstance(given, Integral) and 0 <= int(given) < len(names):
         return int(given)
     if str(given) in names:  # a text or a symbol
         return list(names).index(str(given))
     hint = did_you_mean(given, names).strip() or "Write one of these."
     shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
-    raise BracketError(f"the constant part must name coordinates; got {given!r:.60}. Known are {shown}. {hint}")
+    raise BracketError(f"{what} must name coordinates; got {given!r:.60}. Known are {shown}. {hint}")
 
 
 def with_linear_part_at(

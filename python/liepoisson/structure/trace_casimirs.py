@@ -114,7 +114,7 @@ def replaces_search(bracket: Bracket) -> bool:
     It needs all monomials of the highest degree d of the closed form for g, at most 200,000 of them times coordinates.
     For Leibniz extensions the search is that for g, whose Casimirs are lifted; for others it is that for g (x) A.
     """
-    if bracket.constant:
+    if not bracket.has_algebra or bracket.constant:
         return False
     strength = leibniz_strength(bracket.extension)
     lifts = strength is not None and not is_zero(strength) and not bracket.tensor.field.is_cyclotomic
@@ -136,7 +136,7 @@ def trace_casimirs(bracket: Bracket) -> TraceCasimirs | None:
     an invariant form (se(n), affine(n), Heisenberg), if its structure constants are not those of its matrices, or if
     the bracket has a constant part.
     """
-    return None if bracket.constant else _Traces.of(bracket)
+    return None if not bracket.has_algebra or bracket.constant else _Traces.of(bracket)
 
 
 def modulo_casimirs(expression: Expr, bracket: Bracket) -> tuple[Expr, dict[Any, Expr]]:

@@ -135,11 +135,11 @@ def system_record(system: Any) -> dict[str, str]:
 
     from liepoisson.algebra.exact_numbers import to_sympy
 
-    entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in system.bracket.entries()]
+    terms = system.bracket.terms()
+    entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in terms if m is not None]
     coordinates = ", ".join(map(str, system.bracket.variables))
     record = {"bracket": repr(entries), "coordinates": coordinates, "hamiltonian": srepr(system.hamiltonian)}
-    if system.bracket.constant:
-        constant = [(*pair, srepr(to_sympy(c))) for pair, c in system.bracket.constant.items()]
+    if constant := [(i, j, srepr(to_sympy(c))) for i, j, m, c in terms if m is None]:
         record["constant part of the bracket"] = repr(constant)
     return record
 

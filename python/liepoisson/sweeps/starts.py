@@ -116,7 +116,7 @@ def check_casimirs(family: Family, targets: Targets, sampling: str = "projection
         return None
     varying = {name for name, values in targets.parameters.items() if (values != values[:1]).any()}
     names = sorted(varying & {*family.bracket_parameters})
-    brackets = {str((s.bracket.entries(), s.bracket.constant)) for s in others if hasattr(s, "bracket")}
+    brackets = {str(s.bracket.terms()) for s in others if hasattr(s, "bracket")}
     if not others or not (names or len(brackets) > 1 or len(others) < len(systems)):
         return None
     first = meaning(systems[0])

@@ -204,6 +204,41 @@ fn structure_constants_must_obey_jacobi() {
     assert!(outside.unwrap_err().message.contains("got i = 0, j = 3"));
 }
 
+/// A bracket of three coordinates by its entries.
+fn tensor(entries: [&str; 3]) -> Bracket {
+    let names = ["x", "y", "z"].map(str::to_owned).to_vec();
+    let pairs = [(0, 1), (0, 2), (1, 2)];
+    let entry = |((i, j), c): ((usize, usize), &str)| Entry { i, j, m: None, c: c.to_owned() };
+    Bracket::known(Coordinates::Scalars(names), pairs.into_iter().zip(entries).map(entry).collect()).unwrap()
+}
+
+#[test]
+fn entries_of_a_bracket_may_be_functions_of_the_state() {
+    // three species: x' = a x y - x z and so on, whatever the logarithms are written for
+    let given = named(&[("a", scalar("3/2"))]);
+    let species = System::new(tensor(["a*x*y", "-x*z", "y*z"]), "x + y + z - log(x) - 2*log(y)", &given, &[]).unwrap();
+    let Lowered::Quadratic { linear, quadratic, .. } = species.field().unwrap() else { panic!("of degree two") };
+    assert_eq!(
+        quadratic,
+        [(0, 0, 1, 1.5), (0, 0, 2, -1.0), (1, 0, 1, -1.5), (1, 1, 2, 1.0), (2, 0, 2, 1.0), (2, 1, 2, -1.0)]
+    );
+    assert_eq!(linear, [(0, 0, -3.0), (1, 1, 1.5), (2, 2, 1.0)]);
+    assert_eq!(species.general_field().unwrap(), species.field().unwrap());
+    // x' = exp(x) cos(z) H_y - y H_z / (1 + x^2), by hand
+    let smooth = System::new(tensor(["exp(x)*cos(z)", "-y/(1 + x^2)", "0"]), "x*y + z^3", &[], &[]).unwrap();
+    let (x, y, z) = (0.3f64, -0.7f64, 1.1f64);
+    let (turn, tilt) = (x.exp() * z.cos(), -y / (1.0 + x * x));
+    let wanted = [turn * x + tilt * 3.0 * z * z, -turn * y, -tilt * y];
+    for (value, wanted) in at(&tape(&smooth), &[x, y, z]).into_iter().zip(wanted) {
+        assert!((value - wanted).abs() <= ROUND_OFF * wanted.abs(), "{value} {wanted}");
+    }
+    // where they are typed by a user they are structure constants
+    let names = ["x", "y"].map(str::to_owned).to_vec();
+    let typed = Bracket::new(Coordinates::Scalars(names), vec![Entry { i: 0, j: 1, m: None, c: "x".to_owned() }]);
+    let refusal = System::new(typed.unwrap(), "x", &[], &[]).unwrap_err();
+    assert!(refusal.message.contains("must not depend on the state"), "{refusal}");
+}
+
 #[test]
 fn derivatives_have_their_known_forms() {
     for (potential, force) in [

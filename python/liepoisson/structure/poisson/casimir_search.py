@@ -4,7 +4,8 @@ Where J is homogeneous, degrees separate.  With a constant part the polynomials 
 constant coordinate, $x_{-1} = 1$, which is a Casimir itself, and of which the others lose their multiples.  So do the
 characters of the bracket, that is, weights $w_i$ (integers, or integers modulo 2 or 3) with $w_i + w_j = w_m$ whenever
 $x_m$ occurs in $\{x_i, x_j\}$: gradings of A, tori and reflections of g.  The linear system falls into blocks, one for
-each weight.
+each weight.  Where the entries of J are polynomials of higher degree, $w_i + w_j$ may differ from the weights of all
+their monomials by one number.
 
 Its columns are in the order of `leading_monomials`, so that the reduced basis has a 1 at each leading monomial.
 
@@ -29,7 +30,7 @@ from functools import cached_property
 from itertools import combinations_with_replacement, product
 from math import comb, lcm
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.echelon import Echelon
@@ -42,6 +43,9 @@ from liepoisson.structure.poisson.polynomials import gradient_at, leading, monic
 if TYPE_CHECKING:
     from liepoisson.structure.extension import Extension
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.structure.poisson.polynomial_tensor import PolynomialTensor
+
+AnyTensor: TypeAlias = "LinearPoissonTensor | PolynomialTensor"
 
 MAX_WORK = 200_000
 """The largest number of monomials of one degree times number of coordinates; a search of that size takes a minute."""
@@ -49,7 +53,7 @@ MAX_WORK = 200_000
 
 @dataclass
 class CasimirSearch:
-    """The Casimirs of one linear Poisson tensor, degree by degree.
+    """The Casimirs of one Poisson tensor of polynomials, degree by degree.
 
     Attributes:
         tensor: The Poisson tensor.
@@ -57,7 +61,7 @@ class CasimirSearch:
         pivots: The divisors so far.
     """
 
-    tensor: LinearPoissonTensor
+    tensor: AnyTensor
     with_pivots: bool = False
     pivots: set[Any] = field(default_factory=set[Any])
 
@@ -150,14 +154,14 @@ class CasimirSearch:
             if factor == CONSTANT:
                 continue
             rest = monomial[:position] + monomial[position + 1 :]
-            for i, m, coefficient in self._columns[factor]:
-                yield (i, tuple(sorted((*rest, m)))), coefficient
+            for i, factors, coefficient in self._columns[factor]:
+                yield (i, tuple(sorted((*rest, *factors)))), coefficient
 
     @cached_property
-    def _columns(self) -> list[list[tuple[int, int, Any]]]:
-        columns: list[list[tuple[int, int, Any]]] = [[] for _ in range(self.tensor.dimension)]
+    def _columns(self) -> list[list[tuple[int, Monomial, Any]]]:
+        columns: list[list[tuple[int, Monomial, Any]]] = [[] for _ in range(self.tensor.dimension)]
         for i, j, m, coefficient in self.tensor.terms():
-            columns[j].append((i, m, coefficient))
+            columns[j].append((i, _factors(m), coefficient))
         return columns
 
     @cached_property
@@ -172,22 +176,30 @@ class CasimirSearch:
     @cached_property
     def _characters(self) -> list[tuple[list[int], int]]:
         """Weights of the coordinates, that of the constant one behind them, and their modulus (0 for integers)."""
-        N = len(self._factors)
+        N, differ = len(self._factors), self.tensor.degree > 1
         relations: set[tuple[tuple[int, int], ...]] = set()
         for i, j, m, _ in self.tensor.terms():
             relation: dict[int, int] = {}
-            for index, sign in ((i, 1), (j, 1), (m, -1)):
+            for index, sign in ((i, 1), (j, 1), *((k, -1) for k in _factors(m))):
                 place_of_weight = index % N
                 relation[place_of_weight] = relation.get(place_of_weight, 0) + sign
+            if differ:  # the number by which they do stands behind all weights
+                relation[N] = 1
             relations.add(tuple(sorted(relation.items())))
         rows = [dict(relation) for relation in sorted(relations)]
-        characters = [(_dense(vector, N), q) for q in (2, 3) for vector in nullspace_mod(rows, N, q)]
+        n = N + differ
+        characters = [(_dense(vector, N), q) for q in (2, 3) for vector in nullspace_mod(rows, n, q)]
         rationals = Coefficients()
         exact = [{c: rationals.number(v) for c, v in row.items() if v} for row in rows]
-        for vector in nullspace(exact, N, rationals).vectors:
+        for vector in nullspace(exact, n, rationals).vectors:
             scale = lcm(*(value.denominator for value in vector.values()))
             characters.append((_dense({c: int(v * scale) for c, v in vector.items()}, N), 0))
         return characters
+
+
+def _factors(m: int | Monomial) -> Monomial:
+    """The coordinates that are multiplied in a term of a tensor, linear or not."""
+    return (m,) if isinstance(m, int) else m
 
 
 def homogeneous(polynomial: Polynomial) -> Polynomial:
@@ -217,7 +229,7 @@ def products_of_degree(generators: Sequence[tuple[int, Polynomial]], degree: int
     yield from extend(0, degree, None, 0)
 
 
-def n_independent(polynomials: Sequence[Polynomial], tensor: LinearPoissonTensor) -> int:
+def n_independent(polynomials: Sequence[Polynomial], tensor: AnyTensor) -> int:
     """The rank of the gradients at one random point: that many of them are functionally independent (proved)."""
     generic = tensor.generic_rank
     if generic is not None:

@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 from random import Random
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from liepoisson.algebra.coefficients import Coefficients
 from liepoisson.algebra.exact_numbers import Coefficient, Exact, product_of, to_sympy
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 CONSTANT = -1
 """The index of the constant coordinate, 1; a list of coordinates with a 1 behind them has it at this index."""
 
-_SEEDS = range(1, 21)  # random points to try; one is enough unless a denominator vanishes there
+SEEDS = range(1, 21)
+"""Of random points to try; one is enough unless a denominator vanishes there."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ class LinearPoissonTensor:
     field: Coefficients
     rows: tuple[dict[int, tuple[tuple[int, Any], ...]], ...]
     block: int
+
+    degree: ClassVar[int] = 1
 
     @classmethod
     def of(
@@ -118,7 +121,7 @@ class LinearPoissonTensor:
     @cached_property
     def generic_rank(self) -> GenericRank | None:
         """The rank at a random point modulo a prime; None if the field has no images modulo primes."""
-        for seed in _SEEDS:
+        for seed in SEEDS:
             residues = self.field.residues(seed)
             if residues is None:
                 return None
@@ -204,7 +207,7 @@ class PoissonMatrix:
     Attributes:
         variables: The coordinates.
         terms: The linear part, both orders of i and j.
-        constant: The constant part by (i, j) with i < j.
+        constant: The constant part by (i, j) with i < j; or all entries, where these are functions of the coordinates.
     """
 
     variables: tuple[Symbol, ...]
@@ -246,8 +249,14 @@ class PoissonMatrix:
         for terms in sums:
             checkpoint("the equations of motion")
             rate: Any = Add(*terms)
-            rates.append(expand(rate) if self.terms or rate.is_polynomial(*self.variables) else rate)
+            is_expanded = not self._is_constant or rate.is_polynomial(*self.variables)
+            rates.append(expand(rate) if is_expanded else rate)
         return tuple(rates)
+
+    @cached_property
+    def _is_constant(self) -> bool:
+        functions = (c for c in self.constant.values() if not isinstance(c, Fraction))
+        return not self.terms and not any(c.free_symbols & {*self.variables} for c in functions)
 
     def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
         r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k."""
