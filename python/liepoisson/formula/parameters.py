@@ -239,7 +239,9 @@ def names_of_places(value: object, name: str) -> list[str]:
 
 
 @overload
-def flattened(values: Mapping[str, Value]) -> dict[str, Exact]: ...
+def flattened(  # pyright: ignore[reportOverlappingOverload]  # the narrower kind first
+    values: Mapping[str, Value],
+) -> dict[str, Exact]: ...
 @overload
 def flattened(values: Mapping[str, Kept]) -> dict[str, Coefficient]: ...
 def flattened(values: Mapping[str, Any]) -> dict[str, Any]:

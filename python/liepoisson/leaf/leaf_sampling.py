@@ -123,7 +123,7 @@ def _check_unimodular(leaf: Leaf) -> None:
     if not bracket.is_linear:
         J: Any = bracket.poisson_tensor()
         for j in range(bracket.dimension):
-            divergence_of_column = sum(J[i, j].diff(x) for i, x in enumerate(bracket.variables))
+            divergence_of_column: Any = sum(J[i, j].diff(x) for i, x in enumerate(bracket.variables))
             if not is_zero(divergence_of_column):
                 raise ParameterError(
                     "the bracket must be unimodular, sum_i dJ_ij/dx_i = 0, so that flows preserve volume; got "

@@ -101,9 +101,13 @@ class PhaseFunction:
         function._polynomial, function._pair = None, pair
         return function
 
-    @cached_property
+    @property
     def expression(self) -> Expr:
         """The function as a SymPy expression."""
+        return self._expression
+
+    @cached_property
+    def _expression(self) -> Expr:
         return self._given()
 
     @property

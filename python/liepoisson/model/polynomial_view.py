@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.algebra.rational_polynomials import (
@@ -224,7 +224,7 @@ class PolynomialView:
         known = flattened(values)
         if not all(isinstance(value, Fraction) for value in known.values()) or not bracket.is_rational:
             return None
-        scope, names = scope_of(symbolic, values), bracket.coordinate_names_in_order
+        scope, names = scope_of(symbolic, cast("Any", values)), bracket.coordinate_names_in_order
         hamiltonian = read_polynomial(text, scope, names)
         if hamiltonian is None:
             return None

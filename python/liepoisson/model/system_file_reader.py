@@ -228,7 +228,8 @@ class _Reader(TomlReader):
         for first, row in self.table(("bracket", "tensor"), table["tensor"]).items():
             for second, entry in self.table(("bracket", "tensor", first), row).items():
                 keys = ("bracket", "tensor", first, second)
-                given = {(first, second): entry if isinstance(entry, str) else self.number(keys, entry)}
+                function = entry if isinstance(entry, str) else self.number(keys, entry)
+                given: dict[tuple[str | int, str | int], Any] = {(first, second): function}
                 self.guarded(keys, partial(PoissonTensor, names, given, symbols=symbols, check=False))
                 entries |= given
         found = self.guarded(("bracket", "tensor"), lambda: PoissonTensor(names, entries, symbols=symbols))

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 _OF_TIME = '. For equations that depend on time make it a coordinate: {"t": "1"}'
 _MISSING = frozenset({"bracket", "hamiltonian", "functions", "symbolic_bracket", "symbolic_hamiltonian"})
 """What a system has and a vector field has not."""
+_REASON = f"; {NO_BRACKET}"
 
 
 class AsGiven(NamedTuple):
@@ -297,7 +298,7 @@ class VectorField(EquationsOfMotion):
 
         def __getattr__(self, name: str) -> object:
             """The error of a name that is not there."""
-            reason = f"; {NO_BRACKET}" if name in _MISSING else ""
+            reason = _REASON if name in _MISSING else ""
             raise AttributeError(f"'VectorField' object has no attribute {name!r}{reason}", name=name, obj=self)
 
 

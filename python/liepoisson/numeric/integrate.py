@@ -224,7 +224,7 @@ def integrate(
     in_series = isinstance(method, Taylor)
     if dense and not in_series:
         raise ParameterError(f"dense: wanted the Taylor method, which has power series; got {method}; leave dense out")
-    by_components = in_series and method.precision == "double" and isinstance(field, TopField)
+    by_components = isinstance(method, Taylor) and method.precision == "double" and isinstance(field, TopField)
     alone = by_components and len(states) == 1 and vectors.shape[1] == 0
     if kernel not in (None, "lanes", "components") or (kernel == "components" and not alone):
         raise ParameterError(

@@ -78,10 +78,11 @@ def _is_seen_to_vary(system: Any, function: str | Expr) -> bool:
 
     No proof is needed then; False where a bracket has to tell, which for such functions takes SymPy.
     """
-    if not has_bracket(system) or not isinstance(function, str) or system.polynomial(function) is not None:
+    whole: Any = system
+    if not has_bracket(system) or not isinstance(function, str) or whole.polynomial(function) is not None:
         return False
     try:
-        tape = system.function_tape(function)
+        tape = whole.function_tape(function)
         starts = sample_states(system, 2, ensemble="gaussian")
         orbits = integrate(system, starts, times=[0, _LONG], method=Taylor(max_steps=_STEPS))
     except LiePoissonError:
@@ -115,10 +116,12 @@ def _is_constant_of_motion(system: Any, function: str | Expr) -> bool:
     """Whether the rate is zero: certain for polynomials, and for others if it is when multiplied out."""
     if isinstance(function, str) and system.polynomial(function) is not None:
         return bool(system.is_constant(function))
-    f: Any = system.expression(function)
+    whole: Any = system
+    f = whole.expression(function)
     if has_bracket(system):
-        return bool(system.bracket(f, system.hamiltonian).expand() == 0)
-    return bool(sum(f.diff(x) * rate for x, rate in system.equations.items()).expand() == 0)
+        return bool(whole.bracket(f, whole.hamiltonian).expand() == 0)
+    rate: Any = sum(f.diff(x) * rate for x, rate in whole.equations.items())
+    return bool(rate.expand() == 0)
 
 
 def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:

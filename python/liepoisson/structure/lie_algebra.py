@@ -163,9 +163,13 @@ class LieAlgebra:
         if check:
             self._check_jacobi()
 
-    @cached_property
+    @property
     def brackets(self) -> Brackets:
         """The nonzero $c_{ij}^k$ for i < j, by (i, j), then by k; counted from 0."""
+        return self._brackets
+
+    @cached_property
+    def _brackets(self) -> Brackets:
         return in_sympy(self.rows)
 
     @property

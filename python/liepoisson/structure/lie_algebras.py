@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, permutations
 from numbers import Integral
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.errors import BracketError, ParameterError, ShapeError
@@ -420,7 +420,8 @@ def sine(N: int) -> LieAlgebra:
         raise ParameterError(
             f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {size}. Take {size - 1}."
         )
-    algebra = LieAlgebra.from_brackets(size**2 - 1, sine_brackets(size), f"sine({size})", sine_names(size), check=False)
+    brackets: Any = sine_brackets(size)
+    algebra = LieAlgebra.from_brackets(size**2 - 1, brackets, f"sine({size})", sine_names(size), check=False)
     algebra.family = MatrixFamily("sine", size)
     return algebra
 

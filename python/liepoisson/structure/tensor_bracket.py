@@ -12,6 +12,7 @@ from math import comb
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from liepoisson.algebra.exact_numbers import (
+    Coefficient,
     Exact,
     as_expression,
     is_sympy,
@@ -209,7 +210,7 @@ class PoissonTensor(Bracket):
         known: Any = dict(zip(self.variables, map(Symbol, names), strict=True))
         return self._mapped(names, lambda f: f.xreplace(known))
 
-    def substitute(self, values: Mapping[str, Exact]) -> PoissonTensor:
+    def substitute(self, values: Mapping[str, Coefficient]) -> PoissonTensor:
         """The same bracket with values for some of its symbols.
 
         Raises:
@@ -441,11 +442,11 @@ def tensor_of(
     name: str | None = None,
 ) -> PoissonTensor:
     """A tensor of entries and Casimirs that have been derived; `jacobi` is what is known, else it is checked."""
-    made = PoissonTensor.__new__(PoissonTensor)
+    made: Any = PoissonTensor.__new__(PoissonTensor)
     made._define(names, {pair: entry for pair, entry in entries.items() if not is_zero(entry)}, name)
     made._jacobi = jacobi or made._checked_jacobi()
     made.given_casimirs = tuple(casimirs)
-    return made
+    return cast("PoissonTensor", made)
 
 
 def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | None, symbols: Sequence[str]) -> Scope:

@@ -186,7 +186,8 @@ def rational_casimirs(bracket: PoissonTensor, degree: int) -> list[Expr]:
     tensor, N = bracket.formulas, bracket.dimension
     if not tensor.is_rational:
         raise BracketError(f"wanted entries that are rational functions of the coordinates; got those of {bracket!r}.")
-    if isinstance(degree, bool) or not isinstance(degree, int) or degree < 1:
+    given: Any = degree
+    if isinstance(given, bool) or not isinstance(given, int) or degree < 1:
         raise ParameterError(f"degree must be an integer of at least 1; got {degree!r}. Write for example degree=2.")
     if N * comb(N + degree, degree) > MAX_WORK:
         raise ParameterError(

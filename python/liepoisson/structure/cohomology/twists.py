@@ -23,6 +23,7 @@ from liepoisson.algebra.linear_algebra import rank
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.formula.parameters import Parameter, read_parameter, read_symbol
 from liepoisson.formula.scalars import as_deadline
+from liepoisson.formula.tensors import in_sympy
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
 from liepoisson.inputs.deadline import SEARCH_LIMIT
 from liepoisson.inputs.given import listed
@@ -124,7 +125,7 @@ class Twists:
             ShapeError: not a mapping from pairs to mappings, or an index is out of range.
             ParameterError: an entry is not exact.
         """
-        found = Cocycle(self, read_products(self.extension.dimension, products))
+        found = Cocycle(self, in_sympy(read_products(self.extension.dimension, products)))
         found.check()
         return found
 
@@ -148,7 +149,7 @@ class Twists:
                 here = total.setdefault(pair, {})
                 for lam, value in row.items():
                     here[lam] = sum_of(here.get(lam, Fraction(0)), product_of(c, value))
-        return Cocycle(self, read_products(self.extension.dimension, total))
+        return Cocycle(self, in_sympy(read_products(self.extension.dimension, total)))
 
     def deformation(
         self, parameters: Sequence[str] | None = None, *, order: int | None = None, time_limit: float = SEARCH_LIMIT

@@ -288,7 +288,7 @@ class TensorEntries:
         from sympy import nan, zoo
 
         at: Any = {x: to_sympy(value) for x, value in zip(self.variables, point, strict=True)}
-        rows = [{j: entry.xreplace(at) for j, entry in row.items()} for row in self.rows()]
+        rows: list[dict[int, Any]] = [{j: entry.xreplace(at) for j, entry in row.items()} for row in self.rows()]
         if any(entry.has(nan, zoo) for row in rows for entry in row.values()):
             raise ParameterError(f"point: wanted one where all entries are finite; got {list(map(str, at.values()))}.")
         field = Coefficients.containing(entry for row in rows for entry in row.values())
