@@ -412,13 +412,13 @@ def section(
     field = options.field(system)
     n = field.n_components
     states = as_starts(system, starts, n)
+    sides = as_sides(start_side, len(states))
     tape, names = as_surface(system, surface, keep)
     if tape.n_components != n:
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
     coordinates = component_names(system, n) if names is None else names
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
     end, sense = as_end(t_end), as_direction(direction)
-    sides = as_sides(start_side, len(states))
     raw: Any
     if takes_equal_steps(method):
         raw = crossings_in_equal_steps(

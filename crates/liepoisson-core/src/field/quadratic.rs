@@ -3,8 +3,7 @@
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
 use super::{
-    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Straight, Terms, check_components, needs_remainder,
-    over,
+    Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over,
 };
 use crate::error::Error;
 use crate::lanes::{Lane, Simd};
@@ -229,7 +228,7 @@ impl Field for Quadratic {
 
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
-    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
+    fn run_compiled<V: Lane>(&self, code: &impl super::Straight, memory: &mut [V]) -> bool {
         self.compiled.run(self.work(), code, memory)
     }
 }

@@ -23,9 +23,8 @@ pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::{Bounds, Field, Majorant, Space, Straight, Terms};
+use super::{Bounds, Field, Majorant, Space, Terms};
 use crate::error::Error;
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 use crate::lanes::{Body, Lane, Simd};
 use enclosure::enclose;
 use frame::Frame;
@@ -235,7 +234,7 @@ impl Field for Tape {
 
     #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
     #[inline(always)]
-    fn run_compiled<V: Lane>(&self, code: &impl Straight, memory: &mut [V]) -> bool {
+    fn run_compiled<V: Lane>(&self, code: &impl super::Straight, memory: &mut [V]) -> bool {
         self.compiled.run(self.instructions.len(), code, memory)
     }
 
