@@ -51,8 +51,51 @@ class GenericRank:
     point: tuple[int, ...]
 
 
+class Ranked:
+    """What has the rank of a tensor from its matrices at points: linear ones, and those of any degree."""
+
+    dimension: int
+    field: Coefficients
+
+    def at(self, point: Sequence[Any]) -> list[dict[int, Any]]:
+        """The matrix at a point whose coordinates are elements of the field, as sparse rows."""
+        raise NotImplementedError
+
+    def rows_modulo(self, point: Sequence[int], residues: Residues) -> list[dict[int, int]]:
+        """The matrix at a point modulo the prime of the residues.
+
+        Raises:
+            ZeroDivisionError: a denominator vanishes there.
+        """
+        raise NotImplementedError
+
+    @cached_property
+    def generic_rank(self) -> GenericRank | None:
+        """The rank at a random point modulo a prime; None if the field has no images modulo primes."""
+        for seed in SEEDS:
+            residues = self.field.residues(seed)
+            if residues is None:
+                return None
+            random = Random(seed)
+            point = tuple(random.randrange(1, PRIME) for _ in range(self.dimension))
+            try:
+                rows = self.rows_modulo(point, residues)
+            except ZeroDivisionError:
+                continue
+            return GenericRank(rank_mod(rows, self.dimension, residues.p), residues, point)
+        return None
+
+    @cached_property
+    def rank_at_a_point(self) -> int:
+        """The rank at one random point: a lower bound of the generic rank, and almost surely equal to it."""
+        if self.generic_rank is not None:
+            return self.generic_rank.rank
+        random = Random(1)
+        return rank(self.at([self.field.number(random.randrange(1, 100)) for _ in range(self.dimension)]), self.field)
+
+
 @dataclass(frozen=True)
-class LinearPoissonTensor:
+class LinearPoissonTensor(Ranked):
     """A matrix of linear forms in the coordinates and the constant coordinate.
 
     Attributes:
@@ -118,35 +161,13 @@ class LinearPoissonTensor:
             for row in self.rows
         ]
 
-    @cached_property
-    def generic_rank(self) -> GenericRank | None:
-        """The rank at a random point modulo a prime; None if the field has no images modulo primes."""
-        for seed in SEEDS:
-            residues = self.field.residues(seed)
-            if residues is None:
-                return None
-            random = Random(seed)
-            point = tuple(random.randrange(1, PRIME) for _ in range(self.dimension))
-            values = (*point, 1)
-            try:
-                # By identity: a few structure constants occur again and again.
-                distinct = {id(c): c for row in self.rows for form in row.values() for _, c in form}
-                images = {key: residues(c) for key, c in distinct.items()}
-                matrix = [
-                    {j: sum(images[id(c)] * values[m] for m, c in form) for j, form in row.items()} for row in self.rows
-                ]
-            except ZeroDivisionError:
-                continue
-            return GenericRank(rank_mod(matrix, self.dimension, residues.p), residues, point)
-        return None
-
-    @cached_property
-    def rank_at_a_point(self) -> int:
-        """The rank at one random point: a lower bound of the generic rank, and almost surely equal to it."""
-        if self.generic_rank is not None:
-            return self.generic_rank.rank
-        random = Random(1)
-        return rank(self.at([self.field.number(random.randrange(1, 100)) for _ in range(self.dimension)]), self.field)
+    def rows_modulo(self, point: Sequence[int], residues: Residues) -> list[dict[int, int]]:
+        """The matrix at a point modulo the prime of the residues."""
+        values = (*point, 1)
+        # By identity: a few structure constants occur again and again.
+        distinct = {id(c): c for row in self.rows for form in row.values() for _, c in form}
+        images = {key: residues(c) for key, c in distinct.items()}
+        return [{j: sum(images[id(c)] * values[m] for m, c in form) for j, form in row.items()} for row in self.rows]
 
 
 def potential_of_constant_part(tensor: LinearPoissonTensor) -> tuple[Exact, ...] | None:

@@ -9,18 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from random import Random
 from typing import Any
 
 from liepoisson.algebra.coefficients import Coefficients
-from liepoisson.algebra.linear_algebra import rank, rank_mod
-from liepoisson.algebra.residues import PRIME, Residues
+from liepoisson.algebra.residues import Residues
 from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial
-from liepoisson.structure.poisson.poisson_tensor import CONSTANT, SEEDS, GenericRank
+from liepoisson.structure.poisson.poisson_tensor import CONSTANT, Ranked
 
 
 @dataclass(frozen=True)
-class PolynomialTensor:
+class PolynomialTensor(Ranked):
     r"""The polynomials $J_{ij}(x)$, i < j, with coefficients in an exact field.
 
     Attributes:
@@ -60,29 +58,9 @@ class PolynomialTensor:
         """The matrix at a point whose coordinates are elements of the field, as sparse rows."""
         return self._rows({pair: _value(entry, point, self.field.one) for pair, entry in self.entries.items()})
 
-    @cached_property
-    def generic_rank(self) -> GenericRank | None:
-        """The rank at a random point modulo a prime; None if the field has no images modulo primes."""
-        for seed in SEEDS:
-            residues = self.field.residues(seed)
-            if residues is None:
-                return None
-            random = Random(seed)
-            point = tuple(random.randrange(1, PRIME) for _ in range(self.dimension))
-            try:
-                rows = self._rows({pair: _residue(entry, point, residues) for pair, entry in self.entries.items()})
-            except ZeroDivisionError:
-                continue
-            return GenericRank(rank_mod(rows, self.dimension, residues.p), residues, point)
-        return None
-
-    @cached_property
-    def rank_at_a_point(self) -> int:
-        """The rank at one random point: a lower bound of the generic rank, and almost surely equal to it."""
-        if self.generic_rank is not None:
-            return self.generic_rank.rank
-        random = Random(1)
-        return rank(self.at([self.field.number(random.randrange(1, 100)) for _ in range(self.dimension)]), self.field)
+    def rows_modulo(self, point: Sequence[int], residues: Residues) -> list[dict[int, int]]:
+        """The matrix at a point modulo the prime of the residues."""
+        return self._rows({pair: _residue(entry, point, residues) for pair, entry in self.entries.items()})
 
     def _rows(self, values: Mapping[tuple[int, int], Any]) -> list[dict[int, Any]]:
         rows: list[dict[int, Any]] = [{} for _ in range(self.dimension)]
