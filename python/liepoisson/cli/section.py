@@ -182,7 +182,7 @@ def _surface(
     if given is not None:
         return given, "as given"
     if isinstance(begin, PlainStart):
-        raise ParameterError("--surface must be given for a vector field; got none. Try --surface 'z - 27'.")
+        raise ParameterError("--surface must be given for a vector field; got none. Try a coordinate less a number.")
     from liepoisson.poincare.default_surface import surface_and_reason
 
     return surface_and_reason(begin.leaf, None if alone else begin.energy, direction=direction.sign, seed=seed)

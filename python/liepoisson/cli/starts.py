@@ -50,7 +50,7 @@ def _plain_start(field: VectorField, where: Where, seed: int) -> PlainStart:
             raise ParameterError(f"--{option} is for systems with a bracket; {NO_BRACKET}. Give the state by --start.")
     given: Any = state_of(where.start or (), "--start", field.component_names[0])
     if given is None:
-        return PlainStart(sample_states(field, 1, seed=seed)[0], f"random (unit-vectors, seed {seed})")
+        return PlainStart(sample_states(field, 1, seed=seed)[0], f"trajectory 0 of unit-vectors, seed {seed}")
     if isinstance(given, dict):
         given = {name: value[0] if len(value) == 1 else value for name, value in given.items()}
     return PlainStart(as_starts(field, given, len(field.component_names))[0], "as given")

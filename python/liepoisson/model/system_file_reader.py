@@ -121,8 +121,8 @@ class _Reader(TomlReader):
         tables = self.toml.tables
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
         below["equations"] = (
-            "A vector field has no bracket: lp.read_system reads it, and so do the commands that ask for equations alone "
-            "(docs/vector-fields.md)."
+            "A vector field has no bracket: lp.read_system reads it, and so do the commands that ask for equations "
+            "alone (docs/vector-fields.md)."
         )
         self.check_keys((), tables, _KEYS[""], below)
         for key in ("bracket", "hamiltonian"):

@@ -26,6 +26,7 @@ from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import as_scalar, listed, named
 from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 from liepoisson.model.system_file_reader import read_equations
 from liepoisson.numeric.methods import MethodChoice, Taylor, as_choice, choice_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
@@ -532,6 +533,6 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in cast("Sequence[Any]", value)]
     if callable(value):
         return cast("Any", function_record(value))
-    if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
-        return system_record(value)
+    if isinstance(value, EquationsOfMotion):
+        return cast("Any", system_record(value))
     return str(value)
