@@ -428,7 +428,8 @@ def section(
         raw = _core.sections(
             core_field(field),
             method.core(),
-            (tape.n_components, list(tape.instructions), list(tape.outputs)),
+            (tape.n_components, list(tape.instructions), list(tape.with_guard.outputs)),
+            tape.guard is not None,
             states.ravel(),
             np.array([0.0, end]),
             sense,
