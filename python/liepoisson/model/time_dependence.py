@@ -47,7 +47,7 @@ def suspended(
     if not _occurs(hamiltonian) or scope_of(bracket, parameters, symbols).owner(TIME) is not None:
         if period is not None:
             raise ParameterError(
-                f"period: wanted a Hamiltonian that depends on time t; got {str(hamiltonian):.80}, where t "
+                f"period: wanted a Hamiltonian that depends on time t; got {hamiltonian!s:.80}, where t "
                 f"{'is no time' if _occurs(hamiltonian) else 'does not occur'}. Leave the period out, or write t for "
                 "time and for nothing else."
             )
@@ -102,10 +102,11 @@ def check_period(energy: Expr, time: Expr, period: Expr) -> None:
             known: Any = periodicity(energy, time)
         except (NotImplementedError, ValueError, TypeError):
             known = None
-        hint = f"The formula has the period {known}." if known else "Leave the period out of a formula that has none."
+        is_one = known is not None and change(energy, time, known) == 0
+        hint = f"The formula has the period {known}." if is_one else "Leave the period out of a formula that has none."
         raise ParameterError(
-            f"period: wanted one of the Hamiltonian; got {period}, after which {str(energy):.80} changes by "
-            f"{str(moved):.80}. {hint}"
+            f"period: wanted one of the Hamiltonian; got {period}, after which {energy!s:.80} changes by "
+            f"{moved!s:.80}. {hint}"
         )
 
 

@@ -92,10 +92,10 @@ class OrbitUnits(NamedTuple):
     Attributes:
         time: As `time_scale` returns it, shape (trajectory,).
         component: Root mean square of each component of the state along the first stretch, shape (trajectory,
-            component), at most a radian of an angle, which may turn.  Of components that are zero or less than 1e-6 of the largest one the size is no unit, as it may
-            be round-off: they have the unit of the largest one, or a smaller one in which they act on the others about
-            as strongly as these on them, if that is less than 1e-6 of it.  The largest unit is 1 where all components
-            are zero, and all are where the orbit failed.
+            component), at most a radian of an angle, which may turn.  Of components that are zero or less than 1e-6 of
+            the largest one the size is no unit, as it may be round-off: they have the unit of the largest one, or a
+            smaller one in which they act on the others about as strongly as these on them, if that is less than 1e-6
+            of it.  The largest unit is 1 where all components are zero, and all are where the orbit failed.
     """
 
     time: Array

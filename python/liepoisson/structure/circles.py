@@ -99,8 +99,8 @@ def check_on_circles(
         for name, (symbol, period) in periods.items():
             if (found := change(function, symbol, period)) != 0:
                 raise ParameterError(
-                    f"{what} must have the period {period} in {name}; got {str(function):.80}, which changes by "
-                    f"{str(found):.80} when {name} grows by {period}. {hint.format(name=name)}"
+                    f"{what} must have the period {period} in {name}; got {function!s:.80}, which changes by "
+                    f"{found!s:.80} when {name} grows by {period}. {hint.format(name=name)}"
                 )
 
 
@@ -126,8 +126,8 @@ def modulus(function: Expr, periods: Mapping[str, tuple[Expr, Expr]], variables:
             moved = simplify(moved)
         if moved.free_symbols & {*variables}:
             raise ParameterError(
-                f"wanted a function on the circle of {name}, or one that changes by a constant after each turn, such as "
-                f"{name} - 1/2; got {str(function):.60}, which changes by {str(moved):.60}. Write it by sin({name}) and "
+                f"wanted a function on the circle of {name}, or one that a turn changes by a constant, such as "
+                f"{name} - 1/2; got {function!s:.60}, which changes by {moved!s:.60}. Write it by sin({name}) and "
                 f"cos({name})."
             )
         if moved != 0:
@@ -137,7 +137,7 @@ def modulus(function: Expr, periods: Mapping[str, tuple[Expr, Expr]], variables:
     ratios = [nsimplify(simplify(one / found[0])) for one in found]
     if not all(ratio.is_Rational for ratio in ratios):
         raise ParameterError(
-            f"wanted a function on circles modulo one number; got {str(function):.60}, which changes by "
+            f"wanted a function on circles modulo one number; got {function!s:.60}, which changes by "
             f"{', '.join(map(str, found))} after turns, of which no number is a common measure."
         )
     return found[0] * Rational(gcd(*(int(ratio.p) for ratio in ratios)), lcm(*(int(ratio.q) for ratio in ratios)))

@@ -1,4 +1,4 @@
-r"""Time beside a bracket: the coordinate t and its momentum $p_t$, with $\{t, p_t\} = 1$, which commute with all others.
+r"""Time beside a bracket: the coordinate t and its momentum $p_t$, with $\{t, p_t\} = 1$, which commute with all else.
 
 A Hamiltonian $H(x, t)$ becomes $K = H + p_t$ on the suspension, which is autonomous:
 
@@ -11,7 +11,7 @@ References: [marsden1999], section 2.2; Arnold, Mathematical Methods of Classica
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from liepoisson.algebra.exact_numbers import substituted, to_sympy
@@ -50,13 +50,17 @@ class Suspension(PoissonTensor):
 
         names = read_variables((*base.coordinate_names_in_order, TIME, MOMENTUM))
         self.base, self.period, n = base, period, base.dimension
-        self.vectors = base.vectors
         J, one = base.poisson_tensor(), S.One
         entries: dict[tuple[int, int], Any] = {(i, j): J[i, j] for j in range(n) for i in range(j) if J[i, j] != 0}
         self._define(names, {**entries, (n, n + 1): one}, f"{base!r} and time")
         self._jacobi = base.jacobi if isinstance(base, PoissonTensor) else "proved"
         self.given_casimirs = base.given_casimirs if isinstance(base, PoissonTensor) else ()
         self.angles = base.angles
+
+    @property
+    def vectors(self) -> Mapping[str, Sequence[str]]:
+        """The fields of the bracket that are vectors, with the names of their components."""
+        return self.base.vectors
 
     @property
     def symbols(self) -> set[str]:
@@ -78,4 +82,4 @@ class Suspension(PoissonTensor):
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: that of a tensor, the bracket and the period."""
-        return {**super().__getstate__(), "base": self.base, "period": self.period, "vectors": self.vectors}
+        return {**super().__getstate__(), "base": self.base, "period": self.period}

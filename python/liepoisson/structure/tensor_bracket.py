@@ -89,8 +89,6 @@ class PoissonTensor(Bracket):
 
     has_algebra: ClassVar[bool] = False
 
-    vectors: Mapping[str, Sequence[str]] = {}  # noqa: RUF012
-
     def __init__(
         self,
         variables: Sequence[str],
@@ -145,6 +143,11 @@ class PoissonTensor(Bracket):
     def has_scalar_fields(self) -> bool:
         """Each coordinate has its own name."""
         return True
+
+    @property
+    def vectors(self) -> Mapping[str, Sequence[str]]:
+        """None: each coordinate is a field of its own."""
+        return {}
 
     @property
     def is_linear(self) -> bool:
