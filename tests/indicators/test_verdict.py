@@ -162,7 +162,7 @@ def exponent_by_scipy(momentum, t_end):
 
 @pytest.mark.thorough
 def test_verdicts_of_a_forced_pendulum_agree_with_another_integrator():
-    starts = [TURNING, LIBRATING, {"p_x": 1.0}, {"p_x": 3.0}, WANDERING, {"p_x": 2.0}]
+    starts = [TURNING, LIBRATING, {"p_x": 1.0}, {"p_x": 3.3}, WANDERING, {"p_x": 2.0}]
     found = lp.decide(FORCED, starts, t_end=6000)
     assert found.verdict.tolist() == ["regular"] * 4 + ["chaotic"] * 2
     exponents = [exponent_by_scipy(start["p_x"], 1500) for start in starts]

@@ -129,7 +129,11 @@ def test_a_figure_shows_the_coordinate_and_its_momentum():
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
-        (lambda: lp.System(X, SHAKEN, {"f": 1, "w": 2}, period=3), ParameterError, r"The formula has the period 2\*pi\."),
+        (
+            lambda: lp.System(X, SHAKEN, {"f": 1, "w": 2}, period=3),
+            ParameterError,
+            r"The formula has the period 2\*pi\.",
+        ),
         (lambda: lp.System(X, SHAKEN, {"f": 1, "w": 2}, period=-1), ParameterError, "wanted a positive number"),
         (lambda: lp.System(X, SHAKEN, {"f": 1, "w": 2}, period="2*pi/v"), ExpressionError, "'v' is unknown"),
         (lambda: lp.System(X, SHAKEN, {"f": 1, "w": 2}, period="x"), ParameterError, r'Write for example "2\*pi/w"'),
