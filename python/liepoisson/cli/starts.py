@@ -130,11 +130,12 @@ def _items(text: str) -> list[str]:
 
 def start_lines(system: System, start: Start) -> list[str]:
     """What the commands print about a start: components, leaf, energy, and for a top bounds on its vectors."""
-    names, size = system.bracket.field_names, system.bracket.algebra.dimension
-    width = max(8, *map(len, names))
+    sizes = {name: len(components) for name, components in system.bracket.vectors.items()}
+    sizes |= dict.fromkeys(system.bracket.scalars, 1)  # which come after the vectors
+    width = max(8, *map(len, sizes))
     lines = [f"{'start':<{width}} {start.origin}"]
-    for k, name in enumerate(names):
-        vector = start.state[k * size : (k + 1) * size]
+    vectors = np.split(start.state, np.cumsum([*sizes.values()])[:-1])
+    for name, vector in zip(sizes, vectors, strict=True):
         lines.append(f"  {name:<{width - 2}} {', '.join(f'{value:.9g}' for value in vector)}")
     return [*lines, *leaf_lines(system, start)]
 

@@ -12,6 +12,7 @@ References: [marsden1999], section 2.2; Arnold, Mathematical Methods of Classica
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from liepoisson.algebra.exact_numbers import substituted, to_sympy
@@ -54,8 +55,14 @@ class Suspension(PoissonTensor):
         entries: dict[tuple[int, int], Any] = {(i, j): J[i, j] for j in range(n) for i in range(j) if J[i, j] != 0}
         self._define(names, {**entries, (n, n + 1): one}, f"{base!r} and time")
         self._jacobi = base.jacobi if isinstance(base, PoissonTensor) else "proved"
-        self.given_casimirs = base.given_casimirs if isinstance(base, PoissonTensor) else ()
         self.angles = base.angles
+
+    @cached_property
+    def given_casimirs(self) -> tuple[Expr, ...]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The Casimirs of the bracket, but for traces, which are searched as polynomials."""
+        from sympy import Trace
+
+        return tuple(casimir for casimir in self.base.casimirs() if not casimir.has(Trace))
 
     @property
     def vectors(self) -> Mapping[str, Sequence[str]]:

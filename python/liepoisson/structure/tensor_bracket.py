@@ -89,6 +89,8 @@ class PoissonTensor(Bracket):
 
     has_algebra: ClassVar[bool] = False
 
+    given_casimirs: tuple[Expr, ...] = ()
+
     def __init__(
         self,
         variables: Sequence[str],
@@ -114,7 +116,6 @@ class PoissonTensor(Bracket):
         self.formulas = TensorEntries(self.variables, dict(sorted(formulas.items())))
         self._name = name
         self._jacobi = "not checked"
-        self.given_casimirs: tuple[Expr, ...] = ()
         self.check_parameter_names(self.symbols)
         if self.is_linear:
             self.constant_rows = {(i, j): c for i, j, m, c in self.formulas.linear_terms if m is None}
