@@ -57,7 +57,7 @@ def test_a_driven_top_moves_as_by_hand():
     start = {"l": (0.2, 0, 1), "alpha": (0.6, 0, 0.8)}
 
     def top(t, z):
-        l, alpha = z[:3], z[3:]  # noqa: E741
+        l, alpha = z[:3], z[3:]
         return np.concatenate(
             [
                 np.cross(l, [l[0] / 2, l[1] / 2, l[2]]) + np.cross(alpha, [0, 0, 1 + np.cos(t) / 2]),
