@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 from liepoisson.algebra.exact_numbers import Coefficient, symbols_of
 from liepoisson.compile.field import Field, PiecesField, field_of
 from liepoisson.compile.typed import Names, names_of, read_system
-from liepoisson.errors import ParameterError, SystemFileError, did_you_mean
+from liepoisson.errors import ExpressionError, ParameterError, SystemFileError, did_you_mean
 from liepoisson.facades import function_of
 from liepoisson.formula.parameters import GivenValue, Kept, flattened, read_kept_values
 from liepoisson.inputs.calls import explains_its_arguments, explains_its_methods
@@ -159,7 +159,10 @@ class System(EquationsOfMotion):
     def _check_hamiltonian(self) -> None:
         """Read the Hamiltonian, so that its errors come where it is written."""
         if isinstance(self._given_hamiltonian, str):
-            _ = self.polynomial_hamiltonian or self._typed or self.hamiltonian
+            try:
+                _ = self.polynomial_hamiltonian or self._typed or self.hamiltonian
+            except ExpressionError as error:  # about the formula as it was given
+                raise ExpressionError(error.message, given_text(error.text), error.position) from None
         else:
             _ = self.symbolic_hamiltonian
 
