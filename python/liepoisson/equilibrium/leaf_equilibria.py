@@ -134,8 +134,8 @@ def equilibria(
     system = as_system(system)
     if system.clock is not None:
         raise ParameterError(
-            f"system: wanted one that may rest; got {system.name}, whose Hamiltonian depends on time. Its orbits with the "
-            f'period of the drive are fixed points of first_return(system, starts, surface="{system.clock}", ...).'
+            f"system: wanted one that may rest; got {system.name}, whose Hamiltonian depends on time. Its orbits with "
+            f'the period of the drive are fixed points of first_return(system, starts, surface="{system.clock}", ...).'
         )
     leaf = _leaf(system, leaf)
     n_starts, seed = as_count(n_starts, "n_starts", least=1), as_seed(seed)
