@@ -26,12 +26,13 @@ def test_a_rotating_pendulum_returns_after_each_turn(energy, sign):
     period = time_of_a_turn(energy)
     run = lp.section(PENDULUM, start, surface="theta", t_end=20.5 * period)
     assert len(run.time) == 20
-    np.testing.assert_allclose(run.time, period * np.arange(1, 21), rtol=1e-12)
+    precision = 1e-12 + 1e-14 / (energy - 1)  # round-off of E changes the period by its part of E - 1; measured 6e-12
+    np.testing.assert_allclose(run.time, period * np.arange(1, 21), rtol=precision)
     np.testing.assert_allclose(run.state[:, 0], sign * 2 * np.pi * np.arange(1, 21), rtol=1e-13)
     assert (run.sign == sign).all()
     assert not len(lp.section(PENDULUM, start, surface="theta", t_end=5 * period, direction=-sign).time)
     once = lp.sections.first_return(PENDULUM, start, surface="theta", direction=sign, t_end=2 * period)
-    assert float(once.time) == pytest.approx(period, rel=1e-12)
+    assert float(once.time) == pytest.approx(period, rel=precision)
     if energy == 3.5:
         assert float(once.time) == pytest.approx(2.412890, abs=5e-7)
 
