@@ -213,11 +213,9 @@ def _of_algebras(add):
     )  # fmt: skip
     add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 0], [0, "t"]])
     add("brackets.canonical", "names:o momenta:o angles:o", names=["x", "y"], momenta=["u", "v"], angles=["y"])
-    for name, of in (
-        ("Bracket", lp.canonical(2)),
-        ("PoissonTensor", lp.brackets.log_canonical([[0, 1], [-1, 0]], ["x", "y"])),
-    ):
-        add(f"brackets.{name}.with_angles", "angles:o", of, angles=of.coordinate_names_in_order[:0])
+    flat = lp.PoissonTensor(["x", "y", "z"], {("x", "y"): "cos(z)"})
+    for name, of, angle in (("Bracket", lp.canonical(2), "q2"), ("PoissonTensor", flat, "z")):
+        add(f"brackets.{name}.with_angles", "angles:o", of, angles=[angle])
     cycle = {("x", "y"): "k*x*y", ("y", "z"): "y*z", ("x", "z"): "-x*z"}
     tensor = lp.PoissonTensor(["x", "y", "z"], cycle, symbols=["k"])
     add(
@@ -292,8 +290,8 @@ def _of_systems(add):
     add("systems.Top.free_rigid_body", "inertia:N", None, names, inertia=(3, 2.5, 2))
     add(
         "systems.CanonicalSystem", "coordinates:o momenta:o parameters:c quadratures:v symbols:o angles:o integrals:v",
-        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*x^2/2", parameters={"k": 2}, quadratures={"psi": "p"},
-        integrals={"K": "p^2 + 2*x^2"}, symbols=["m"], angles=["p"][:0],
+        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*cos(x)", parameters={"k": 2}, quadratures={"psi": "p"},
+        integrals={"K": "p^2 + 4*cos(x)"}, symbols=["m"], angles=["x"],
     )  # fmt: skip
     add(
         "systems.System", "parameters:c symbols:o integrals:v partial_integrals:v", bracket=E3,
