@@ -48,6 +48,22 @@ def test_the_map_of_a_period_has_an_inverse():
     np.testing.assert_allclose(back.state, [[0.4, 0.9, 0, 0]], atol=1e-13)
 
 
+@pytest.mark.parametrize("strength", [10, 20])
+def test_the_derivative_at_the_pendulum_upside_down_is_that_of_its_linear_equation(strength):
+    hard = lp.System(X, SHAKEN, {"f": strength, "w": 10}, period="2*pi/w")
+    back = lp.sections.return_map(hard, "t", t_end=1)
+    matrix = back.derivative([np.pi, 0, 0, 0], ["x", "p_x"])
+
+    def linear(t, z):
+        return [z[1], z[0] * (1 - strength * np.cos(10 * t))]
+
+    wanted = np.transpose([by_scipy(linear, unit, [np.pi / 5])[-1] for unit in np.eye(2)])
+    np.testing.assert_allclose(matrix, wanted, atol=1e-9)
+    assert (abs(np.trace(matrix)) < 2) == (strength == 20)  # Kapitza: stable where f > sqrt(2) w, about
+    with pytest.raises(ParameterError, match="wanted one whose Hamiltonian does not depend on time"):
+        back.cycles({}, 0)
+
+
 def test_phases_are_sections_too():
     run = lp.section(FORCED, {"x": 0.4}, surface="t - pi/w", t_end=10 * PERIOD)
     np.testing.assert_allclose(run.time, PERIOD * (np.arange(10) + 0.5), rtol=1e-13)
