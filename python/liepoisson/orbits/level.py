@@ -210,8 +210,8 @@ def level_of(system: System, leaf: Leaf | Mapping[str, float | str], energy: flo
     system = as_system(system)
     if system.clock is not None:
         raise ParameterError(
-            f"system: wanted one whose Hamiltonian does not depend on time, so that orbits close; got {system.name}, of "
-            f'which t grows. The derivative of return_map(system, "{system.clock}", t_end=...) leads to fixed points.'
+            f"system: wanted one whose Hamiltonian does not depend on time, so that orbits close; got {system.name}, "
+            f'whose t grows. The derivative of return_map(system, "{system.clock}", t_end=...) leads to fixed points.'
         )
     given: Any = leaf
     if isinstance(given, Leaf):
