@@ -135,6 +135,12 @@ def test_a_run_of_a_forced_system_is_repeated_from_its_file(tmp_path):
     np.testing.assert_array_equal(again.state, run.state)
 
 
+def test_reports_tell_what_is_periodic():
+    assert "  periodic     x by 2*pi, t by 10*pi/7\n" in str(FORCED)
+    bracket = lp.inspect(FORCED).record()["bracket"]
+    assert {name: period["text"] for name, period in bracket["periods"].items()} == {"x": "2*pi", "t": "10*pi/7"}
+
+
 def test_a_figure_shows_the_coordinate_and_its_momentum():
     run = lp.section(FORCED, [{"p_x": 0.5}, {"p_x": 1.0}], surface="t", t_end=20 * PERIOD)
     assert run.default_axes == ("x", "p_x")

@@ -30,7 +30,6 @@ from liepoisson.model.hamiltonian import (
 )
 from liepoisson.model.time_dependence import check_period, given_text, suspended
 from liepoisson.structure.bracket import Bracket, with_coefficients
-from liepoisson.structure.circles import turn
 from liepoisson.structure.extension import Extension
 from liepoisson.structure.lie_algebra import LieAlgebra
 
@@ -179,9 +178,7 @@ class System(EquationsOfMotion):
     @cached_property
     def periods(self) -> dict[str, Expr]:
         r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle, that of time."""
-        of_angles = dict.fromkeys(self.bracket.angles, turn()) if self.bracket.angles else {}
-        period, clock = self.bracket.period, self.clock
-        return of_angles if period is None or clock is None else {**of_angles, clock: period}
+        return self.bracket.periods
 
     @property
     def clock(self) -> str | None:

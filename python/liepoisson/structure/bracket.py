@@ -287,6 +287,14 @@ class Bracket:
         return self.algebra.basis_names == ("",)
 
     @property
+    def periods(self) -> dict[str, Expr]:
+        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle, that of time."""
+        from liepoisson.structure.circles import turn
+
+        found = dict.fromkeys(self.angles, turn()) if self.angles else {}
+        return found if self.period is None or self.clock is None else {**found, self.clock: self.period}
+
+    @property
     def vectors(self) -> Mapping[str, Sequence[str]]:
         """The fields that are vectors, with the names of their components: {"l": ("1", "2", "3")} for l1, l2, l3."""
         return {} if self.has_scalar_fields else dict.fromkeys(self.field_names, self.algebra.basis_names)
