@@ -15,6 +15,7 @@ from liepoisson.errors import LiePoissonError, SystemFileError
 from liepoisson.formula.scope import Scope
 from liepoisson.formula.toml_text import parse_toml
 from liepoisson.inputs.calls import explains_its_arguments
+from liepoisson.inputs.names import MOMENTUM_OF_TIME
 from liepoisson.inputs.refusals import shown
 from liepoisson.io.files import write_atomically
 from liepoisson.model.canonical_system import CanonicalSystem
@@ -23,7 +24,7 @@ from liepoisson.model.system import System
 from liepoisson.model.system_file_reader import parse_system_file, vector_field_of
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.canonical_bracket import canonical
-from liepoisson.structure.suspension import MOMENTUM, Suspension
+from liepoisson.structure.suspension import Suspension
 from liepoisson.structure.tensor_bracket import PoissonTensor
 
 if TYPE_CHECKING:
@@ -185,7 +186,7 @@ def _without_momentum(system: System) -> Any:
     """The Hamiltonian without the momentum of time, which is written nowhere."""
     from sympy import Symbol
 
-    return system.hamiltonian if system.clock is None else system.hamiltonian - Symbol(MOMENTUM)
+    return system.hamiltonian if system.clock is None else system.hamiltonian - Symbol(MOMENTUM_OF_TIME)
 
 
 def _are_same(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:

@@ -11,18 +11,16 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import read_number, to_sympy
 from liepoisson.errors import ParameterError
-from liepoisson.formula.expression import read_expression
 from liepoisson.formula.parameters import GivenValue
 from liepoisson.formula.scope import Scope
+from liepoisson.inputs.names import MOMENTUM_OF_TIME, TIME
 from liepoisson.model.hamiltonian import Hamiltonian, apply_function, is_expression, scope_of
 from liepoisson.structure.bracket import Bracket
-from liepoisson.structure.circles import change
-from liepoisson.structure.suspension import MOMENTUM, TIME, Suspension
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-_WITH_MOMENTUM = f" + {MOMENTUM}"
+_WITH_MOMENTUM = f" + {MOMENTUM_OF_TIME}"
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -52,6 +50,8 @@ def suspended(
                 "time and for nothing else."
             )
         return bracket, hamiltonian
+    from liepoisson.structure.suspension import Suspension
+
     whole = Suspension(
         bracket, None if period is None else _read_period(period, scope_of(bracket, parameters, symbols))
     )
@@ -59,7 +59,7 @@ def suspended(
         return whole, hamiltonian + _WITH_MOMENTUM
     from sympy import Symbol
 
-    return whole, cast("Any", hamiltonian) + Symbol(MOMENTUM)
+    return whole, cast("Any", hamiltonian) + Symbol(MOMENTUM_OF_TIME)
 
 
 def _occurs(hamiltonian: Any) -> bool:
@@ -71,6 +71,8 @@ def _occurs(hamiltonian: Any) -> bool:
 
 def _read_period(given: Any, scope: Scope) -> Expr:
     """The period as an expression in parameters."""
+    from liepoisson.formula.expression import read_expression
+
     if isinstance(given, str):
         found: Any = read_expression(given, scope)
     elif is_expression(given):
@@ -92,6 +94,8 @@ def check_period(energy: Expr, time: Expr, period: Expr) -> None:
     Raises:
         ParameterError: it is not positive, or the Hamiltonian is another one after it.
     """
+    from liepoisson.structure.circles import change
+
     found: Any = period
     if found.is_number and not (found.is_finite and found.is_positive):
         raise ParameterError(f"period: wanted a positive number; got {found}. Write for example 2*pi/w.")

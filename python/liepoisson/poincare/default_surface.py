@@ -143,9 +143,9 @@ def default_surface(leaf: Leaf, *, energy: float | None = None, direction: int =
 def surface_and_reason(leaf: Leaf, energy: float | None, *, direction: int = 1, seed: int = 0) -> tuple[str, str]:
     """`default_surface`, and why it was taken."""
     from liepoisson.poincare.section_sheets import section_axes
-    from liepoisson.poincare.surfaces import section_starts
+    from liepoisson.poincare.surfaces import as_leaf, section_starts
 
-    if (clock := leaf.system.clock) is not None and clock in leaf.system.periods:
+    if (clock := as_leaf(leaf).system.clock) is not None and clock in leaf.system.periods:
         return clock, "time: once in each period"
     default, of = chosen_surface(leaf)
     by_default = default, f"the rate of {of}"

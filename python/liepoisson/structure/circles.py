@@ -15,8 +15,6 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.errors import BracketError, ParameterError, ShapeError, did_you_mean
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import listed_names
-from liepoisson.structure.poisson.poisson_tensor import SEEDS
-from liepoisson.structure.poisson.tensor_entries import N_POINTS
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -68,6 +66,9 @@ def change(function: Expr, coordinate: Expr, period: Expr) -> Expr:
 def _vanishes_at_points(found: Any, function: Any) -> bool:
     """Whether a difference is round-off, beside the values of a function, at random points where it has a value."""
     from sympy import Rational
+
+    from liepoisson.structure.poisson.poisson_tensor import SEEDS
+    from liepoisson.structure.poisson.tensor_entries import N_POINTS
 
     symbols, random = sorted(found.free_symbols | function.free_symbols, key=str), Random(SEEDS[0])
     n_values = 0

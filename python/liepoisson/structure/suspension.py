@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from liepoisson.algebra.exact_numbers import substituted, to_sympy
 from liepoisson.formula.parameters import values_of_symbols
+from liepoisson.inputs.names import MOMENTUM_OF_TIME, TIME
 from liepoisson.structure.bracket import Bracket
 from liepoisson.structure.tensor_bracket import PoissonTensor, read_variables
 
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.algebra.exact_numbers import Coefficient
-
-TIME, MOMENTUM = "t", "p_t"
-"""Names of the two coordinates."""
 
 
 class Suspension(PoissonTensor):
@@ -49,7 +47,7 @@ class Suspension(PoissonTensor):
     def __init__(self, base: Bracket, period: Expr | None = None) -> None:
         from sympy import S
 
-        names = read_variables((*base.coordinate_names_in_order, TIME, MOMENTUM))
+        names = read_variables((*base.coordinate_names_in_order, TIME, MOMENTUM_OF_TIME))
         self.base, self.period, n = base, period, base.dimension
         J, one = base.poisson_tensor(), S.One
         entries: dict[tuple[int, int], Any] = {(i, j): J[i, j] for j in range(n) for i in range(j) if J[i, j] != 0}
