@@ -212,12 +212,16 @@ def _of_algebras(add):
         algebra_weights=[1, 1, 0], integrals=[E3.variables[0]],
     )  # fmt: skip
     add("brackets.contraction:matrix", "matrix:o", bracket=E3, matrix=[[1, 0], [0, "t"]])
-    add("brackets.canonical", "names:o momenta:o", names=["x", "y"], momenta=["u", "v"])
+    add("brackets.canonical", "names:o momenta:o angles:o", names=["x", "y"], momenta=["u", "v"], angles=["y"])
+    flat = lp.PoissonTensor(["x", "y", "z"], {("x", "y"): "cos(z)"})
+    for name, of, angle in (("Bracket", lp.canonical(2), "q2"), ("PoissonTensor", flat, "z")):
+        add(f"brackets.{name}.with_angles", "angles:o", of, angles=[angle])
     cycle = {("x", "y"): "k*x*y", ("y", "z"): "y*z", ("x", "z"): "-x*z"}
     tensor = lp.PoissonTensor(["x", "y", "z"], cycle, symbols=["k"])
     add(
-        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w", variables=["x", "y", "z"],
-        entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"], casimirs={"C": "z"},
+        "brackets.PoissonTensor", "variables:o entries:v parameters:c symbols:o casimirs:w angles:o", angles=["z"],
+        variables=["x", "y", "z"], entries={("x", "y"): "a1*k*x*y"}, parameters={"a": [1, 2]}, symbols=["k"],
+        casimirs={"C": "z"},
     )  # fmt: skip
     for name in ("corank", "rank"):
         add(f"brackets.PoissonTensor.{name}", "point:N", tensor, tensor.coordinate_names_in_order, point=(1, 2, 3))
@@ -285,9 +289,9 @@ def _of_systems(add):
     add("systems.Top.heavy", "inertia:N a:N", None, names, inertia=(3, 2.5, 2), a=(1, 0, 3))
     add("systems.Top.free_rigid_body", "inertia:N", None, names, inertia=(3, 2.5, 2))
     add(
-        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:c quadratures:v symbols:o integrals:v",
-        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*x^2/2", parameters={"k": 2}, quadratures={"psi": "p"},
-        integrals={"K": "p^2 + 2*x^2"}, symbols=["m"],
+        "systems.CanonicalSystem", "coordinates:o momenta:o parameters:c quadratures:v symbols:o angles:o integrals:v",
+        coordinates=["x"], momenta=["p"], hamiltonian="p^2/2 + k*cos(x)", parameters={"k": 2}, quadratures={"psi": "p"},
+        integrals={"K": "p^2 + 4*cos(x)"}, symbols=["m"], angles=["x"],
     )  # fmt: skip
     add(
         "systems.System", "parameters:c symbols:o integrals:v partial_integrals:v", bracket=E3,
@@ -295,8 +299,8 @@ def _of_systems(add):
         partial_integrals={"P": ("l1", "l2")},
     )  # fmt: skip
     add(
-        "systems.VectorField", "equations:v parameters:c symbols:o integrals:v", equations={"x": "k*y + c", "y": "-x"},
-        parameters={"k": 2}, symbols=["c"], integrals={"K": "x^2 + 2*y^2 + 2*c*y"},
+        "systems.VectorField", "equations:v parameters:c symbols:o angles:o integrals:v", symbols=["c"], angles=["z"],
+        equations={"x": "k*y + c", "y": "-x", "z": "x"}, parameters={"k": 2}, integrals={"K": "x^2 + 2*y^2 + 2*c*y"},
     )  # fmt: skip
     add("systems.CanonicalSystem.invariant_values", "states:N", TOP, states=X)
     add("systems.CanonicalSystem.right_hand_side", "state:N", TOP, time=0.0, state=X)

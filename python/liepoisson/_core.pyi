@@ -245,6 +245,7 @@ def sections(
     field: Field,
     method: Method,
     surface: tuple[int, Sequence[Instruction], Sequence[int]],
+    has_guard: bool,
     states: _Array,
     times: _Array,
     direction: int,

@@ -87,6 +87,15 @@ class Bracket:
     has_algebra: ClassVar[bool] = True
     """Whether the bracket is given by `algebra` and `extension`; a `PoissonTensor` is given by formulas."""
 
+    angles: tuple[str, ...] = ()
+    """Names of the coordinates that are angles: states that differ by a turn of one are the same."""
+
+    clock: ClassVar[str | None] = None
+    """Name of the coordinate that is time; of a `Suspension`."""
+
+    period: Expr | None = None
+    """The period of time there, if there is one."""
+
     coefficients: frozenset[str] = frozenset()
     """Names that are like coordinates and stand for coefficients in the functions of a system."""
 
@@ -134,7 +143,39 @@ class Bracket:
                 coordinate.
             ParameterError: an entry is not exact.
         """
-        return Bracket(self.algebra, self.extension, self.field_names, constant=constant, check=check)
+        made = Bracket(self.algebra, self.extension, self.field_names, constant=constant, check=check)
+        made.angles = self.angles
+        return made
+
+    def with_angles(self, angles: Sequence[str]) -> Bracket:
+        r"""The same bracket, of which these coordinates are angles: points of a circle, modulo $2\pi$.
+
+        Hamiltonians must then be periodic in them; sections of an angle are taken modulo a turn, and averages and
+        verdicts are those of functions on the circle.
+
+        Example:
+            >>> lp.canonical(names=["theta"]).with_angles(["theta"]).angles
+            ('theta',)
+
+        Args:
+            angles: Names of coordinates on which the brackets of coordinates do not depend, or only periodically.
+
+        Raises:
+            ShapeError: not a sequence of names.
+            BracketError: a name is that of no coordinate, or is given twice.
+            ParameterError: a bracket of two coordinates is not periodic in an angle.
+        """
+        from liepoisson.structure.circles import check_on_circles, read_angles, turn
+
+        made = copy(self)
+        made.angles = read_angles(angles, self.coordinate_names_in_order)
+        if made.angles and not (self.is_linear and not self.entries()):
+            names, J = self.coordinate_names_in_order, self.poisson_tensor()
+            pairs = ((i, j) for j in range(self.dimension) for i in range(j))
+            periods: Any = {str(x): (x, turn()) for x in self.variables if str(x) in made.angles}
+            functions: Any = ((f"{{{names[i]}, {names[j]}}}", J[i, j]) for i, j in pairs)
+            check_on_circles(functions, periods, "Leave {name} out of angles.")
+        return made
 
     def translated(self, point: Sequence[Parameter]) -> Bracket:
         r"""The same bracket in the coordinates $y = x - x_0$: its constant part grows by $J(x_0)$, a coboundary.
@@ -190,7 +231,10 @@ class Bracket:
             ParameterError: a name is not an identifier.
         """
         constant: Any = self.constant_rows
-        return Bracket(self.algebra, self.extension, field_names, constant=constant, check=False)
+        made = Bracket(self.algebra, self.extension, field_names, constant=constant, check=False)
+        new = dict(zip(self.coordinate_names_in_order, made.coordinate_names_in_order, strict=True))
+        made.angles = tuple(new[name] for name in self.angles)
+        return made
 
     @cached_property
     def constant(self) -> dict[tuple[int, int], Exact]:
@@ -241,6 +285,25 @@ class Bracket:
     def has_scalar_fields(self) -> bool:
         """Whether each field is one coordinate with its own name, as theta and p_theta of a canonical bracket."""
         return self.algebra.basis_names == ("",)
+
+    @property
+    def periods(self) -> dict[str, Expr]:
+        r"""The periods of the coordinates that are points of circles, by name: $2\pi$ of an angle, that of time."""
+        from liepoisson.structure.circles import turn
+
+        found = dict.fromkeys(self.angles, turn()) if self.angles else {}
+        return found if self.period is None or self.clock is None else {**found, self.clock: self.period}
+
+    @property
+    def vectors(self) -> Mapping[str, Sequence[str]]:
+        """The fields that are vectors, with the names of their components: {"l": ("1", "2", "3")} for l1, l2, l3."""
+        return {} if self.has_scalar_fields else dict.fromkeys(self.field_names, self.algebra.basis_names)
+
+    @property
+    def scalars(self) -> tuple[str, ...]:
+        """The coordinates that belong to no vector."""
+        inside = {f"{field}{component}" for field, components in self.vectors.items() for component in components}
+        return tuple(name for name in self.coordinate_names_in_order if name not in inside)
 
     @property
     def _scalars(self) -> set[str]:
@@ -496,7 +559,9 @@ class Bracket:
         algebra = self.algebra.substitute({s: value for s, value in values.items() if s in self.algebra.symbols})
         extension = self.extension.substitute({s: value for s, value in values.items() if s in self.extension.symbols})
         constant: Any = {pair: substituted(value, values) for pair, value in self.constant_rows.items()}
-        return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
+        made = Bracket(algebra, extension, constant=constant, name=self._name, check=False)
+        made.angles = self.angles
+        return made
 
     def __add__(self, other: object) -> NoReturn:
         """Brackets are not added; their parts are.
@@ -513,7 +578,7 @@ class Bracket:
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
-        own = {"coefficients": self.coefficients} if self.coefficients else {}
+        own = {name: value for name in ("coefficients", "angles") if (value := getattr(self, name))}
         return {**definition, "constant_rows": self.constant_rows, "_name": self._name, **own}
 
     def _repr_latex_(self) -> str | None:

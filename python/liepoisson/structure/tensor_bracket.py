@@ -72,21 +72,24 @@ class PoissonTensor(Bracket):
         symbols: Names that stay symbolic and are taken as generic; a vector with its length, as in "a[3]".
         casimirs: Known Casimirs, a list or a mapping from names, which are not kept: they are C1, C2, ... in this
             order.
+        angles: The coordinates that are angles, modulo $2\pi$, in which the entries must be periodic.
         name: How it is printed.
         check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
 
     Raises:
         BracketError: a coordinate is unknown, a pair is one of a coordinate with itself, both orders of a pair
-            disagree, or a function is no Casimir.
+            disagree, a function is no Casimir, or an angle is no coordinate.
         JacobiError: the Jacobi identity fails; the error names the three coordinates and the residual.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: a name is none that a user may choose, or an entry is none of these.
+        ParameterError: a name is none that a user may choose, an entry is none of these, or not periodic in an angle.
         ShapeError: the variables are no sequence of names.
 
     References: [marsden1999], sections 10.1 and 10.5; Weinstein, J. Differential Geom. 18 (1983) 523.
     """
 
     has_algebra: ClassVar[bool] = False
+
+    given_casimirs: tuple[Expr, ...] = ()
 
     def __init__(
         self,
@@ -96,6 +99,7 @@ class PoissonTensor(Bracket):
         *,
         symbols: Sequence[str] = (),
         casimirs: Sequence[str | Expr] | Mapping[str, str | Expr] = (),
+        angles: Sequence[str] = (),
         name: str | None = None,
         check: bool = True,
     ) -> None:
@@ -105,13 +109,13 @@ class PoissonTensor(Bracket):
         self._define(names, _read_entries(entries, names, scope), title)
         self._jacobi = self._checked_jacobi() if check else "not checked"
         self.given_casimirs = self._read_casimirs(casimirs, scope)
+        self.angles = self.with_angles(angles).angles
 
     def _define(self, names: tuple[str, ...], formulas: Mapping[tuple[int, int], Expr], name: str | None) -> None:
         self.coordinate_names_in_order = names
         self.formulas = TensorEntries(self.variables, dict(sorted(formulas.items())))
         self._name = name
         self._jacobi = "not checked"
-        self.given_casimirs: tuple[Expr, ...] = ()
         self.check_parameter_names(self.symbols)
         if self.is_linear:
             self.constant_rows = {(i, j): c for i, j, m, c in self.formulas.linear_terms if m is None}
@@ -140,6 +144,11 @@ class PoissonTensor(Bracket):
     def has_scalar_fields(self) -> bool:
         """Each coordinate has its own name."""
         return True
+
+    @property
+    def vectors(self) -> Mapping[str, Sequence[str]]:
+        """None: each coordinate is a field of its own."""
+        return {}
 
     @property
     def is_linear(self) -> bool:
@@ -208,7 +217,9 @@ class PoissonTensor(Bracket):
         if len(names) != self.dimension:
             raise ShapeError(f"wanted {self.dimension} names, one per coordinate; got {len(names)}. Name all of them.")
         known: Any = dict(zip(self.variables, map(Symbol, names), strict=True))
-        return self._mapped(names, lambda f: f.xreplace(known))
+        made = self._mapped(names, lambda f: f.xreplace(known))
+        made.angles = tuple(str(known[x]) for x in self.variables if str(x) in self.angles)
+        return made
 
     def substitute(self, values: Mapping[str, Coefficient]) -> PoissonTensor:
         """The same bracket with values for some of its symbols.
@@ -230,7 +241,9 @@ class PoissonTensor(Bracket):
     def _mapped(self, names: tuple[str, ...], change: Any) -> PoissonTensor:
         entries = {pair: change(entry) for pair, entry in self.formulas.entries.items()}
         casimirs = [change(casimir) for casimir in self.given_casimirs]
-        return tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
+        made = tensor_of(names, entries, casimirs=casimirs, jacobi=self._jacobi, name=self._name)
+        made.angles = self.angles
+        return made
 
     # What is proved about it
 
@@ -418,6 +431,7 @@ class PoissonTensor(Bracket):
             "given_casimirs",
             "constant_rows",
             "coefficients",
+            "angles",
         )
         return {name: value for name, value in self.__dict__.items() if name in kept}
 
