@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from liepoisson.structure.derivations import Constant, Derivation, Scaling
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
     from liepoisson.structure.poisson.casimir_check import CasimirCertificate
+    from liepoisson.structure.poisson.semi_invariants import SemiInvariant
     from liepoisson.structure.poisson.tensor_entries import TensorEntries
     from liepoisson.structure.strata import Stratum
     from liepoisson.structure.trace_casimirs import TraceCasimirs
@@ -452,6 +453,43 @@ class Bracket:
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
         return list(self._known_casimirs(degree).expressions)
+
+    def rational_casimirs(self, degree: int) -> list[Expr]:
+        r"""Independent Casimirs P/Q with polynomials P and Q of at most a degree, those with Q = 1 first.
+
+        P and Q are semi-invariants of one weight, see `semi_invariants`; all are functions of those that are found, as
+        far as weights lie in the field of the structure constants.
+
+        Example:
+            >>> (lp.algebras.bianchi("V") @ lp.trivial()).rational_casimirs(1)
+            [l3/l2]
+
+        Args:
+            degree: The highest degree of P and Q.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search, or there is no exact
+                field of real numbers that contains the structure constants.
+        """
+        from liepoisson.structure.poisson.semi_invariants import rational_casimirs
+
+        return rational_casimirs(self, degree)
+
+    def semi_invariants(self, degree: int) -> list[SemiInvariant]:
+        r"""The polynomials F with $\{x_i, F\} = \lambda_i F$ up to a degree that are no sums of products of others.
+
+        The $\lambda_i$ are numbers.  Casimirs are those with $\lambda = 0$.
+
+        Args:
+            degree: The highest degree of F.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search, or there is no exact
+                field of real numbers that contains the structure constants.
+        """
+        from liepoisson.structure.poisson.semi_invariants import semi_invariants
+
+        return semi_invariants(self, degree)
 
     def polynomial_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
         """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""

@@ -123,7 +123,12 @@ class LieAlgebra:
 
     @classmethod
     def from_matrices(
-        cls, matrices: Sequence[object], name: str = "g", basis_names: Sequence[str] | None = None
+        cls,
+        matrices: Sequence[object],
+        name: str = "g",
+        basis_names: Sequence[str] | None = None,
+        *,
+        hermitian: bool = False,
     ) -> LieAlgebra:
         r"""The algebra that square matrices span, $M_i M_j - M_j M_i = c_{ij}^k M_k$.
 
@@ -131,11 +136,13 @@ class LieAlgebra:
             matrices: Exact entries, shape (n, m, m); complex ones (with SymPy's `I`) if the $c_{ij}^k$ are real.
             name: How it is printed.
             basis_names: Names of the matrices; "1", "2", ... if left out.
+            hermitian: Whether they are hermitian generators, $M_i M_j - M_j M_i = i\,c_{ij}^k M_k$, as in physics.
 
         Raises:
             ShapeError: not a sequence of square matrices of one size.
             BracketError: linearly dependent, or a commutator outside of the span; the message names the matrices.
-            ParameterError: an entry is not exact.
+                `algebras.closure` adds those that are missing.
+            ParameterError: an entry is not exact, or a matrix is not hermitian.
         """
         from liepoisson.structure.lie.sparse_matrices import brackets_of_matrices
 
@@ -144,7 +151,7 @@ class LieAlgebra:
                 f"matrices must be a sequence of square matrices; got {type(matrices).__name__}. Write a list of them, "
                 "and their names as basis_names."
             )
-        brackets = brackets_of_matrices(given)
+        brackets = brackets_of_matrices(given, hermitian=hermitian)
         # Commutators of matrices obey the Jacobi identity.
         return cls.from_brackets(len(given), brackets, name, basis_names, check=False)
 
