@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations_with_replacement
 from math import comb
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -27,7 +28,7 @@ from liepoisson.algebra.linear_algebra import nullspace
 from liepoisson.algebra.matrices import characteristic_polynomial
 from liepoisson.algebra.real_fields import RealField, RealRationals, real_field
 from liepoisson.algebra.sparse_polynomials import Monomial, Polynomial
-from liepoisson.errors import ParameterError
+from liepoisson.errors import BracketError, ParameterError
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.structure.poisson.casimir_search import MAX_WORK, without_constant_factors
@@ -68,7 +69,12 @@ class SemiInvariant:
 
 
 def semi_invariants(bracket: Bracket, degree: int) -> list[SemiInvariant]:
-    """Those up to a degree that are no sums of products of others."""
+    """Those up to a degree that are no sums of products of others.
+
+    Raises:
+        BracketError: the bracket is not linear.
+        ParameterError: the degree is not a positive integer, or too large for the search.
+    """
     search = _Search(bracket)
     names = bracket.coordinate_names_in_order
     found: list[SemiInvariant] = []
@@ -80,26 +86,40 @@ def semi_invariants(bracket: Bracket, degree: int) -> list[SemiInvariant]:
 
 
 def rational_casimirs(bracket: Bracket, degree: int) -> list[Expr]:
-    """Independent Casimirs P/Q with P and Q of at most a degree, the polynomials first."""
+    """Independent Casimirs P/Q with P and Q of at most a degree, the polynomials first, by their degrees.
+
+    Raises:
+        BracketError: the bracket is not linear.
+        ParameterError: the degree is not a positive integer, or too large for the search.
+    """
     search = _Search(bracket)
-    by_weight: dict[Weight, list[Polynomial]] = {}
-    for _, weight, polynomial in _products(search.generators(degree), degree, search.one):
+    by_weight: dict[Weight, list[tuple[int, Polynomial]]] = {}
+    for d, weight, polynomial in _products(search.generators(degree), degree):
         if any(m != CONSTANT for monomial in polynomial for m in monomial):
-            by_weight.setdefault(weight, []).append(polynomial)
+            by_weight.setdefault(weight, []).append((d, polynomial))
+    pairs: list[tuple[bool, int, Any]] = []
+    for weight, terms in by_weight.items():
+        written: list[tuple[int, Any]] = [
+            (d, search.expression(p)) for d, p in sorted(terms, key=lambda term: term[0])
+        ]
+        if any(weight):
+            (size, Q), *written = written
+            pairs += [(True, size + d, P / Q) for d, P in written]
+        else:
+            pairs += [(False, d, P) for d, P in written]
     corank, found = bracket.corank(), list[Any]()
-    pairs: list[tuple[Any, Any]] = []
-    for weight, polynomials in by_weight.items():
-        written = [search.expression(polynomial) for polynomial in polynomials]
-        first: Any = 1 if not any(weight) else written.pop(0)
-        pairs += [(one, first) for one in written]
-    for P, Q in sorted(pairs, key=lambda pair: pair[1] != 1):
+    for is_quotient, _, one in sorted(pairs, key=lambda pair: pair[:2]):
         checkpoint("rational Casimirs")
         if len(found) >= corank:
             break
-        quotient = (P / Q).cancel() if Q != 1 else P
-        if quotient.free_symbols & {*bracket.variables} and bracket.formulas.n_independent([*found, quotient]) > len(found):
-            found.append(quotient)
+        casimir = one.cancel() if is_quotient else one
+        if casimir.free_symbols & {*bracket.variables} and _is_new(bracket, casimir, found):
+            found.append(casimir)
     return found
+
+
+def _is_new(bracket: Bracket, casimir: Expr, found: Sequence[Expr]) -> bool:
+    return bracket.formulas.n_independent([*found, casimir]) > len(found)
 
 
 class _Search:
@@ -108,6 +128,11 @@ class _Search:
     def __init__(self, bracket: Bracket) -> None:
         from liepoisson.algebra.exact_numbers import to_sympy
 
+        if not bracket.is_linear:
+            raise BracketError(
+                f"wanted a bracket that is linear in the coordinates, whose semi-invariants have numbers as weights; got "
+                f"{bracket!r}."
+            )
         self.bracket, self.dimension = bracket, bracket.dimension
         terms = bracket.terms()
         self.field: RealField = real_field(c for *_, c in terms)
@@ -150,7 +175,7 @@ class _Search:
         found: list[Term] = [(1, zero, {(CONSTANT,): self.one})] if self.has_constant else []
         for d in range(1, degree + 1):
             known: dict[Weight, Echelon] = {}
-            for size, weight, product in _products(found, d, self.one):
+            for size, weight, product in _products(found, d):
                 if size == d:
                     known.setdefault(weight, Echelon(self.field)).insert(product)
             for weight, space in self._of_degree(d):
@@ -166,7 +191,7 @@ class _Search:
         """All weights of a degree, each with a basis of its polynomials."""
         monomials = [*combinations_with_replacement(self._factors, degree)]
         place = {m: k for k, m in enumerate(monomials)}
-        derived, others = self._derived
+        derived, others = self.derived
         rows: dict[tuple[int, Monomial], Vector] = {}
         for k, monomial in enumerate(monomials):
             checkpoint("semi-invariants")
@@ -189,8 +214,8 @@ class _Search:
         for values, space in spaces:
             yield self._weight(values, others), space
 
-    @property
-    def _derived(self) -> tuple[list[Vector], list[int]]:
+    @cached_property
+    def derived(self) -> tuple[list[Vector], list[int]]:
         """Linear forms that span [g, g], modulo constants, and the coordinates that complete them."""
         span = Echelon(self.field)
         for i, row in enumerate(self.rows):
@@ -204,7 +229,7 @@ class _Search:
         total = [self.field.zero] * self.dimension
         for i in others:
             total[i] = values[i]
-        for row in self._derived[0]:
+        for row in self.derived[0]:
             lead = min(row)
             for k, c in row.items():
                 if k != lead and k in values:
@@ -255,7 +280,7 @@ class _Search:
         return {m: value for m, value in total.items() if value}
 
 
-def _products(generators: Sequence[Term], degree: int, one: Any) -> Iterator[Term]:
+def _products(generators: Sequence[Term], degree: int) -> Iterator[Term]:
     """All products of generators of at most a degree, with their weights; each generator among them."""
 
     def extend(start: int, left: int, so_far: Term | None) -> Iterator[Term]:
