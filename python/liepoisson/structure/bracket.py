@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from liepoisson.structure.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
     from liepoisson.structure.derivations import Constant, Derivation, Scaling
-    from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
     from liepoisson.structure.poisson.casimir_check import CasimirCertificate
+    from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
     from liepoisson.structure.poisson.semi_invariants import SemiInvariant
     from liepoisson.structure.poisson.tensor_entries import TensorEntries
     from liepoisson.structure.strata import Stratum

@@ -292,9 +292,7 @@ class LieAlgebra:
 
         return (g := self._structure()).subspace(levi.levi_factor(g))
 
-    def subalgebra(
-        self, vectors: Subspace | Sequence[Sequence[Parameter]], name: str | None = None
-    ) -> LieAlgebra:
+    def subalgebra(self, vectors: Subspace | Sequence[Sequence[Parameter]], name: str | None = None) -> LieAlgebra:
         r"""The subalgebra that vectors span, with these as its basis "1", "2", ...
 
         Args:

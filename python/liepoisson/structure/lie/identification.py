@@ -1,6 +1,6 @@
 r"""Which real Lie algebra of dimension four or less an algebra is, by its name and parameters.
 
-The nilradical N and the matrix M of ad x on it, x outside of it, decide; M is given up to conjugation and a real factor.
+The nilradical N and the matrix M of ad x on it, x outside of it, decide; M is given up to conjugation and a factor.
 Dimension three: N = R^2, and M is a matrix of order two.  Dimension four:
 
 * N of dimension 4: nilpotent, and the dimension of [g, g] decides;
@@ -133,18 +133,21 @@ def _identified(algebra: LieAlgebra) -> _Answer:
         return ("A3,8" if positive else "A3,9") + ("" if n == 3 else "+A1"), {}
     if n == 2:
         return "A2", {}
-    g = LieStructure(n, algebra.brackets)
+    if algebra.is_nilpotent:
+        return ("A4,1" if algebra.derived_series()[1].dimension == 2 else "A3,1" + ("" if n == 3 else "+A1")), {}
+    return _solvable(LieStructure(n, algebra.brackets))
+
+
+def _solvable(g: LieStructure) -> _Answer:
+    """A solvable algebra of dimension three or four that is not nilpotent."""
     N = levi.nilradical(g)
-    if len(N) == n:
-        if len(algebra.derived_series()[1].basis) == 1:
-            return ("A3,1" if n == 3 else "A3,1+A1"), {}
-        return "A4,1", {}
     matrices, field = _matrices(g, N)
-    if len(N) == 2:
-        if n == 3:
-            return _planar(_Block.of(matrices[0], field), "")
-        (block,) = [b for b in (_Block.of(m, field) for m in matrices) if not b.is_scalar][:1]
-        return ("2A2" if block.sign > 0 else "A4,12"), {}
+    blocks = [_Block.of(m, field) for m in matrices] if len(N) == 2 else []
+    if blocks and g.dimension == 3:
+        return _planar(blocks[0], "")
+    if blocks:
+        split = next(block for block in blocks if not block.is_scalar)
+        return ("2A2" if split.sign > 0 else "A4,12"), {}
     centre = _centre(g, N)
     if len(centre) == 3:
         return _spatial(matrices[0], field)
@@ -156,7 +159,7 @@ def _identified(algebra: LieAlgebra) -> _Answer:
 
 @dataclass(frozen=True)
 class _Block:
-    """A real matrix of order two: its trace, its determinant, the sign of its discriminant, and whether it is scalar."""
+    """A matrix of order two: its trace and determinant, the sign of its discriminant, and whether it is scalar."""
 
     trace: Any
     determinant: Any

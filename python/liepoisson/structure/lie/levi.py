@@ -8,8 +8,8 @@ Over a field of characteristic 0, all exact:
   $\operatorname{tr}(\mathrm{ad}_s^{k-1} \mathrm{ad}_x) = \sum_a m_a \lambda_a(s)^{k-1} \lambda_a(x)$, k = 1, ..., n,
   vanish only there, by Vandermonde's determinant.  Of an unlucky s the solutions are an ideal that is not nilpotent,
   which is tested;
-* a complement of r is moved by elements of r, of $r' = [r, r]$, ... in turn until it is closed modulo 0.  Each step is a
-  linear system, which has a solution by Whitehead's lemma: Levi's theorem.
+* a complement of r is moved by elements of r, of $r' = [r, r]$, ... in turn until it is closed.  Each step is a linear
+  system, which has a solution by Whitehead's lemma: Levi's theorem.
 
 References: Humphreys (1972), sections 3 to 6; Rand, Winternitz and Zassenhaus, Linear Algebra Appl. 109 (1988) 197; de
 Graaf, Lie Algebras: Theory and Algorithms (2000), sections 2.2, 2.3 and 4.13.

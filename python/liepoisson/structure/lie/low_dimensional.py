@@ -2,8 +2,8 @@ r"""All real Lie algebras of dimension four and less by their names, with their 
 
 The names of indecomposable ones, $A_{n,k}$, their brackets and the ranges of parameters are those of Mubarakzyanov as
 Patera, Sharp, Winternitz and Zassenhaus print them; A1 and A2 are the algebras of dimension one and two.  Casimirs are
-those of the paper, with real functions in the place of complex powers.  They exist on open dense sets: $\sqrt{x^2 + y^2}
-\exp(-a \arctan(y/x))$ is a Casimir where x is not zero.
+those of the paper, with real functions in the place of complex powers.  They exist on open dense sets, those with
+$\arctan(y/x)$ where x is not zero.
 
 References: Mubarakzyanov, Izv. Vyssh. Uchebn. Zaved. Mat. 32 (1963) 114; Patera, Sharp, Winternitz and Zassenhaus, J.
 Math. Phys. 17 (1976) 986, table I.
@@ -107,26 +107,30 @@ NAMES: tuple[str, ...] = tuple(
 def low_dimensional(name: str, a: Parameter | None = None, b: Parameter | None = None) -> LieAlgebra:
     r"""A real Lie algebra of dimension at most four by its name: each there is once, with one value of its parameters.
 
-    | name | brackets | Bianchi |
+    | name | nonzero brackets | parameters |
     |---|---|---|
-    | `"A1"`, `"A2"` | none; $[e_1, e_2] = e_2$ | |
-    | `"A3,1"` | $[e_2, e_3] = e_1$ | II |
-    | `"A3,2"` | $[e_1, e_3] = e_1$, $[e_2, e_3] = e_1 + e_2$ | IV |
-    | `"A3,3"`, `"A3,4"`, `"A3,5"` | $[e_1, e_3] = e_1$, $[e_2, e_3] = a e_2$: a = 1, a = -1, $0 < |a| < 1$ | V, VI0, VI |
-    | `"A3,6"`, `"A3,7"` | $[e_1, e_3] = a e_1 - e_2$, $[e_2, e_3] = e_1 + a e_2$: a = 0, a > 0 | VII0, VII |
-    | `"A3,8"` | $[e_1, e_2] = e_1$, $[e_1, e_3] = -2 e_2$, $[e_2, e_3] = e_3$ | VIII |
-    | `"A3,9"` | $[e_1, e_2] = e_3$, $[e_2, e_3] = e_1$, $[e_3, e_1] = e_2$ | IX |
-    | `"A4,1"` | $[e_2, e_4] = e_1$, $[e_3, e_4] = e_2$ | |
-    | `"A4,2"` | $[e_1, e_4] = a e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = e_2 + e_3$, $a \ne 0$ | |
-    | `"A4,3"` | $[e_1, e_4] = e_1$, $[e_3, e_4] = e_2$ | |
-    | `"A4,4"` | $[e_1, e_4] = e_1$, $[e_2, e_4] = e_1 + e_2$, $[e_3, e_4] = e_2 + e_3$ | |
-    | `"A4,5"` | $[e_1, e_4] = e_1$, $[e_2, e_4] = a e_2$, $[e_3, e_4] = b e_3$, $-1 \le a \le b \le 1$, $ab \ne 0$ | |
-    | `"A4,6"` | $[e_1, e_4] = a e_1$, $[e_2, e_4] = b e_2 - e_3$, $[e_3, e_4] = e_2 + b e_3$, $a \ne 0$, $b \ge 0$ | |
-    | `"A4,7"` | $[e_2, e_3] = e_1$, $[e_1, e_4] = 2 e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = e_2 + e_3$ | |
-    | `"A4,8"`, `"A4,9"` | $[e_2, e_3] = e_1$, $[e_1, e_4] = (1 + b) e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = b e_3$: b = -1, $-1 < b \le 1$ | |
-    | `"A4,10"`, `"A4,11"` | $[e_2, e_3] = e_1$, $[e_1, e_4] = 2a e_1$, $[e_2, e_4] = a e_2 - e_3$, $[e_3, e_4] = e_2 + a e_3$: a = 0, a > 0 | |
-    | `"A4,12"` | $[e_1, e_3] = e_1$, $[e_2, e_3] = e_2$, $[e_1, e_4] = -e_2$, $[e_2, e_4] = e_1$ | |
-    | `"2A1"`, `"3A1"`, `"4A1"`, `"A2+A1"`, `"A2+2A1"`, `"2A2"`, `"A3,1+A1"`, ..., `"A3,9+A1"` | direct sums | 3A1: I, A2+A1: III |
+    | A1, A2 | none; $[e_1, e_2] = e_2$ | |
+    | A3,1 | $[e_2, e_3] = e_1$ | |
+    | A3,2 | $[e_1, e_3] = e_1$, $[e_2, e_3] = e_1 + e_2$ | |
+    | A3,3, A3,4, A3,5 | $[e_1, e_3] = e_1$, $[e_2, e_3] = a e_2$ | a = 1, a = -1, $0 < |a| < 1$ |
+    | A3,6, A3,7 | $[e_1, e_3] = a e_1 - e_2$, $[e_2, e_3] = e_1 + a e_2$ | a = 0, a > 0 |
+    | A3,8 | $[e_1, e_2] = e_1$, $[e_1, e_3] = -2 e_2$, $[e_2, e_3] = e_3$ | |
+    | A3,9 | $[e_1, e_2] = e_3$, $[e_2, e_3] = e_1$, $[e_3, e_1] = e_2$ | |
+    | A4,1 | $[e_2, e_4] = e_1$, $[e_3, e_4] = e_2$ | |
+    | A4,2 | $[e_1, e_4] = a e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = e_2 + e_3$ | $a \ne 0$ |
+    | A4,3 | $[e_1, e_4] = e_1$, $[e_3, e_4] = e_2$ | |
+    | A4,4 | $[e_1, e_4] = e_1$, $[e_2, e_4] = e_1 + e_2$, $[e_3, e_4] = e_2 + e_3$ | |
+    | A4,5 | $[e_1, e_4] = e_1$, $[e_2, e_4] = a e_2$, $[e_3, e_4] = b e_3$ | $-1 \le a \le b \le 1$, $ab \ne 0$ |
+    | A4,6 | $[e_1, e_4] = a e_1$, $[e_2, e_4] = b e_2 - e_3$, $[e_3, e_4] = e_2 + b e_3$ | $a \ne 0$, $b \ge 0$ |
+    | A4,7 | $[e_2, e_3] = e_1$, $[e_1, e_4] = 2 e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = e_2 + e_3$ | |
+    | A4,8, A4,9 | $[e_2, e_3] = e_1$, $[e_1, e_4] = (1 + b) e_1$, $[e_2, e_4] = e_2$, $[e_3, e_4] = b e_3$ | b = -1, \
+        $-1 < b \le 1$ |
+    | A4,10, A4,11 | $[e_2, e_3] = e_1$, $[e_1, e_4] = 2a e_1$, $[e_2, e_4] = a e_2 - e_3$, $[e_3, e_4] = e_2 + a e_3$ \
+        | a = 0, a > 0 |
+    | A4,12 | $[e_1, e_3] = e_1$, $[e_2, e_3] = e_2$, $[e_1, e_4] = -e_2$, $[e_2, e_4] = e_1$ | |
+
+    Direct sums: 2A1, 3A1, A2+A1, 4A1, A2+2A1, 2A2, A3,1+A1, ..., A3,9+A1.  Bianchi's types are I 3A1, II A3,1, III
+    A2+A1, IV A3,2, V A3,3, VI A3,4 and A3,5, VII A3,6 and A3,7, VIII A3,8, IX A3,9.
 
     Of the $A_{4,5}$ with eigenvalues 1, -1 and c one has b = |c|, of the $A_{4,6}$ with b = 0 one has a > 0.
 

@@ -1,4 +1,4 @@
-r"""Whether a function is a Casimir, $J \nabla C = 0$: decided in the field that everything generates, or tried at points.
+r"""Whether a function is a Casimir, $J \nabla C = 0$: decided in the field that all generate, or tried at points.
 
 Polynomials, rational functions, and what follows without relations between functions such as $\sin^2 + \cos^2 = 1$ are
 proved.  What is then left open is tried at random points in 50 digits: one point where a component is not zero refutes
@@ -73,7 +73,9 @@ def casimir_certificate(bracket: Bracket, function: Expr) -> CasimirCertificate:
     slopes = {j: slope for j, slope in enumerate(bracket.gradient(function)) if slope != 0}
     rows = list(_rows(bracket, slopes))
     names = bracket.coordinate_names_in_order
-    field = Coefficients.containing([*bracket.variables, *(factor for _, row in rows for term in row for factor in term)])
+    field = Coefficients.containing(
+        [*bracket.variables, *(factor for _, row in rows for term in row for factor in term)]
+    )
     open_ones: dict[int, Any] = {}
     for i, row in rows:
         checkpoint("the brackets of a function with the coordinates")
@@ -101,9 +103,7 @@ def _rows(bracket: Bracket, slopes: Mapping[int, Any]) -> Iterator[tuple[int, li
     yield from sorted(sums.items())
 
 
-def _tried(
-    bracket: Bracket, function: Expr, rows: Sequence[tuple[int, list[tuple[Any, Any]]]]
-) -> CasimirCertificate:
+def _tried(bracket: Bracket, function: Expr, rows: Sequence[tuple[int, list[tuple[Any, Any]]]]) -> CasimirCertificate:
     from sympy import Add, Mul
 
     names = bracket.coordinate_names_in_order
@@ -146,7 +146,9 @@ def read_phase_function(bracket: Bracket, given: Any, symbols: Sequence[str], wh
     """
     from liepoisson.structure.bracket import read_function
 
-    return read_function(bracket, read_expression(given, _scope(bracket, symbols)) if isinstance(given, str) else given, what)
+    return read_function(
+        bracket, read_expression(given, _scope(bracket, symbols)) if isinstance(given, str) else given, what
+    )
 
 
 def checked_casimirs(bracket: Bracket, given: Any, symbols: Sequence[str] = ()) -> tuple[Expr, ...]:

@@ -3,8 +3,8 @@ r"""Semi-invariants of linear brackets, $\{x_i, F\} = \lambda_i F$, and the rati
 The weight $\lambda$ of a polynomial F consists of numbers, as J is of degree one; it vanishes on [g, g].  So F is among
 the polynomials that commute with [g, g], on which the other coordinates act by matrices that commute: F is a common
 eigenvector.  A factor of a semi-invariant is one, too, and a quotient P/Q in lowest terms is a Casimir if and only if P
-and Q are semi-invariants of one weight.  Up to a degree all rational Casimirs are found in this way whose weights lie in
-the field of the structure constants; if a weight does not, the product of F with its conjugates, which has a higher
+and Q are semi-invariants of one weight.  Up to a degree all rational Casimirs are found in this way whose weights lie
+in the field of the structure constants; if a weight does not, the product of F with its conjugates, which has a higher
 degree, has one that does.
 
 A constant part belongs to one more coordinate, 1, which commutes with all and has the degree 1.
@@ -99,9 +99,7 @@ def rational_casimirs(bracket: Bracket, degree: int) -> list[Expr]:
             by_weight.setdefault(weight, []).append((d, polynomial))
     pairs: list[tuple[bool, int, Any]] = []
     for weight, terms in by_weight.items():
-        written: list[tuple[int, Any]] = [
-            (d, search.expression(p)) for d, p in sorted(terms, key=lambda term: term[0])
-        ]
+        written: list[tuple[int, Any]] = [(d, search.expression(p)) for d, p in sorted(terms, key=lambda term: term[0])]
         if any(weight):
             (size, Q), *written = written
             pairs += [(True, size + d, P / Q) for d, P in written]
@@ -130,8 +128,8 @@ class _Search:
 
         if not bracket.is_linear:
             raise BracketError(
-                f"wanted a bracket that is linear in the coordinates, whose semi-invariants have numbers as weights; got "
-                f"{bracket!r}."
+                f"wanted a bracket that is linear in the coordinates, whose semi-invariants have numbers as weights; "
+                f"got {bracket!r}."
             )
         self.bracket, self.dimension = bracket, bracket.dimension
         terms = bracket.terms()
@@ -166,7 +164,9 @@ class _Search:
         """
         given: Any = degree
         if isinstance(given, bool) or not isinstance(given, int) or degree < 1:
-            raise ParameterError(f"degree must be an integer of at least 1; got {degree!r}. Write for example degree=2.")
+            raise ParameterError(
+                f"degree must be an integer of at least 1; got {degree!r}. Write for example degree=2."
+            )
         if self.dimension * comb(len(self._factors) + degree - 1, degree) > MAX_WORK:
             raise ParameterError(
                 f"the search must stay below its size limit; degree {degree} exceeds it. Lower the degree."
