@@ -170,8 +170,8 @@ def _grown(generators: Sequence[Any], kind: _Kind, limit: int) -> _Grown:
         if any(part == 0 for part, _ in left):
             if len(found.elements) == limit:
                 raise BracketError(
-                    f"the span must be closed within {limit} dimensions; the {kind.name} {word} is outside of it. Raise the "
-                    "limit, or add other generators if it was to be closed."
+                    f"the span must be closed within {limit} dimensions; the {kind.name} {word} is outside of it. "
+                    "Raise the limit, or correct the generators."
                 )
             span.insert({**own, (1, len(found.elements)): field.one})
             found.elements.append(element)

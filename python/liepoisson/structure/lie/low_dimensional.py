@@ -205,8 +205,11 @@ def _symbols(names: list[str]) -> list[Any]:
 
 
 def _expression(text: str, names: list[str], values: Mapping[str, Exact]) -> Expr:
-    given: Any = dict(values)
-    return read_expression(text, Scope(parameters=given, symbols=names), insert_values=True)
+    from sympy import Symbol
+
+    inserted: Any = {Symbol(key): to_sympy(value) for key, value in values.items()}  # roots may be exponents
+    read: Any = read_expression(text, Scope(symbols=[*names, *values]))
+    return read.xreplace(inserted)
 
 
 def _read(name: str, a: Parameter | None, b: Parameter | None) -> tuple[list[str], dict[str, Exact]]:
