@@ -210,7 +210,13 @@ def _of_algebras(add):
     for name in ("corank", "frozen", "rank", "translated"):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
     add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(3, "epsilon"), values={"epsilon": 2})
-    add("brackets.Bracket.with_casimirs", "casimirs:w symbols:o", E3, casimirs={"C": "k*dot(alpha, alpha)"}, symbols=["k"])
+    add(
+        "brackets.Bracket.with_casimirs",
+        "casimirs:w symbols:o",
+        E3,
+        casimirs={"C": "k*dot(alpha, alpha)"},
+        symbols=["k"],
+    )
     for name in ("casimir_certificate", "is_casimir"):
         add(f"brackets.Bracket.{name}", "symbols:o", E3, function="k*alpha1", symbols=["k"])
     add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})

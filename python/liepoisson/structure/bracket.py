@@ -224,8 +224,8 @@ class Bracket:
 
         References: [marsden1999], section 10.1.
         """
-        constant: Any = self.constant_rows
-        made = Bracket(self.algebra.opposite(), self.extension, constant=constant, check=False)
+        opposite, constant = self.algebra.opposite(), cast("Any", self.constant_rows)
+        made = Bracket(opposite, self.extension, constant=constant, check=False)
         made._name = f"{self!r}, plus"
         made.given_casimirs = self.given_casimirs if not self.constant_rows else ()
         return made

@@ -43,7 +43,9 @@ def test_hermitian_generators_generate_su_3():
 
 @pytest.mark.parametrize("hermitian", [False, True])
 def test_the_elements_have_the_commutators_of_the_algebra(hermitian):
-    found = closure([gell_mann()[k] for k in (0, 4)] if hermitian else [unit(3, 0, 1), unit(3, 1, 2)], hermitian=hermitian)
+    found = closure(
+        [gell_mann()[k] for k in (0, 4)] if hermitian else [unit(3, 0, 1), unit(3, 1, 2)], hermitian=hermitian
+    )
     elements = [sp.Matrix(m) for m in found.elements]
     factor = sp.I if hermitian else 1
     for (i, j), row in found.algebra.brackets.items():
@@ -79,7 +81,11 @@ def test_functions_on_a_lie_poisson_bracket_have_its_brackets():
         (lambda: closure(["q1^3", "p1^2"], lp.canonical(1), limit=9), BracketError, r"within 9 dim.* bracket \[2, "),
         (lambda: closure(PAULI[:2], hermitian=True, limit=2), BracketError, r"the commutator \[1, 2\] is outside"),
         (lambda: closure([[[0, 1], [0, 0]]], hermitian=True), ParameterError, r"generators\[0\]: wanted a hermitian"),
-        (lambda: LieAlgebra.from_matrices([[[0, 1], [2, 0]]], hermitian=True), ParameterError, r"matrices\[0\]: wanted"),
+        (
+            lambda: LieAlgebra.from_matrices([[[0, 1], [2, 0]]], hermitian=True),
+            ParameterError,
+            r"matrices\[0\]: wanted",
+        ),
         (lambda: closure(["1/q1"], lp.canonical(1)), ParameterError, "a polynomial in the coordinates; got 1/q1"),
         (lambda: closure(["q2"], lp.canonical(1)), ExpressionError, "q2"),
         (lambda: closure(["q1"], lp.canonical(1), hermitian=True), ParameterError, "got functions"),

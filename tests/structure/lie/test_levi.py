@@ -55,7 +55,9 @@ def associative_radical(g):
     By Dickson's theorem these ad x are in its radical, and they make the nilradical of g.
     """
     n = g.dimension
-    ad = [fmpq_mat(n, n, [fmpq(c.numerator, c.denominator) for row in m for c in row]) for m in g.adjoint_representation()]
+    ad = [
+        fmpq_mat(n, n, [fmpq(c.numerator, c.denominator) for row in m for c in row]) for m in g.adjoint_representation()
+    ]
     unit = fmpq_mat(n, n, [int(i == j) for i in range(n) for j in range(n)])
     span, rank = [unit], 1
     for b in span:  # grows

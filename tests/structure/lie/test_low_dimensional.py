@@ -57,7 +57,7 @@ def test_an_algebra_of_the_table_has_its_name_in_every_basis(name, values):
 
 
 def spectrum(algebra):
-    """The eigenvalues of ad x, x generic, up to a real factor: what is left where the nilradical has codimension one."""
+    """The eigenvalues of ad x, x generic, up to a real factor: invariant where the nilradical has codimension one."""
     n, ad = algebra.dimension, np.array(algebra.adjoint_representation(), dtype=float)
     values = np.linalg.eigvals(np.tensordot([0.37, -0.61, 0.83, 1.29][:n], ad, 1))
     scale = max(abs(values))

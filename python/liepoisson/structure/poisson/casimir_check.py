@@ -1,7 +1,7 @@
 r"""Whether a function is a Casimir, $J \nabla C = 0$: decided in the field that all generate, or tried at points.
 
-Polynomials, rational functions, and what follows without relations between functions such as $\sin^2 + \cos^2 = 1$ are
-proved.  What is then left open is tried at random points in 50 digits: one point where a component is not zero refutes
+Of rational functions everything is decided.  Other parts, such as exp(x), are taken as independent, so that what
+cancels is proved; what does not is tried at random points in 50 digits: one point where a component is not zero refutes
 it, ten where all vanish are no proof, and the answer says so.
 """
 
@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.algebra.coefficients import Coefficients
+from liepoisson.algebra.function_fields import RationalFunctions
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
@@ -47,7 +49,7 @@ class CasimirCertificate:
         function: The function.
         holds: The verdict.
         proved: Whether it is exact; if not, it was tried at random points in 50 digits.
-        residual: The brackets $\{x_i, C\}$ that are not zero, by the names of the coordinates.
+        residual: A bracket $\{x_i, C\}$ that is not zero, by the name of the coordinate.
         method: How it was decided, in words.
     """
 
@@ -72,24 +74,108 @@ def casimir_certificate(bracket: Bracket, function: Expr) -> CasimirCertificate:
     """
     slopes = {j: slope for j, slope in enumerate(bracket.gradient(function)) if slope != 0}
     rows = list(_rows(bracket, slopes))
-    names = bracket.coordinate_names_in_order
-    field = Coefficients.containing(
-        [*bracket.variables, *(factor for _, row in rows for term in row for factor in term)]
-    )
-    open_ones: dict[int, Any] = {}
-    for i, row in rows:
+    functions = _Functions([factor for _, row in rows for term in row for factor in term])
+    left = [(i, row) for i, row in rows if functions.sum_of_products(row)]
+    if not left:
+        return CasimirCertificate(function, True, True, {}, _CANCEL)
+    if functions.decides:
+        i, row = left[0]
+        residual = {bracket.coordinate_names_in_order[i]: _written(row, bracket)}
+        return CasimirCertificate(function, False, True, residual, "proved: a bracket with a coordinate is not zero")
+    tried = _tried(bracket, function, left)
+    return CasimirCertificate(function, True, True, {}, _CANCEL) if tried.holds and _cancel(left) else tried
+
+
+_CANCEL = "proved: all brackets with coordinates cancel"
+
+
+def _cancel(rows: Sequence[tuple[int, list[tuple[Any, Any]]]]) -> bool:
+    """Whether sums of products vanish in the field that their factors generate: numbers have relations there."""
+    field = Coefficients.containing([factor for _, row in rows for term in row for factor in term])
+    for _, row in rows:
         checkpoint("the brackets of a function with the coordinates")
         total: Any = field.zero
         for entry, slope in row:
             total = total + field.read(entry) * field.read(slope)
         if not field.vanishes(total):
-            open_ones[i] = total
-    if not open_ones:
-        return CasimirCertificate(function, True, True, {}, "proved: all brackets with coordinates cancel")
-    if field.decides:
-        residual = {names[i]: field.to_sympy(total).factor() for i, total in open_ones.items()}
-        return CasimirCertificate(function, False, True, residual, "proved: a bracket with a coordinate is not zero")
-    return _tried(bracket, function, [(i, row) for i, row in rows if i in open_ones])
+            return False
+    return True
+
+
+def _written(row: Sequence[tuple[Any, Any]], bracket: Bracket) -> Expr:
+    """A sum of products: a polynomial expanded, another function as it stands."""
+    from sympy import Add, Mul
+
+    total: Any = Add(*(Mul(*term) for term in row))
+    return total.expand() if total.is_polynomial(*bracket.variables) else total
+
+
+class _Functions:
+    """Expressions as rational functions of symbols and of what is no rational function of these, taken as independent.
+
+    Attributes:
+        decides: Whether there are symbols only, so that what is not found zero is not zero.
+    """
+
+    def __init__(self, expressions: Sequence[Any]) -> None:
+        self._parts: dict[Any, str] = {}
+        for expression in expressions:
+            self._collect(expression)
+        self.decides = all(part.is_Symbol for part in self._parts)
+        self._field = RationalFunctions([*self._parts.values()])
+        gens = self._field.context.gens()
+        self._elements: dict[Any, Any] = {
+            part: self._field.element(gen) for part, gen in zip(self._parts, gens, strict=True)
+        }
+
+    def sum_of_products(self, row: Sequence[tuple[Any, Any]]) -> bool:
+        """Whether a sum of products is not found zero."""
+        total = self._field.zero
+        for first, second in row:
+            checkpoint("the brackets of a function with the coordinates")
+            total = total + self._read(first) * self._read(second)
+        return bool(total)
+
+    def _collect(self, e: Any) -> None:
+        if e.is_Rational:
+            return
+        if e.is_Add or e.is_Mul or (e.is_Pow and e.exp.is_Integer):
+            for part in e.args[:1] if e.is_Pow else e.args:
+                self._collect(part)
+        else:
+            self._parts.setdefault(_root(e)[0], f"g{len(self._parts)}")
+
+    def _read(self, e: Any) -> Any:
+        if e not in self._elements:
+            self._elements[e] = self._made(e)
+        return self._elements[e]
+
+    def _made(self, e: Any) -> Any:
+        if e.is_Rational:
+            return self._field.number(Fraction(int(e.p), int(e.q)))
+        if e.is_Add or e.is_Mul:
+            total = self._read(e.args[0])
+            for part in e.args[1:]:
+                total = total + self._read(part) if e.is_Add else total * self._read(part)
+            return total
+        base, k = (e.base, int(e.exp)) if e.is_Pow and e.exp.is_Integer else _root(e)
+        power, element = self._field.one, self._read(base)
+        for _ in range(abs(k)):
+            power = power * element
+        return power if k > 0 else self._field.one / power
+
+
+def _root(e: Any) -> tuple[Any, int]:
+    """A part as an integer power of another one: u^(3/2) of u^(1/2), 1/x^a of x^a, exp(-u) of exp(u)."""
+    from sympy import Pow, Rational, exp
+
+    if e.is_Pow and e.exp.is_Rational:
+        return Pow(e.base, Rational(1, int(e.exp.q))), int(e.exp.p)
+    if e.is_Pow and e.exp.could_extract_minus_sign():
+        return Pow(e.base, -e.exp), -1
+    if isinstance(e, exp) and e.args[0].could_extract_minus_sign():
+        return exp(-e.args[0]), -1
+    return e, 1
 
 
 def _rows(bracket: Bracket, slopes: Mapping[int, Any]) -> Iterator[tuple[int, list[tuple[Any, Any]]]]:
