@@ -34,9 +34,10 @@ DOCS = Path(__file__).parents[1] / "docs"
 SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations\b|Window|Weights|\bGiven\b|Observable|tuple\[")
 """In annotations of arguments that hold several values."""
 NOT_READ = {
-    "algebras.Cochain", "algebras.Derivations", "algebras.LieCohomology", "algebras.LieDeformation",
-    "brackets.CasimirReport", "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate",
-    "brackets.Locus", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
+    "algebras.Closure", "algebras.Cochain", "algebras.Derivations", "algebras.Identification",
+    "algebras.LieCohomology", "algebras.LieDeformation", "brackets.CasimirCertificate", "brackets.CasimirReport",
+    "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus",
+    "brackets.SemiInvariant", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
     "extensions.ChangeOfVariables", "extensions.Classification", "extensions.Deformation", "extensions.LocalFactor",
     "extensions.Obstruction", "extensions.TwistOrbits", "fields.PiecesField", "fields.QuadraticField",
     "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry", "sweeps.SweepSpec.of_record", "sweeps.sweep",
@@ -186,6 +187,10 @@ def _of_algebras(add):
         lp.LieAlgebra.from_brackets(2, {(0, 1): {1: "k"}}),
         values={"k": 1},
     )
+    first = lp.algebras.affine(1)
+    add("algebras.LieAlgebra.subalgebra", "vectors:o", first, vectors=[[1, 0]])
+    add("algebras.LieAlgebra.quotient", "ideal:o", first, ideal=[[0, 1]])
+    add("algebras.closure", "generators:o basis_names:o", generators=matrices, basis_names=["a", "b"])
     turn = [[[0, 1], [-1, 0]]]
     add(
         "algebras.semidirect_sum", "representation:o module_names:o", algebra=lp.algebras.abelian(1),
@@ -199,12 +204,21 @@ def _of_algebras(add):
     add("algebras.deformation", "cocycle:v", given=lp.algebras.abelian(2), cocycle={("1", "2"): {"1": 1}})
     add("brackets.Automorphism", "matrix:o", matrix=[[1, 2], [0, 1]])
     add(
-        "brackets.Bracket", "field_names:o constant:v", algebra=so3, extension=lp.trivial(), field_names=["m"],
-        constant={("m1", "m2"): "k"},
+        "brackets.Bracket", "field_names:o constant:v casimirs:w", algebra=so3, extension=lp.trivial(),
+        field_names=["m"], constant={("m1", "m2"): "k"}, casimirs={"C": "dot(m, m) - 2*k*m3"},
     )  # fmt: skip
     for name in ("corank", "frozen", "rank", "translated"):
         add(f"brackets.Bracket.{name}", "point:N", E3, e3, point=(1, 2, 3, 0, 1, 0))
     add("brackets.Bracket.substitute", "values:v", so3 @ lp.leibniz(3, "epsilon"), values={"epsilon": 2})
+    add(
+        "brackets.Bracket.with_casimirs",
+        "casimirs:w symbols:o",
+        E3,
+        casimirs={"C": "k*dot(alpha, alpha)"},
+        symbols=["k"],
+    )
+    for name in ("casimir_certificate", "is_casimir"):
+        add(f"brackets.Bracket.{name}", "symbols:o", E3, function="k*alpha1", symbols=["k"])
     add("brackets.Bracket.with_constant", "constant:v", E3, constant={("l1", "l2"): 1})
     add(
         "brackets.contraction", "weights:S algebra_weights:S integrals:o", None,
@@ -228,6 +242,8 @@ def _of_algebras(add):
     add("brackets.PoissonTensor.substitute", "values:v", tensor, values={"k": 2})
     known = {"C": "log(x) + log(y) + k*log(z)"}
     add("brackets.PoissonTensor.with_casimirs", "casimirs:w symbols:o", tensor, casimirs=known, symbols=["b"])
+    for name in ("casimir_certificate", "is_casimir"):
+        add(f"brackets.PoissonTensor.{name}", "symbols:o", tensor, function="b*x", symbols=["b"])
     bent = {"variables": {"u": "l1", "v": "l2 + l1^2", "w": "l3"}, "inverse": {"l1": "u", "l2": "v - u^2", "l3": "w"}}
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
         turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}

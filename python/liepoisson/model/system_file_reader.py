@@ -196,7 +196,8 @@ class _Reader(TomlReader):
         self.guarded(("parameters",), lambda: Scope(symbols=declared))
         if "canonical" in table:
             return self.canonical(table)
-        if "tensor" in table or "casimirs" in table:
+        of_algebra = "algebra" in table or "structure_constants" in table
+        if "tensor" in table or ("casimirs" in table and not of_algebra):
             return self.tensor(table, declared)
         algebra = self.algebra(table, declared)
         extension = self.extension(table, declared)
@@ -208,7 +209,14 @@ class _Reader(TomlReader):
             extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
         named = next((key for key in ("variables", "basis_names") if key in table), None)
         found = self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
-        return self.with_constant(found, table["constant"], declared) if "constant" in table else found
+        found = self.with_constant(found, table["constant"], declared) if "constant" in table else found
+        if "casimirs" not in table:
+            return found
+        keys = ("bracket", "casimirs")
+        casimirs = self.texts(keys, table["casimirs"])
+        own = sorted(found.symbols)
+        more = [one for one in declared if one.partition("[")[0].strip() not in own]
+        return self.guarded(keys, lambda: found.with_casimirs(casimirs, symbols=more))
 
     def with_constant(self, bracket: Bracket, given: object, symbols: Sequence[str]) -> Bracket:
         """The bracket with the constant part of a table: constant.l1.l2 = "k" adds k to {l1, l2}."""

@@ -218,6 +218,8 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
         for (i, j), value in bracket.constant.items():
             rows.setdefault(names[i], {})[names[j]] = formula_text(to_sympy(value))
         table["constant"] = rows
+    if bracket.given_casimirs:
+        table["casimirs"] = [formula_text(casimir) for casimir in bracket.given_casimirs]
     return table
 
 

@@ -341,7 +341,8 @@ class PoissonTensor(Bracket):
 
         A function F is normal where $\{x_i, F\} = \lambda_i F$ with polynomials $\lambda_i$: the coordinates of a
         log-canonical bracket are.  Those that are looked for are the factors of the entries; P may be any polynomial
-        with the same $\lambda_i$ as Q.  So Casimirs with other denominators are not found.
+        with the same $\lambda_i$ as Q.  So Casimirs with other denominators are not found; of a linear bracket they
+        are, as of any `Bracket`.
 
         Args:
             degree: The highest degree of P and Q.
@@ -350,6 +351,8 @@ class PoissonTensor(Bracket):
             BracketError: the entries are not rational functions.
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
+        if self.is_linear:
+            return super().rational_casimirs(degree)
         from liepoisson.structure.tensor_leaves import rational_casimirs
 
         return rational_casimirs(self, degree)
