@@ -48,7 +48,7 @@ GROUPS = {
     ),
     "Chaos and its measures": (
         *("henon-heiles", "megno-map", "frequencies", "sticky", "spectrum", "exponent-error"),
-        *("covariant", "splitting", "homoclinic", "orbit-families"),
+        *("covariant", "splitting", "homoclinic", "orbit-families", "lorenz"),
     ),
     "Proofs": ("coverings", "enclosure", "painleve"),
     "Lattices, waves, fluids, other algebras": ("toda", "three-wave", "fluid", "fluid-spectrum", "manakov"),

@@ -282,11 +282,11 @@ def test_commands_that_ask_for_equations_alone_take_a_vector_field(command, tmp_
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("darboux FILE --set sigma", "--set must be name=value; got 'sigma'. Write for example --set k=1."),
-        ("darboux FILE --set m=1", "'m' occurs in none"),
-        ("painleve FILE --free c", "--free must name a number that is a parameter; got 'c'. Known: sigma, rho."),
-        ("inspect FILE", "A vector field has no bracket: lp.read_system reads it, and so do the commands integrals"),
-        ("orbit FILE", "A vector field has no bracket"),
+        ("darboux FILE --set sigma", "--set must be name=value; got 'sigma'. Write for example --set sigma=1."),
+        ("darboux FILE --set m=1", "'Lorenz' has no parameter 'm'. Known: sigma, rho, c"),
+        ("painleve FILE --free x", "--free must name a parameter of 'Lorenz' that has a value; got 'x'."),
+        ("inspect FILE", "A vector field has no bracket: lp.read_system reads it, and so do the commands that ask"),
+        ("equilibria FILE", "A vector field has no bracket"),
     ],
 )
 def test_what_commands_refuse_of_a_vector_field(command, tmp_path, line, words):

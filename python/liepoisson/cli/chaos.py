@@ -37,7 +37,7 @@ from liepoisson.cli.runs import (
     write_and_print,
 )
 from liepoisson.cli.starts import find_starts
-from liepoisson.cli.systems import read_numeric_system
+from liepoisson.cli.systems import read_numeric_equations
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from liepoisson.indicators.spectrum import Spectrum
     from liepoisson.indicators.verdict import Verdict
     from liepoisson.model.system import System
+    from liepoisson.model.vector_field import VectorField
     from liepoisson.numeric.methods import Auto, Method
 
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
@@ -85,7 +86,7 @@ def lyapunov(
     The exit code is 1 where no run finished.
     """
     check_limits(seed=seed, **asdict(limits))
-    chosen = read_numeric_system(system, common.values)
+    chosen = read_numeric_equations(system, common.values)
     data, stem = result_files(files, chosen, common.values, "spectrum" if spectrum else "exponents")
     begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
     drawn, unit, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=_TIME, precision=precision)
@@ -99,13 +100,20 @@ def lyapunov(
         data,
         stem if np.any(result.outcome == "finished") else None,
         draw=lambda: _drawn(result),
-        lines=lambda: summary(result, drawn.words, unit, mixed=drawn.begin is None),
+        lines=lambda: summary(result, drawn.words, unit, mixed=drawn.begin is None and hasattr(chosen, "bracket")),
     )
     check_that_some_finished(result.outcome)
 
 
 def _planned(
-    system: System, where: Where, how: How, begin: dict[str, Any], *, t_end: float | None, times: float, **options: Any
+    system: System | VectorField,
+    where: Where,
+    how: How,
+    begin: dict[str, Any],
+    *,
+    t_end: float | None,
+    times: float,
+    **options: Any,
 ) -> tuple[Starts, float, Method | Auto, float]:
     """The starts, the natural time of the median orbit, the method, and the time of the runs, by default so many."""
     check_end_time(t_end)
@@ -251,7 +259,7 @@ def decide(
     from liepoisson.indicators.verdict import decide as find_verdicts
 
     check_limits(seed=seed, **asdict(limits))
-    chosen = read_numeric_system(system, common.values)
+    chosen = read_numeric_equations(system, common.values)
     data = data_file(out, f"{name_of_files(chosen, common.values)}-verdicts.csv")
     begin = {"starts": starts, "ensemble": ensemble, "seed": seed}
     drawn, _, method, t_end = _planned(chosen, where, how, begin, t_end=t_end, times=TIME)
@@ -265,7 +273,7 @@ def decide(
     check_that_some_finished(verdict.outcome)
 
 
-def verdict_lines(system: System, drawn: Starts, verdict: Verdict) -> list[str]:
+def verdict_lines(system: System | VectorField, drawn: Starts, verdict: Verdict) -> list[str]:
     """What the command prints: each kind with its count, its share and Wilson's interval, and the votes of a few."""
     from liepoisson.indicators.verdict import KINDS
 
@@ -295,7 +303,7 @@ def verdict_lines(system: System, drawn: Starts, verdict: Verdict) -> list[str]:
     return lines
 
 
-def verdict_record(system: System, drawn: Starts, verdict: Verdict) -> dict[str, Any]:
+def verdict_record(system: System | VectorField, drawn: Starts, verdict: Verdict) -> dict[str, Any]:
     """The verdicts as data that JSON can write; a value that is not finite is null."""
     rows = [
         {name: _plain(value) for name, value in zip(("verdict", *_VALUES), row, strict=True)}

@@ -31,8 +31,8 @@ from liepoisson.cli.runs import (
     unit_of_time,
     write_and_print,
 )
-from liepoisson.cli.starts import assignments, find_start, seed_of_start, start_lines
-from liepoisson.cli.systems import read_numeric_system
+from liepoisson.cli.starts import assignments, find_start, seed_of_start, start_lines, start_of
+from liepoisson.cli.systems import read_numeric_equations, read_numeric_system
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import TIME_LIMIT
 
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
     from liepoisson.equilibrium.equilibrium_list import Equilibria
     from liepoisson.model.system import System
+    from liepoisson.model.vector_field import VectorField
     from liepoisson.numeric.integrate import Orbit
 
 _MOST_POINTS = 10_000_000
@@ -78,7 +79,7 @@ def orbit(
     """
     from liepoisson.numeric.integrate import integrate
 
-    chosen = read_numeric_system(system, common.values)
+    chosen = read_numeric_equations(system, common.values)
     check_end_time(t_end, forwards=False)
     if not 2 <= points <= _MOST_POINTS:
         raise ParameterError(f"--points must be from 2 to {_MOST_POINTS}; got {points}. Try 2001.")
@@ -86,7 +87,7 @@ def orbit(
     check_limits(seed=drawn, time_limit=time_limit)
     data, stem = result_files(files, chosen, common.values, "orbit")
     how.named()  # refused before anything is computed
-    begin = find_start(chosen, where, drawn)
+    begin = start_of(chosen, where, drawn)
     unit = unit_of_time(chosen, begin.state)
     method, t_end = how.named(unit), _TIME * unit if t_end is None else t_end
     head = f"{chosen.name}: one orbit to t = {t_end:g}, {points} points"
@@ -98,7 +99,7 @@ def orbit(
 
 
 @np.errstate(all="ignore")
-def run_lines(system: System, run: Orbit) -> list[str]:
+def run_lines(system: System | VectorField, run: Orbit) -> list[str]:
     """What the command prints about the run: the method, the outcome, the largest change of each invariant."""
     from liepoisson.structure.casimirs import shortage
 
@@ -111,11 +112,12 @@ def run_lines(system: System, run: Orbit) -> list[str]:
         lines.append(f"step     {longest:g}, not {step:g}: steps end at the times that are kept (see --points)")
     if (n := int(np.isfinite(run.state[0]).all(axis=1).sum())) < 2:
         return [*lines, "drift    not known: no state beyond the start was reached"]
-    lines.append(f"drift    largest change along {n} points")
     drift = run.drift
-    width = max(map(len, drift))
+    lines.append(f"drift    largest change along {n} points" if drift else "drift    no integral is known")
+    width = max(map(len, drift), default=0)
     lines += [f"  {name:<{width}}  {change[0]:.0e}" for name, change in drift.items()]
-    return lines + ([f"  {missing}"] if (missing := shortage(system.bracket)) else [])
+    missing = shortage(bracket) if (bracket := getattr(system, "bracket", None)) else ""
+    return lines + ([f"  {missing}"] if missing else [])
 
 
 def _drawn(run: Orbit) -> Figure:

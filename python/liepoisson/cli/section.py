@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from functools import cache
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, cast
 
 import numpy as np
 import typer
@@ -24,8 +24,8 @@ from liepoisson.cli.runs import (
     unit_of_time,
     write_and_print,
 )
-from liepoisson.cli.starts import find_start, leaf_lines, start_lines
-from liepoisson.cli.systems import read_numeric_system
+from liepoisson.cli.starts import PlainStart, leaf_lines, start_lines, start_of
+from liepoisson.cli.systems import read_numeric_equations
 from liepoisson.errors import ParameterError, SurfaceWarning
 from liepoisson.numeric.methods import Auto, Method, RungeKutta
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
     from liepoisson.leaf.starts import Start
     from liepoisson.model.system import System
+    from liepoisson.model.vector_field import VectorField
     from liepoisson.poincare.section import Section
     from liepoisson.poincare.section_sheets import SectionAxes
 
@@ -97,7 +98,8 @@ def section(
     """Print where orbits cross a surface.
 
     Several orbits of one leaf and one energy: those of --start or, moved there, of --guess, of --leaf and --energy,
-    or else of trajectory 0 of the random states.  With --start, this orbit alone.
+    or else of trajectory 0 of the random states.  With --start, this orbit alone.  A vector field has one orbit, and
+    needs --surface.
 
     The exit code is 1 where no crossing is found.
     """
@@ -105,7 +107,8 @@ def section(
     from liepoisson.poincare.section_arguments import check_that_it_varies
     from liepoisson.poincare.surfaces import section_starts
 
-    chosen, alone = read_numeric_system(system, common.values), bool(where.start)
+    chosen = read_numeric_equations(system, common.values)
+    alone = bool(where.start) or not hasattr(chosen, "bracket")
     _check_counts(starts, crossings, alone=alone)
     check_end_time(t_end, forwards=False)
     check_limits(seed=seed, **asdict(limits))
@@ -115,7 +118,7 @@ def section(
         _check_axes(chosen, x, y, keep)
     elif x is not None or y is not None:
         raise ParameterError("--x and --y belong to a figure; add --plot or --figure FILE, or leave them out.")
-    begin = find_start(chosen, where, seed)
+    begin = start_of(chosen, where, seed)
     cut, reason = _surface(begin, surface, direction, seed, alone=alone)
     _check_formulas(chosen, (cut, *(keep or ())))
     check_that_it_varies(chosen, cut)
@@ -123,7 +126,7 @@ def section(
     n = N_STARTS if starts is None else starts
     states = (
         begin.state[None]
-        if alone
+        if alone or isinstance(begin, PlainStart)
         else section_starts(
             begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
         )
@@ -152,12 +155,15 @@ def section(
     axes = cache(lambda: _axes(run, x, y, keep))
 
     def draw() -> Figure:
-        from liepoisson.plot.section import titled_section
+        from liepoisson.plot.section import section, titled_section
 
+        if isinstance(begin, PlainStart):
+            return cast("Figure", section(run, axes().x, axes().y).figure)
         return titled_section(run, begin.leaf, cut, (axes().x, axes().y), begin.energy, sheets=axes().sheets)
 
     def about() -> list[str]:
-        return _about_axes(run, axes(), given=bool(x or y)) if not keep and begin.leaf.rank == 4 else []
+        is_plane = not isinstance(begin, PlainStart) and begin.leaf.rank == 4
+        return _about_axes(run, axes(), given=bool(x or y)) if not keep and is_plane else []
 
     lines = lambda: run_lines(run, begin, full=not keep)  # noqa: E731
     write_and_print(run, data, stem if len(run.time) else None, draw=draw, lines=lines, about=about)
@@ -166,13 +172,17 @@ def section(
         raise typer.Exit(NO_CROSSING)
 
 
-def _surface(begin: Start, given: str | None, direction: Direction, seed: int, *, alone: bool) -> tuple[str, str]:
+def _surface(
+    begin: Start | PlainStart, given: str | None, direction: Direction, seed: int, *, alone: bool
+) -> tuple[str, str]:
     """The function that is zero on the surface, and why it was taken.
 
     An orbit that is given alone need not cross a component; the rate of one it does.
     """
     if given is not None:
         return given, "as given"
+    if isinstance(begin, PlainStart):
+        raise ParameterError("--surface must be given for a vector field; got none. Try a coordinate less a number.")
     from liepoisson.poincare.default_surface import surface_and_reason
 
     return surface_and_reason(begin.leaf, None if alone else begin.energy, direction=direction.sign, seed=seed)
@@ -191,7 +201,9 @@ def _about_axes(run: Section, axes: SectionAxes, *, given: bool) -> list[str]:
     return [f"figure   folds the section: different states may lie at one point. {advice}"]
 
 
-def head_lines(system: System, begin: Start, cut: str, reason: str, direction: Direction, *, alone: bool) -> list[str]:
+def head_lines(
+    system: System | VectorField, begin: Start | PlainStart, cut: str, reason: str, direction: Direction, *, alone: bool
+) -> list[str]:
     """What is known before the run: the surface, the leaf, the energy, the dimension of the section."""
     words = {Direction.UP: "increases", Direction.DOWN: "decreases", Direction.BOTH: "changes sign"}[direction]
     lines = [
@@ -199,7 +211,7 @@ def head_lines(system: System, begin: Start, cut: str, reason: str, direction: D
         f"surface  {reason}",
         *(start_lines(system, begin) if alone else leaf_lines(system, begin)),
     ]
-    dimension = max(begin.leaf.rank - 2, 0)
+    dimension = len(begin.state) - 1 if isinstance(begin, PlainStart) else max(begin.leaf.rank - 2, 0)
     remark = "; a plane shows a projection, which proves neither tori nor chaos" if dimension > 2 else ""
     return [*lines, f"section  dimension {dimension}{remark}"]
 
@@ -234,7 +246,7 @@ def why_nothing(run: Section) -> str:
 
 
 @np.errstate(all="ignore")
-def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
+def run_lines(run: Section, begin: Start | PlainStart, *, full: bool) -> list[str]:
     """What the command prints about the run."""
     from liepoisson.poincare.section import as_percent
 
@@ -258,7 +270,7 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
         lines.append(f"missed   the function does not exist in {as_percent(undefined)} of the time")
     if unresolved := run.unresolved_share:
         lines.append(f"missed   the function could not be followed in {as_percent(unresolved)} of the time")
-    if full and len(run.time):
+    if full and len(run.time) and not isinstance(begin, PlainStart):
         stayed = np.isin(run.outcome, ("finished", "time limit"))[run.trajectory]
         state = run.state[stayed] if stayed.any() else run.state  # that of an orbit that escapes says nothing
         energy = begin.leaf.system.functions.energy(state)
@@ -291,14 +303,20 @@ def _check_steps(method: Method | Auto) -> None:
         )
 
 
-def _check_formulas(system: System, formulas: Sequence[str]) -> None:
+def _check_formulas(system: System | VectorField, formulas: Sequence[str]) -> None:
     """Refuse formulas that cannot be read before anything is printed or drawn at random."""
+    from liepoisson.model.vector_field import VectorField
+
     for formula in formulas:
-        if system.functions.of(formula).is_constant:
+        if isinstance(system, VectorField):
+            is_constant = not system.expression(formula).free_symbols
+        else:
+            is_constant = system.functions.of(formula).is_constant
+        if is_constant:
             raise ParameterError(f"a function of the state was wanted; {formula!r:.60} is constant. Try another one.")
 
 
-def _check_axes(system: System, x: str | None, y: str | None, keep: Sequence[str] | None) -> None:
+def _check_axes(system: System | VectorField, x: str | None, y: str | None, keep: Sequence[str] | None) -> None:
     """Refuse functions that a figure cannot have along its axes."""
     if not keep:
         _check_formulas(system, [axis for axis in (x, y) if axis is not None])

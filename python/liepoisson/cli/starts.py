@@ -5,23 +5,55 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson.cli.options import Where
 from liepoisson.errors import ParameterError
 from liepoisson.formula.scalars import as_double
+from liepoisson.inputs.refusals import NO_BRACKET
 
 if TYPE_CHECKING:
     from liepoisson.inputs.arrays import Array
     from liepoisson.leaf.starts import Start
     from liepoisson.model.system import System
+    from liepoisson.model.vector_field import VectorField
 
 _MOST_SHOWN = 60
 _MOST_STARTS = 2**31
 _COMMAS = re.compile(r",(?![^(]*\))")
 """Those that separate assignments, and not the arguments of a function."""
+
+
+@dataclass(frozen=True)
+class PlainStart:
+    """A start of a vector field: it lies on no leaf and has no energy."""
+
+    state: Array  # shape (component,)
+    origin: str  # how it was found, in words
+
+
+def start_of(system: System | VectorField, where: Where, seed: int = 0) -> Start | PlainStart:
+    """The start that the options ask for, of a system with its leaf."""
+    from liepoisson.model.vector_field import VectorField
+
+    return _plain_start(system, where, seed) if isinstance(system, VectorField) else find_start(system, where, seed)
+
+
+def _plain_start(field: VectorField, where: Where, seed: int) -> PlainStart:
+    from liepoisson.numeric.sampling import sample_states
+    from liepoisson.numeric.starts import as_starts
+
+    for option, given in (("guess", where.guess), ("leaf", where.leaf), ("energy", where.energy)):
+        if given:
+            raise ParameterError(f"--{option} is for systems with a bracket; {NO_BRACKET}. Give the state by --start.")
+    given: Any = state_of(where.start or (), "--start", field.component_names[0])
+    if given is None:
+        return PlainStart(sample_states(field, 1, seed=seed)[0], f"trajectory 0 of unit-vectors, seed {seed}")
+    if isinstance(given, dict):
+        given = {name: value[0] if len(value) == 1 else value for name, value in given.items()}
+    return PlainStart(as_starts(field, given, len(field.component_names))[0], "as given")
 
 
 def find_start(system: System, where: Where, seed: int = 0) -> Start:
@@ -53,9 +85,9 @@ class Starts:
 
     states: Array  # shape (trajectory, component)
     words: str  # what they are: "64 random starts (unit-vectors, seed 0)"
-    begin: Start | None  # the start whose leaf and energy they share; None if they are spread over phase space
+    begin: Start | PlainStart | None  # whose leaf and energy they share; None if they are spread over phase space
 
-    def lines(self, system: System) -> list[str]:
+    def lines(self, system: System | VectorField) -> list[str]:
         """What the commands print about them before the run."""
         if self.begin is None:
             return []
@@ -63,7 +95,13 @@ class Starts:
 
 
 def find_starts(
-    system: System, where: Where, *, starts: int | None, default: int, ensemble: str | None = None, seed: int = 0
+    system: System | VectorField,
+    where: Where,
+    *,
+    starts: int | None,
+    default: int,
+    ensemble: str | None = None,
+    seed: int = 0,
 ) -> Starts:
     """One orbit with --start; with --guess, --leaf or --energy random starts there; else those of an ensemble."""
     if starts is not None and where.start:
@@ -84,8 +122,8 @@ def find_starts(
         raise ParameterError(
             f"--ensemble and {option} exclude each other: on a leaf states follow the Liouville measure. Leave one out."
         )
-    begin = find_start(system, where, seed)
-    if where.start:
+    begin = start_of(system, where, seed)
+    if where.start or isinstance(begin, PlainStart):
         return Starts(begin.state[None], "one orbit", begin)
     level = (
         begin.energy if where.energy is None else as_double(where.energy, "--energy")
@@ -128,9 +166,10 @@ def _items(text: str) -> list[str]:
     return [item.strip() for item in text.split(",")]
 
 
-def start_lines(system: System, start: Start) -> list[str]:
+def start_lines(system: System | VectorField, start: Start | PlainStart) -> list[str]:
     """What the commands print about a start: components, leaf, energy, and for a top bounds on its vectors."""
-    names, size = system.bracket.field_names, system.bracket.algebra.dimension
+    names = system.parts_of_state
+    size = len(system.component_names) // len(names)
     width = max(8, *map(len, names))
     lines = [f"{'start':<{width}} {start.origin}"]
     for k, name in enumerate(names):
@@ -140,9 +179,11 @@ def start_lines(system: System, start: Start) -> list[str]:
 
 
 @np.errstate(all="ignore")
-def leaf_lines(system: System, start: Start) -> list[str]:
-    """The leaf, the energy, and for a top the bounds that follow from them."""
-    leaf = start.leaf
+def leaf_lines(system: System | VectorField, start: Start | PlainStart) -> list[str]:
+    """The leaf, the energy, and for a top the bounds that follow from them; of a vector field nothing."""
+    if isinstance(start, PlainStart):
+        return []
+    system, leaf = start.leaf.system, start.leaf
     values = ", ".join(f"{name} = {value:.9g}" for name, value in leaf.casimirs.items())
     lines = [f"leaf     dimension {leaf.rank}, {leaf.stratum}" + (f": {values}" if values else "")]
     lines += [f"         {leaf.caution}"] if leaf.caution else []

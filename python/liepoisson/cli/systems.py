@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypeVar
 
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
 if TYPE_CHECKING:
     from liepoisson.formula.parameters import Value
-    from liepoisson.formula.toml_text import TomlText
-    from liepoisson.model.equations_of_motion import EquationsOfMotion
     from liepoisson.model.system import System
-    from liepoisson.model.system_file import SystemFile
+    from liepoisson.model.system_file import EquationsFile, SystemFile
+    from liepoisson.model.vector_field import VectorField
+    from liepoisson.model.vector_field_file import VectorFieldFile
 
+F = TypeVar("F", bound="EquationsFile")
 _MOST_SHOWN = 60
 
 
@@ -29,7 +29,22 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
 
     Integrals that are not constant with what was set are left out.
     """
-    file = with_settings(read_file(argument), settings)
+    return _with_numbers(read_file(argument), settings).system()
+
+
+def read_numeric_equations(argument: str, settings: Sequence[str]) -> System | VectorField:
+    """The same, or the vector field of a file with equations."""
+    return _with_numbers(_read_any_file(argument), settings).system()
+
+
+def read_equations(argument: str, settings: Sequence[str] = (), free: Sequence[str] = ()) -> System | VectorField:
+    """The system, or the vector field of a file with equations; parameters that are free have no values."""
+    return with_symbols(_read_any_file(argument), settings, free).system()
+
+
+def _with_numbers(file: F, settings: Sequence[str]) -> F:
+    """The file with what was set, which its name says; refused where a parameter has no number."""
+    file = with_settings(file, settings)
     from liepoisson.algebra.exact_numbers import as_float, is_zero
     from liepoisson.formula.parameters import flattened
     from liepoisson.inputs.names import MAX_TITLE
@@ -53,40 +68,7 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
         file = file.with_constant_integrals()
     name = file.name + setting_words(settings)
     fits = name.isprintable() and len(name) <= MAX_TITLE  # else it is called as in its file
-    return replace(file, name=name if fits else file.name).system()
-
-
-def read_equations(argument: str, settings: Sequence[str] = (), free: Sequence[str] = ()) -> EquationsOfMotion:
-    """The same, or the vector field of a file with equations; parameters that are free have no values."""
-    from liepoisson.formula.toml_text import read_toml
-    from liepoisson.model.system_file_reader import vector_field_of
-
-    if _is_path(argument) and "equations" in (toml := read_toml(argument)).tables:
-        return vector_field_of(_with_values(toml, settings, free))
-    return with_symbols(read_file(argument), settings, free).system()
-
-
-def _with_values(toml: TomlText, settings: Sequence[str], free: Sequence[str]) -> TomlText:
-    """The tables of a vector field with other values of parameters, and with symbols for those that are free."""
-    if not settings and not free:
-        return toml
-    given: dict[str, Any] = dict(toml.tables.get("parameters", {}))
-    symbols = list(given.pop("symbols", []))
-    for setting in settings:
-        name, sign, text = (part.strip() for part in setting.partition("="))
-        if not (name and sign and text):
-            raise ParameterError(
-                f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write for example --set k=1."
-            )
-        items = [item.strip() for item in text.removeprefix("[").removesuffix("]").split(",")]
-        given[name] = items if len(items) > 1 or text.startswith("[") else text
-        symbols = [symbol for symbol in symbols if symbol.partition("[")[0].strip() != name]
-    for name in free:
-        if isinstance(value := given.pop(name, None), list) or value is None:
-            known = ", ".join(known for known, value in given.items() if not isinstance(value, list)) or "none"
-            raise ParameterError(f"--free must name a number that is a parameter; got {name!r:.60}. Known: {known}.")
-        symbols.append(name)
-    return replace(toml, tables={**toml.tables, "parameters": {**given, **({"symbols": symbols} if symbols else {})}})
+    return file.called(name if fits else file.name)
 
 
 def _is_path(argument: str) -> bool:
@@ -101,7 +83,15 @@ def read_file(argument: str) -> SystemFile:
     return read_system_file(argument if _is_path(argument) else path(argument))
 
 
-def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
+def _read_any_file(argument: str) -> SystemFile | VectorFieldFile:
+    """The same, or the file of a vector field."""
+    from liepoisson.formula.toml_text import read_toml
+    from liepoisson.model.system_file_reader import read_equations
+
+    return read_equations(read_toml(argument)) if _is_path(argument) else read_file(argument)
+
+
+def with_settings(file: F, settings: Sequence[str]) -> F:
     """The file, under its own name, with other values for some parameters, and values for symbols that had none."""
     title, given = file.name, set[str]()
     for setting in settings:
@@ -115,10 +105,10 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
             file = file.with_parameters({name: value})
         except ParameterError as error:
             raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error}") from error
-    return replace(file, name=title) if settings else file
+    return file.called(title) if settings else file
 
 
-def with_symbols(file: SystemFile, settings: Sequence[str], names: Sequence[str]) -> SystemFile:
+def with_symbols(file: F, settings: Sequence[str], names: Sequence[str]) -> F:
     """The file with values that were set, and symbols for other parameters that have one, vectors by components."""
     file = with_settings(file, settings)
     given = {setting.partition("=")[0].strip() for setting in settings}
@@ -135,7 +125,7 @@ def with_symbols(file: SystemFile, settings: Sequence[str], names: Sequence[str]
             )
         del values[name]
         declared.append(f"{name}[{shape[0]}]" if shape else name)
-    return replace(file, parameters=values, symbols=tuple(declared)) if names else file
+    return file.with_values(values, tuple(declared)) if names else file
 
 
 def setting_words(settings: Sequence[str]) -> str:
@@ -148,7 +138,7 @@ def setting_words(settings: Sequence[str]) -> str:
     return "".join(words)
 
 
-def _read_setting(setting: str, file: SystemFile) -> tuple[str, Value]:
+def _read_setting(setting: str, file: EquationsFile) -> tuple[str, Value]:
     from liepoisson.formula.expression import constant
 
     name, sign, text = (part.strip() for part in setting.partition("="))

@@ -58,7 +58,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from liepoisson.algebra.exact_numbers import Exact
 from liepoisson.compile.typed import names_of, read_system
@@ -131,8 +131,87 @@ class Reference:
 
 
 @explains_its_methods
+class EquationsFile:
+    """A file with names, values of parameters and claims: what files of systems and of vector fields share.
+
+    Those that are dataclasses say which names their formulas may use (`scope`) and what they describe (`system`).
+    """
+
+    name: str
+    parameters: Mapping[str, Value]
+    symbols: tuple[str, ...]
+    path: str
+    toml: TomlText | None
+
+    @cached_property
+    def scope(self) -> Scope:
+        """The names that the formulas of the file may use."""
+        raise NotImplementedError
+
+    def system(self) -> Any:
+        """What the file describes."""
+        raise NotImplementedError
+
+    def with_constant_integrals(self) -> Self:
+        """The file without those of its integrals that are not found constant, as with other values of parameters."""
+        raise NotImplementedError
+
+    def called(self, name: str) -> Self:
+        """The file under another name."""
+        return replace(cast("Any", self), name=name)
+
+    def with_values(self, parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Self:
+        """The file with these values of parameters, and these symbols without value, as declared."""
+        return replace(cast("Any", self), parameters=parameters, symbols=symbols)
+
+    def error(self, keys: tuple[str, ...], message: str) -> SystemFileError:
+        """An error about the value of a key, with its line where the text is known; to be raised."""
+        return (self.toml or TomlText(self.path, "", {})).error(keys, message)
+
+    def with_parameters(self, parameters: Mapping[str, GivenValue]) -> Self:
+        """The file with other values for some parameters, and with values for symbols that had none.
+
+        The name says which were set.  Reference values belong to the values that it had, and are left out.
+
+        Example:
+            >>> file = lp.catalog.entry("lagrange").with_parameters({"a": [0, 0, "1/2"]})
+            >>> file.name, file.system().hamiltonian
+            ('lagrange, a = (0, 0, 1/2)', alpha3/2 + l1**2/4 + l2**2/4 + l3**2/2)
+
+        Args:
+            parameters: Values by name, as for a `System`: numbers, vectors, matrices, each of the shape that it has in
+                the file.
+
+        Raises:
+            ParameterError: not a mapping, a name that is no parameter of the file, a value that is not exact, or one of
+                another shape.
+        """
+        values = read_values(parameters)
+        known = [name for name in self.scope.shapes if name not in self.scope.scalars]
+        for name, value in values.items():
+            if name not in known:
+                raise ParameterError(
+                    f"{self.name!r} has no parameter {name!r:.60}. "
+                    f"{did_you_mean(name, known)}Known: {', '.join(known) or 'none'}."
+                )
+            wanted, got = self.scope.shapes[name], shape_of(value)
+            if wanted != got:
+                raise ParameterError(f"{name} must have {_words(wanted)}; got {_words(got)}. {_example(wanted)}")
+        symbols = tuple(text for text in self.symbols if read_declaration(text)[0] not in values)
+        title = self.name + "".join(f", {name} = {_text(value)}" for name, value in values.items())
+        changes: dict[str, Any] = {
+            "name": title if len(title) <= MAX_TITLE else self.name,
+            "parameters": {**self.parameters, **values},
+            "symbols": symbols,
+        }
+        if hasattr(self, "references"):
+            changes["references"] = ()
+        return replace(cast("Any", self), **changes)
+
+
+@explains_its_methods
 @dataclass(frozen=True)
-class SystemFile:
+class SystemFile(EquationsFile):
     """What a system file says.
 
     Example:
@@ -186,50 +265,7 @@ class SystemFile:
         found.update({("quadratures", name): rate for name, rate in self.quadratures.items()})
         return found
 
-    def error(self, keys: tuple[str, ...], message: str) -> SystemFileError:
-        """An error about the value of a key, with its line where the text is known; to be raised."""
-        return (self.toml or TomlText(self.path, "", {})).error(keys, message)
-
-    def with_parameters(self, parameters: Mapping[str, GivenValue]) -> SystemFile:
-        """The file with other values for some parameters, and with values for symbols that had none.
-
-        The name says which were set.  Reference values belong to the values that it had, and are left out.
-
-        Example:
-            >>> file = lp.catalog.entry("lagrange").with_parameters({"a": [0, 0, "1/2"]})
-            >>> file.name, file.system().hamiltonian
-            ('lagrange, a = (0, 0, 1/2)', alpha3/2 + l1**2/4 + l2**2/4 + l3**2/2)
-
-        Args:
-            parameters: Values by name, as for a `System`: numbers, vectors, matrices, each of the shape that it has in
-                the file.
-
-        Raises:
-            ParameterError: not a mapping, a name that is no parameter of the file, a value that is not exact, or one of
-                another shape.
-        """
-        values = read_values(parameters)
-        known = [name for name in self.scope.shapes if name not in self.scope.scalars]
-        for name, value in values.items():
-            if name not in known:
-                raise ParameterError(
-                    f"{self.name!r} has no parameter {name!r:.60}. "
-                    f"{did_you_mean(name, known)}Known: {', '.join(known) or 'none'}."
-                )
-            wanted, got = self.scope.shapes[name], shape_of(value)
-            if wanted != got:
-                raise ParameterError(f"{name} must have {_words(wanted)}; got {_words(got)}. {_example(wanted)}")
-        symbols = tuple(text for text in self.symbols if read_declaration(text)[0] not in values)
-        title = self.name + "".join(f", {name} = {_text(value)}" for name, value in values.items())
-        return replace(
-            self,
-            name=title if len(title) <= MAX_TITLE else self.name,
-            parameters={**self.parameters, **values},
-            symbols=symbols,
-            references=(),
-        )
-
-    def with_constant_integrals(self) -> SystemFile:
+    def with_constant_integrals(self) -> Self:
         """The file without those of its integrals that are not found constant, as with other values of parameters.
 
         Integrals on an invariant set stay: `inspect` decides on them.

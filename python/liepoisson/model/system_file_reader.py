@@ -27,6 +27,7 @@ from liepoisson.model.system_file import Integral, Reference, SystemFile
 if TYPE_CHECKING:
     from liepoisson.model.system import System
     from liepoisson.model.vector_field import VectorField
+    from liepoisson.model.vector_field_file import VectorFieldFile
     from liepoisson.structure.bracket import Bracket
     from liepoisson.structure.extension import Extension
     from liepoisson.structure.lie_algebra import LieAlgebra
@@ -63,8 +64,7 @@ def read_system(path: str | Path) -> System | VectorField:
     Raises:
         SystemFileError: as in `read_system_file`, or a formula has no meaning; the message names the key and the line.
     """
-    toml = read_toml(path)
-    return vector_field_of(toml) if "equations" in toml.tables else read_tables(toml).system()
+    return read_equations(read_toml(path)).system()
 
 
 @explains_its_arguments
@@ -105,13 +105,13 @@ def read_tables(toml: TomlText) -> SystemFile:
     return _Reader(toml).file()
 
 
-def vector_field_of(toml: TomlText) -> VectorField:
-    """The vector field that the tables of a file describe.
+def read_equations(toml: TomlText) -> SystemFile | VectorFieldFile:
+    """What the tables of a file say, whether it describes a system or a vector field.
 
     Raises:
-        SystemFileError: they do not describe one; the message names the key, and the line where it can be found.
+        SystemFileError: they describe neither; the message names the key, and the line where it can be found.
     """
-    return _Reader(toml).vector_field()
+    return _Reader(toml).vector_field() if "equations" in toml.tables else read_tables(toml)
 
 
 class _Reader(TomlReader):
@@ -121,8 +121,8 @@ class _Reader(TomlReader):
         tables = self.toml.tables
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
         below["equations"] = (
-            "A vector field has no bracket: lp.read_system reads it, and so do the commands integrals, darboux and "
-            "painleve."
+            "A vector field has no bracket: lp.read_system reads it, and so do the commands that ask for equations "
+            "alone (docs/vector-fields.md)."
         )
         self.check_keys((), tables, _KEYS[""], below)
         for key in ("bracket", "hamiltonian"):
@@ -150,8 +150,8 @@ class _Reader(TomlReader):
         self.check_formulas(file)
         return file
 
-    def vector_field(self) -> VectorField:
-        from liepoisson.model.vector_field import VectorField
+    def vector_field(self) -> VectorFieldFile:
+        from liepoisson.model.vector_field_file import VectorFieldFile
 
         tables = self.toml.tables
         self.check_keys((), tables, _KEYS["vector field"], {"bracket": "A vector field has none: remove it."})
@@ -160,20 +160,15 @@ class _Reader(TomlReader):
         for key in ("equations", "integrals"):
             table = self.table((key,), tables.get(key, {}))
             read[key] = {name: self.text((key, name), formula) for name, formula in table.items()}
-        return self.guarded(
-            ("equations",),
-            lambda: VectorField(
-                read["equations"],
-                {
-                    name: cast("Any", self.value(("parameters", name), v))
-                    for name, v in given.items()
-                    if name != "symbols"
-                },
-                name=self.name(tables.get("name", Path(self.toml.path).stem)),
-                symbols=self.symbols({}, given),
-                integrals=read["integrals"],
-                source=self.optional_text(("source",), tables),
-            ),
+        return VectorFieldFile(
+            name=self.name(tables.get("name", Path(self.toml.path).stem)),
+            equations=read["equations"],
+            parameters={name: self.value(("parameters", name), v) for name, v in given.items() if name != "symbols"},
+            symbols=self.symbols({}, given),
+            integrals=read["integrals"],
+            source=self.optional_text(("source",), tables),
+            path=self.toml.path,
+            toml=self.toml,
         )
 
     def name(self, given: object) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.errors import LiePoissonError, SystemFileError
@@ -20,7 +20,7 @@ from liepoisson.io.files import write_atomically
 from liepoisson.model.canonical_system import CanonicalSystem
 from liepoisson.model.constructors import read_algebra, read_extension
 from liepoisson.model.system import System
-from liepoisson.model.system_file_reader import parse_system_file, vector_field_of
+from liepoisson.model.system_file_reader import parse_system_file, read_equations
 from liepoisson.model.vector_field import VectorField
 from liepoisson.structure.canonical_bracket import canonical
 from liepoisson.structure.tensor_bracket import PoissonTensor
@@ -114,7 +114,8 @@ def read_vector_field_text(text: str) -> VectorField:
     Raises:
         SystemFileError: the text describes none; the message names the key and the line.
     """
-    return vector_field_of(parse_toml(text, "the vector field of the file"))
+    found = read_equations(parse_toml(text, "the vector field of the file"))
+    return cast("VectorField", found.system())
 
 
 @explains_its_arguments

@@ -25,6 +25,7 @@ from liepoisson.sweeps.identity import is_system_file
 
 if TYPE_CHECKING:
     from liepoisson.model.system_file import SystemFile
+    from liepoisson.model.vector_field_file import VectorFieldFile
 
 Shape: TypeAlias = tuple[int, ...]
 _SYMPY = RLock()
@@ -105,16 +106,17 @@ class FileFamily(Family):
         return _unpickled, (pickle.dumps(self._tables), self._path)
 
     @cached_property
-    def _file(self) -> SystemFile:
+    def _file(self) -> SystemFile | VectorFieldFile:
         from liepoisson.formula.toml_text import TomlText
-        from liepoisson.model.system_file_reader import read_tables
+        from liepoisson.model.system_file_reader import read_equations
 
-        return read_tables(TomlText(self._path, "", self._tables))
+        return read_equations(TomlText(self._path, "", self._tables))
 
     @property
     def bracket_parameters(self) -> set[str]:
         """Those that it contains, or components of which it contains."""
-        owners = {self._file.scope.owner(symbol) for symbol in self._file.bracket.symbols}
+        bracket = getattr(self._file, "bracket", None)
+        owners = {self._file.scope.owner(symbol) for symbol in bracket.symbols} if bracket else set[str]()
         return {name for name in self.shapes if name in owners}
 
     def system(self, values: Mapping[str, Any]) -> Any:
@@ -150,7 +152,10 @@ class FileFamily(Family):
         from liepoisson.algebra.exact_numbers import to_sympy
         from liepoisson.compile.symbols import numpy_function
         from liepoisson.formula.parameters import component_name
+        from liepoisson.model.system_file import SystemFile
 
+        if not isinstance(self._file, SystemFile):
+            return None
         with _SYMPY:
             declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())
             system = replace(self._file, parameters={}, symbols=declared, integrals={}).system()

@@ -14,6 +14,7 @@ from typing import Any, cast
 import numpy as np
 
 from liepoisson.errors import ParameterError
+from liepoisson.model.equations_of_motion import EquationsOfMotion
 
 _PLAIN = (type(None), bool, int, float, complex, str, bytes, Fraction, type(Ellipsis), np.generic)
 
@@ -83,7 +84,7 @@ def _state_of_code(value: Any, inside: tuple[int, ...]) -> Any:
 def _state_of_named(value: Any) -> Any:
     if isinstance(value, ModuleType):
         return "module", value.__name__
-    if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
+    if isinstance(value, EquationsOfMotion):
         return "system", *system_record(value).items()
     if isinstance(value, (type, BuiltinFunctionType, np.ufunc)) and _package(value) not in ("", "__main__"):
         return "name", _package(value), getattr(value, "__qualname__", value.__name__)
@@ -135,6 +136,8 @@ def system_record(system: Any) -> dict[str, str]:
 
     from liepoisson.algebra.exact_numbers import to_sympy
 
+    if not hasattr(system, "bracket"):
+        return {"equations": repr({str(name): srepr(rate) for name, rate in system.equations.items()})}
     terms = system.bracket.terms()
     entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in terms if m is not None]
     coordinates = ", ".join(map(str, system.bracket.variables))

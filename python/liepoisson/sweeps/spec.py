@@ -20,12 +20,14 @@ from liepoisson import __version__
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.formula.parameters import names_of_places
 from liepoisson.formula.scalars import as_array, as_count, as_number, as_seed, as_time
+from liepoisson.formula.toml_text import parse_toml
 from liepoisson.indicators.verdict import Rule, as_rule, rule_of
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import as_scalar, listed, named
 from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.refusals import check_choice, not_a, shown
-from liepoisson.model.system_file_reader import parse_system_file
+from liepoisson.model.equations_of_motion import EquationsOfMotion
+from liepoisson.model.system_file_reader import read_equations
 from liepoisson.numeric.methods import MethodChoice, Taylor, as_choice, choice_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, unknown_ensemble
 from liepoisson.portable import elementary
@@ -378,7 +380,7 @@ class SweepSpec:
         }
         system = record["system"]
         if said["system_file"] is not None:
-            system = parse_system_file(said["system_file"], "the system of the sweep").system()
+            system = read_equations(parse_toml(said["system_file"], "the system of the sweep")).system()
         elif isinstance(system, Mapping) and "function" in system:
             system = _own_function("system", cast("Mapping[str, Any]", system))
         quantity, rule, method, refine = (record[name] for name in ("quantity", "rule", "method", "refine"))
@@ -531,6 +533,6 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in cast("Sequence[Any]", value)]
     if callable(value):
         return cast("Any", function_record(value))
-    if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
-        return system_record(value)
+    if isinstance(value, EquationsOfMotion):
+        return cast("Any", system_record(value))
     return str(value)

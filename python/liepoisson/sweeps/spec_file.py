@@ -78,9 +78,10 @@ class _Reader(TomlReader):
 
     def spec(self) -> SweepSpec:
         tables = self.toml.tables
-        if "hamiltonian" in tables and "system" not in tables:
+        key = "equations" if "equations" in tables else "hamiltonian"
+        if key in tables and "system" not in tables:
             raise self.toml.error(
-                ("hamiltonian",),
+                (key,),
                 "this is a file of a system; a sweep names it: system = 'FILE.toml'. Write a sweep file.",
             )
         self.check_keys((), tables, _KEYS)
