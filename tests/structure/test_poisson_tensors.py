@@ -216,6 +216,8 @@ REFUSED = {
     "no number of SymPy": ({("x", "y"): sp.nan * sp.Symbol("x")}, ParameterError, "finite and real"),
     "imaginary": ({("x", "y"): sp.I * sp.Symbol("x")}, ParameterError, "finite and real"),
     "not smooth, of SymPy": ({("x", "y"): sp.floor(sp.Symbol("x"))}, ParameterError, "smooth"),
+    "a conjugate": ({("x", "y"): sp.conjugate(sp.Symbol("x"))}, ParameterError, "smooth"),
+    "not written out": ({("x", "y"): sp.Derivative(sp.sin(sp.Symbol("x")))}, ParameterError, "written out"),
     "a positive coordinate": ({("x", "y"): sp.Symbol("x", positive=True)}, ParameterError, "without assumptions"),
     "no Poisson bracket": ({("x", "y"): "z", ("y", "z"): "x*y", ("z", "x"): "y"}, JacobiError, "Jacobi"),
 }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.algebra.exact_numbers import Exact, as_expression, to_sympy
 from liepoisson.errors import ParameterError, did_you_mean
 from liepoisson.formula.parameters import read_parameter
-from liepoisson.inputs.names import NOT_SMOOTH
+from liepoisson.inputs.names import ELEMENTARY_FUNCTIONS, NOT_SMOOTH
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -71,7 +71,7 @@ def _check_parts(expression: Expr, known: Collection[str]) -> None:
         if isinstance(part, wholes):
             raise _unknown_part(part, known)
         if isinstance(part, Application):
-            if type(part).__name__.lower() in NOT_SMOOTH:
+            if not _is_smooth(part):
                 raise ParameterError(
                     f"a function on phase space must be smooth, as the equations of motion need derivatives; got "
                     f"{part!s:.60}. Use smooth functions only."
@@ -81,6 +81,16 @@ def _check_parts(expression: Expr, known: Collection[str]) -> None:
                 raise _unknown_part(part, known)
         elif not (part.is_number or isinstance(part, (Str, MatrixMap))):
             raise _unknown_part(part, known)
+
+
+def _is_smooth(part: Any) -> bool:
+    """Whether a function has derivatives; those that SymPy leaves as they are, as of a conjugate, count as none."""
+    from sympy import Derivative, Function
+
+    name = type(part).__name__.lower()
+    if name in NOT_SMOOTH or name in ELEMENTARY_FUNCTIONS or not isinstance(part, Function):
+        return name not in NOT_SMOOTH
+    return not any(part.diff(symbol).has(Derivative) for symbol in part.free_symbols)
 
 
 def _check_coordinates(expression: Expr, names: Collection[str]) -> None:

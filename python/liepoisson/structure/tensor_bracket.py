@@ -534,7 +534,7 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
         return read_expression(given, scope, insert_values=True)
     if not is_sympy(given):
         return to_sympy(read_number(given, what))
-    from sympy import Symbol
+    from sympy import Derivative, Order, Subs, Symbol
     from sympy.core.function import AppliedUndef
 
     expression = as_expression(given, what)
@@ -545,6 +545,8 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
             f"{what}: wanted an expression in the coordinates and declared parameters; got {unknown[0]}, which is none "
             f"of them. {scope.suggestion(unknown[0])}. Declare a parameter that has no value, symbols=[...]."
         )
+    if expression.has(Derivative, Order, Subs):
+        raise ParameterError(f"{what}: wanted a formula that is written out; got {expression!s:.60}. Try .doit().")
     values = flattened(scope.values)
     expression = with_exact_numbers(read_expression_in(expression, scope.scalars, known - {*scope.scalars}, values))
     plain: Any = {s: Symbol(str(s)) for s in expression.free_symbols}
