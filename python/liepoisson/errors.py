@@ -115,9 +115,10 @@ class JacobiError(BracketError):
 
     def __init__(self, triple: tuple[str, ...], residual: str) -> None:
         self.triple, self.residual = triple, residual
+        first, second, third = triple
         super().__init__(
             f"the entries of a Poisson tensor must obey the Jacobi identity; for ({', '.join(triple)}) the cyclic sum "
-            f"of {{{{x, y}}, z}} is {residual:.200} instead of 0. Correct its entries."
+            f"of {{{{{first}, {second}}}, {third}}} is {residual:.200} instead of 0. Correct its entries."
         )
 
     def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str]]:

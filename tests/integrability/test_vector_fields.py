@@ -163,3 +163,14 @@ def test_what_is_known_is_not_looked_for_and_levels_are_levels():
 def test_the_cases_of_lorenz_that_pass_painleves_test(parameters, verdict):
     found = lp.integrability.painleve_test(lorenz(*parameters))
     assert (found.verdict, found.complete) == (verdict, True)
+
+
+def test_names_of_what_is_found_are_no_coordinates():
+    field = lp.VectorField({"P1": "P1*(E1 - 1)", "E1": "E1*(1 - P1)", "R1": "2*R1"})
+    found = darboux_polynomials(field, degree=1, known={})
+    groups = (found.found, found.rational_integrals, found.time_dependent_integrals)
+    names = [one.name for group in groups for one in group]
+    assert len(found.found) == 3
+    assert len(found.time_dependent_integrals) > 0
+    assert not {*names} & {*field.component_names}
+    assert len({*names}) == len(names)

@@ -188,6 +188,7 @@ STRANGERS = {
     "maximum": (sp.Max(l1, l2), r"must be smooth.*got Max\(l1, l2\)"),
     "pieces": (sp.Piecewise((l1, l1 > 0), (0, True)), "must be smooth.*got Piecewise"),
     "absolute value": (sp.Abs(l1), r"must be smooth.*got Abs\(l1\)"),
+    "conjugate": (sp.conjugate(l1), "must be smooth"),
     "remainder": (sp.Mod(l1, 2), "must be smooth"),
     "positive": (sp.Symbol("l1", positive=True), r"takes all real values; got Symbol\('l1', positive=True\)"),
     "imaginary": (sp.Symbol("l3", imaginary=True), r"got Symbol\('l3', imaginary=True\)"),

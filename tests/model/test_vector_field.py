@@ -235,7 +235,10 @@ def test_a_file_that_describes_no_vector_field_is_refused_with_its_place(text, w
 
 def test_a_system_file_is_no_vector_field_and_says_so(tmp_path):
     path = lp.systems.write_system(LORENZ, tmp_path / "lorenz.toml")
-    with pytest.raises(SystemFileError, match=r"A vector field has no bracket: lp\.read_system reads it"):
+    with pytest.raises(
+        SystemFileError,
+        match=r"line \d+: equations: wanted a bracket and a Hamiltonian; got equations\. A vector field has no bracket",
+    ):
         lp.systems.read_system_file(path)
 
 

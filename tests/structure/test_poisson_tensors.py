@@ -214,6 +214,13 @@ REFUSED = {
     "no mapping": ([("x", "y", "1")], ParameterError, "mapping"),
     "another symbol": ({("x", "y"): sp.Symbol("w")}, ParameterError, "w, which is none"),
     "another function": ({("x", "y"): sp.Function("f")(sp.Symbol("x"))}, ParameterError, "none of them"),
+    "an infinity of SymPy": ({("x", "y"): sp.oo}, ParameterError, "finite and real"),
+    "no number of SymPy": ({("x", "y"): sp.nan * sp.Symbol("x")}, ParameterError, "finite and real"),
+    "imaginary": ({("x", "y"): sp.I * sp.Symbol("x")}, ParameterError, "finite and real"),
+    "not smooth, of SymPy": ({("x", "y"): sp.floor(sp.Symbol("x"))}, ParameterError, "smooth"),
+    "a conjugate": ({("x", "y"): sp.conjugate(sp.Symbol("x"))}, ParameterError, "smooth"),
+    "not written out": ({("x", "y"): sp.Derivative(sp.sin(sp.Symbol("x")))}, ParameterError, "written out"),
+    "a positive coordinate": ({("x", "y"): sp.Symbol("x", positive=True)}, ParameterError, "without assumptions"),
     "no Poisson bracket": ({("x", "y"): "z", ("y", "z"): "x*y", ("z", "x"): "y"}, JacobiError, "Jacobi"),
 }
 
@@ -230,8 +237,58 @@ def test_the_refusal_of_a_bracket_names_the_triple_and_the_residual():
         tensor("x y z", {("x", "y"): "z", ("y", "z"): "x*y", ("z", "x"): "y"})
     error = caught.value
     assert (error.triple, error.residual) == (("x", "y", "z"), "-x*z")
+    with pytest.raises(JacobiError, match=r"cyclic sum of \{\{u, v\}, w\} is -u\*w"):
+        tensor("u v w", {("u", "v"): "w", ("v", "w"): "u*v", ("w", "u"): "v"})
     again = pickle.loads(pickle.dumps(error))
     assert (again.triple, again.residual, str(again)) == (error.triple, error.residual, str(error))
+
+
+def test_decimals_in_expressions_are_exact():
+    """0.1 + 0.2 of SymPy's numbers is not 0.3, of which the Jacobi identity here is made."""
+    x, y, z = sp.symbols("x y z")
+    half, whole = sp.Float("0.1"), sp.Float("0.7")
+    bracket = lp.PoissonTensor(
+        ["x", "y", "z"], {("x", "y"): half * x * y, ("y", "z"): half * y * z, ("z", "x"): whole * x * z}
+    )
+    assert bracket.poisson_tensor()[0, 1] == x * y / 10
+    assert bracket.casimirs() == [x * y**7 * z]
+
+
+NAMED_ALIKE = {
+    "a value": lambda: tensor("x y", {("x", "y"): "a"}, parameters={"a": "x"}),
+    "a value, later": lambda: tensor("x y", {("x", "y"): "a"}, symbols=["a"]).substitute({"a": "2*x"}),
+    "a new name": lambda: tensor("x y", {("x", "y"): "a*x"}, symbols=["a"]).rename("a", "b"),
+    "a name in a Casimir": lambda: (
+        tensor("x y z", {("x", "y"): "1"}).with_casimirs(["a*z"], symbols=["a"]).rename("a", "b", "c")
+    ),
+    "a log-canonical one": lambda: lp.brackets.log_canonical([[0, "x3", 1], ["-x3", 0, 1], [-1, -1, 0]]),
+    "Nambu's": lambda: lp.brackets.nambu("a*x + z", ["x", "y", "z"], {"a": "z"}),
+    "other coordinates": lambda: tensor("x y", {("x", "y"): "a"}, symbols=["a"]).in_variables(
+        {"a": "x", "v": "y"}, {"x": "a", "y": "v"}
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NAMED_ALIKE)
+def test_no_parameter_has_the_name_of_a_coordinate(case):
+    with pytest.raises(BracketError, match="name both coordinates and parameters"):
+        NAMED_ALIKE[case]()
+
+
+@pytest.mark.parametrize(
+    ("entry", "point"),
+    [("atan(1/x)", [0, 1]), ("sin(1/x)", [0, 1]), ("log(x)", [-1, 1]), ("sqrt(x)", [-1, 1]), ("x/(x + y)", [0, 0])],
+)
+def test_there_is_no_rank_where_an_entry_is_no_real_number(entry, point):
+    with pytest.raises(ParameterError, match="wanted one where all entries are finite and real"):
+        tensor("x y", {("x", "y"): entry}).rank(point)
+
+
+def test_values_must_leave_the_entries_and_casimirs_real():
+    bracket = tensor("x y z", {("x", "y"): "sqrt(a)*x*y"}, symbols=["a", "b"], casimirs=["z/b"])
+    assert bracket.substitute({"a": 4}).poisson_tensor()[0, 1] == 2 * sp.prod(bracket.variables[:2])
+    with pytest.raises(ParameterError, match="finite and real"):
+        bracket.substitute({"a": -1})
 
 
 @pytest.mark.parametrize(
@@ -348,6 +405,7 @@ def test_rational_casimirs_are_found_by_their_denominators():
     (found,) = volterra.rational_casimirs(2)
     assert found in (x1 / (x2 * x3), x2 * x3 / x1)
     assert volterra.rational_casimirs(1) == []
+    assert tensor("x y z", {("x", "y"): "x*z"}).rational_casimirs(2) == [sp.Symbol("z")]  # and not its square
     with pytest.raises(BracketError, match="rational"):
         tensor("x y", {("x", "y"): "exp(x)"}).rational_casimirs(2)
     for degree in (0, True, 1.5, 1000):
@@ -369,6 +427,11 @@ def test_other_coordinates_give_the_same_motion():
     turned = [rates[0], rates[1] + 2 * state[0] * rates[0], rates[2] - state[0] * rates[1] - state[1] * rates[0]]
     assert other == pytest.approx(turned, rel=1e-13)
     assert bracket.n_unknown_casimirs == 0
+    # logarithms of species: log(exp(u)) is u, as coordinates are real
+    species = tensor("x y z", CYCLE).in_variables(
+        {"u": "log(x)", "v": "log(y)", "w": "log(z)"}, {"x": "exp(u)", "y": "exp(v)", "z": "exp(w)"}
+    )
+    assert species.poisson_tensor() == sp.Matrix([[0, 1, -1], [-1, 0, 1], [1, -1, 0]])
     with pytest.raises(BracketError, match="inverse to each other"):
         system.bracket.in_variables(forward, {"l1": "u", "l2": "v + u^2", "l3": "w"})
     with pytest.raises(BracketError, match="none for l3"):

@@ -164,7 +164,7 @@ def alignment(
     if n < 2:
         raise ParameterError(
             f"system: wanted one with at least 2 components, as two tangent vectors are compared; {system.name} has "
-            f"{n}; a Lie-Poisson bracket of one component vanishes, and every orbit rests"
+            f"{n}, and all tangent vectors are parallel"
         )
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     first = as_first(options.first, len(states))

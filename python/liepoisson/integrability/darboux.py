@@ -35,7 +35,7 @@ from liepoisson.integrability.derivation import (
     in_blocks,
     order,
 )
-from liepoisson.integrability.search import tidied
+from liepoisson.integrability.search import next_name, tidied
 from liepoisson.integrability.search_problem import (
     Equations,
     SearchProblem,
@@ -271,9 +271,12 @@ def darboux_polynomials(
     )
     new = sorted(search.factors[n_known:], key=lambda f: (f.degree, len(f.polynomial)))
     expressions = [search.search.derivation.expression(_tidied(f.polynomial, numbers)) for f in new]
+    taken, names = {*system.component_names, *given}, list[str]()
+    for _ in new:
+        names.append(next_name(taken, names, letter="P"))
     found = tuple(
-        DarbouxPolynomial(f"P{k}", e, search.cofactor_expression(f), f.degree)
-        for k, (f, e) in enumerate(zip(new, expressions, strict=True), start=1)
+        DarbouxPolynomial(name, e, search.cofactor_expression(f), f.degree)
+        for name, f, e in zip(names, new, expressions, strict=True)
     )
     return DarbouxPolynomials(
         system=system,
@@ -284,8 +287,8 @@ def darboux_polynomials(
         field=field,
         known=given,
         found=found,
-        rational_integrals=rational_integrals(search, new, [p.name for p in found], expressions),
-        time_dependent_integrals=time_dependent_integrals(search, new, [p.name for p in found], expressions),
+        rational_integrals=rational_integrals(search, new, names, expressions, taken),
+        time_dependent_integrals=time_dependent_integrals(search, new, names, expressions, taken),
         cofactor_monomials=tuple(derivation.expression({m: derivation.field.one}) for m in monomials),
         n_monomials=size,
         n_blocks=len(ordered),

@@ -10,7 +10,7 @@ $e^{-ct}$ if $\sum n_i k_i$ is a number c.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
@@ -28,7 +28,7 @@ from liepoisson.algebra.sparse_polynomials import Polynomial, add_multiple, grad
 from liepoisson.inputs.names import free_name
 from liepoisson.integrability.cofactors import image
 from liepoisson.integrability.derivation import Exponents, homogeneous_parts, order
-from liepoisson.integrability.search import Search, in_field, modular
+from liepoisson.integrability.search import Search, in_field, modular, next_name
 
 Cofactor: TypeAlias = "tuple[Element, ...]"
 """The coefficients of a cofactor, in the order of its monomials."""
@@ -245,9 +245,13 @@ class TimeDependentIntegral:
 
 
 def rational_integrals(
-    search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
+    search: DarbouxSearch,
+    factors: Sequence[Factor],
+    names: Sequence[str],
+    expressions: Sequence[Expr],
+    taken: Collection[str],
 ) -> tuple[RationalIntegral, ...]:
-    """A basis of the integrals that are products of powers of some Darboux polynomials."""
+    """A basis of the integrals that are products of powers of some Darboux polynomials; they avoid the names taken."""
     rows = [search.gradient([f], [1]) for f in search.factors if not f.is_new]
     found: list[RationalIntegral] = []
     for relation in _relations(factors):
@@ -257,7 +261,7 @@ def rational_integrals(
         product: Any = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
         found.append(
             RationalIntegral(
-                f"R{len(found) + 1}",
+                next_name(taken, [one.name for one in found], letter="R"),
                 {name: n for name, n in zip(names, relation, strict=True) if n},
                 expand(product) if min(relation) >= 0 else product,
                 is_independent,
@@ -267,7 +271,11 @@ def rational_integrals(
 
 
 def time_dependent_integrals(
-    search: DarbouxSearch, factors: Sequence[Factor], names: Sequence[str], expressions: Sequence[Expr]
+    search: DarbouxSearch,
+    factors: Sequence[Factor],
+    names: Sequence[str],
+    expressions: Sequence[Expr],
+    taken: Collection[str],
 ) -> tuple[TimeDependentIntegral, ...]:
     """Products of powers whose cofactors add up to a number c that is not 0; all others follow with those of c = 0."""
     numbers, variables = search.search.derivation.field, search.search.derivation.variables
@@ -289,7 +297,7 @@ def time_dependent_integrals(
         product: Any = Mul(*(e**n for e, n in zip(expressions, relation, strict=True) if n))
         c: Any = numbers.to_sympy(rate)
         powers = {name: n for name, n in zip(names, relation, strict=True) if n}
-        name = f"E{len(found) + 1}"
+        name = next_name(taken, [one.name for one in found], letter="E")
         found.append(TimeDependentIntegral(name, powers, c, product * exp(-c * time), time, is_independent))
     return tuple(found)
 

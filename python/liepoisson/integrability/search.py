@@ -387,9 +387,9 @@ def in_field(polynomial: Polynomial, field: Coefficients) -> Polynomial:
     return {m: field.number(c) for m, c in polynomial.items()}
 
 
-def next_name(*known: Collection[str]) -> str:
+def next_name(*known: Collection[str], letter: str = "F") -> str:
     """F1, F2, ..., the first that is neither a coordinate nor taken."""
-    return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
+    return next(name for k in count(1) if all((name := f"{letter}{k}") not in names for names in known))
 
 
 def products(

@@ -20,7 +20,8 @@ from liepoisson.formula.parameters import Kept, Value, exact_value, flattened
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import shown
-from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression, read_expression_in, with_exact_numbers
+from liepoisson.model.hamiltonian import RESERVED_NAME, is_expression
+from liepoisson.structure.given_expressions import read_expression_in, with_exact_numbers
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, TypeAlias
 
-from liepoisson.algebra.exact_numbers import Exact, as_expression, is_sympy, to_sympy
-from liepoisson.errors import ParameterError, did_you_mean
-from liepoisson.formula.parameters import Column, read_parameter
+from liepoisson.algebra.exact_numbers import is_sympy
+from liepoisson.errors import ParameterError
+from liepoisson.formula.parameters import Column
 from liepoisson.formula.scope import Scope
 from liepoisson.inputs.given import listed, listed_names, named
-from liepoisson.inputs.names import NOT_SMOOTH, check_title
+from liepoisson.inputs.names import check_title
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -135,142 +135,9 @@ def apply_function(function: Callable[..., Expr], bracket: Bracket) -> Expr:
     return expression
 
 
-def with_exact_numbers(expression: Expr) -> Expr:
-    """Floating-point numbers read as the decimals that they print as, like any other parameter."""
-    from sympy import Float
-
-    exact = {number: to_sympy(read_parameter(number, "H")) for number in expression.atoms(Float)}
-    return cast("Expr", expression.xreplace(exact)) if exact else expression
-
-
 def symbols_in(expression: Expr, coordinates: Collection[str]) -> tuple[str, ...]:
     """The names of the symbols that are no coordinates, in order: what a system with this Hamiltonian declares."""
     return tuple(sorted({str(symbol) for symbol in expression.free_symbols}.difference(coordinates)))
-
-
-def read_expression_in(
-    given: object, coordinates: Collection[str], others: Collection[str], values: Mapping[str, Exact]
-) -> Expr:
-    """Read a function on phase space that is given as an expression, which may contain what a text may contain.
-
-    Args:
-        given: A SymPy expression or a number.
-        coordinates: Names of the coordinates.
-        others: Names of the parameters.
-        values: Values of parameters.
-
-    Raises:
-        ParameterError: it is neither, has a part that is neither coordinate nor parameter, a function that is not
-            smooth, or a symbol with assumptions that do not hold.
-    """
-    expression = as_expression(given, "a function on phase space")
-    _check_parts(expression, (*coordinates, *others))
-    _check_coordinates(expression, coordinates)
-    _check_values(expression, values)
-    return expression
-
-
-def _check_parts(expression: Expr, known: Collection[str]) -> None:
-    """Refuse what no text may contain: unknown names, and functions that are not smooth.
-
-    A symbol that is neither a coordinate nor a declared parameter would be a constant of every derivative, and so would
-    an element of an indexed object, a value of an undefined function, or a `Dummy`, whatever it is called.
-
-    Args:
-        expression: A function on phase space.
-        known: The names of the coordinates and of the parameters.
-
-    Raises:
-        ParameterError: there is one; the message names it.
-    """
-    from sympy import Atom, Indexed, Symbol
-    from sympy.core.function import Application, AppliedUndef
-    from sympy.core.symbol import Str
-    from sympy.matrices.expressions.matexpr import MatrixElement
-
-    from liepoisson.structure.trace import MatrixMap
-
-    free = expression.free_symbols
-    wholes = (AppliedUndef, Indexed, MatrixElement)
-    for part in sorted(expression.atoms(Atom, Application, *wholes), key=lambda p: (not isinstance(p, wholes), str(p))):
-        if isinstance(part, wholes):
-            raise _unknown_part(part, known)
-        if isinstance(part, Application):
-            if type(part).__name__.lower() in NOT_SMOOTH:
-                raise ParameterError(
-                    f"a function on phase space must be smooth, as the equations of motion need derivatives; got "
-                    f"{part!s:.60}. Use smooth functions only."
-                )
-        elif type(part) is Symbol:
-            if part in free and part.name not in known:
-                raise _unknown_part(part, known)
-        elif not (part.is_number or isinstance(part, (Str, MatrixMap))):
-            raise _unknown_part(part, known)
-
-
-def _check_coordinates(expression: Expr, names: Collection[str]) -> None:
-    """Refuse symbols of coordinates with assumptions, such as a positive l1: coordinates take all real values.
-
-    Raises:
-        ParameterError: there is one; the message names it.
-    """
-    from sympy import Symbol, srepr
-
-    real = Symbol("x", real=True).assumptions0
-    for symbol in sorted(expression.free_symbols, key=str):
-        if str(symbol) in names and not cast("Any", symbol).assumptions0.items() <= real.items():
-            raise ParameterError(
-                f"a coordinate must be a symbol without assumptions, or a real one: it takes all real values; got "
-                f"{srepr(symbol)}. Write Symbol({str(symbol)!r}), or take it from system.variables."
-            )
-
-
-def _check_values(expression: Expr, values: Mapping[str, Exact]) -> None:
-    """Refuse values of parameters that the assumptions of their symbols exclude, such as -2 for a positive one.
-
-    Raises:
-        ParameterError: there is one; the message names it.
-    """
-    from sympy import srepr
-
-    for symbol in sorted(expression.free_symbols, key=str):
-        if str(symbol) not in values:
-            continue
-        value: Any = to_sympy(values[str(symbol)])
-        facts: Any = cast("Any", symbol).assumptions0.items()
-        if any(getattr(value, f"is_{fact}") is (not wanted) for fact, wanted in facts):
-            raise ParameterError(
-                f"the value of {symbol} must be one that its symbol allows, {srepr(symbol)}; got {value}. Give another "
-                f"value, or write Symbol({str(symbol)!r})."
-            )
-
-
-def _unknown_part(part: object, known: Collection[str]) -> ParameterError:
-    from sympy.core.function import AppliedUndef
-
-    name = re.sub(r"[\W_]", "", str(getattr(part, "name", None) or part))
-    kind = "an undefined function" if isinstance(part, AppliedUndef) else f"a SymPy {type(part).__name__}"
-    shown = ", ".join([*known][:12]) + (", ..." if len(known) > 12 else "")
-    return ParameterError(
-        f"a function on phase space must consist of coordinates and declared parameters; got {part!s:.60}, {kind}. "
-        f"{did_you_mean(name, known)}Known are {shown}. Take coordinates from bracket.variables, and declare a "
-        'parameter that has no value, System(..., symbols=["k"]).'
-    )
-
-
-def check_real(energy: Expr, name: str = "the Hamiltonian") -> None:
-    """Refuse infinities, undefined values and imaginary numbers, of which the equations could not be evaluated.
-
-    Raises:
-        ParameterError: it contains one.
-    """
-    from sympy import expand, nan, oo, preorder_traversal, zoo
-
-    expanded = expand(energy)
-    if expanded.has(nan, oo, -oo, zoo) or any(
-        part.is_number and part.is_extended_real is False for part in preorder_traversal(expanded)
-    ):
-        raise ParameterError(f"{name} must be finite and real; got {energy}. Check its terms.")
 
 
 def has_partial_functions(function: Expr) -> bool:

@@ -21,7 +21,6 @@ from liepoisson.model.hamiltonian import (
     Hamiltonian,
     apply_function,
     check_hamiltonian,
-    check_real,
     is_expression,
     read_declarations,
     read_functions,
@@ -31,6 +30,7 @@ from liepoisson.model.hamiltonian import (
 from liepoisson.model.time_dependence import check_period, given_text, suspended
 from liepoisson.structure.bracket import Bracket, with_coefficients
 from liepoisson.structure.extension import Extension
+from liepoisson.structure.given_expressions import check_real
 from liepoisson.structure.lie_algebra import LieAlgebra
 
 if TYPE_CHECKING:

@@ -120,10 +120,12 @@ class _Reader(TomlReader):
     def file(self) -> SystemFile:
         tables = self.toml.tables
         below = {key: f"Write it below [{table}]." for table in ("bracket", "hamiltonian") for key in _KEYS[table]}
-        below["equations"] = (
-            "A vector field has no bracket: lp.read_system reads it, and so do the commands that ask for equations "
-            "alone (docs/vector-fields.md)."
-        )
+        if "equations" in tables:
+            raise self.toml.error(
+                ("equations",),
+                "wanted a bracket and a Hamiltonian; got equations. A vector field has no bracket: lp.read_system "
+                "reads it, and so do the commands that ask for equations alone (docs/vector-fields.md).",
+            )
         self.check_keys((), tables, _KEYS[""], below)
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))

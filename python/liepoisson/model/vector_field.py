@@ -22,9 +22,10 @@ from liepoisson.inputs.names import check_name, check_title
 from liepoisson.inputs.read_only import ReadOnlyDict
 from liepoisson.inputs.refusals import NO_BRACKET, not_a
 from liepoisson.model.equations_of_motion import EquationsOfMotion, check_source
-from liepoisson.model.hamiltonian import check_real, is_expression, read_declarations, read_functions
+from liepoisson.model.hamiltonian import is_expression, read_declarations, read_functions
 from liepoisson.model.polynomial_view import bracket_with, occurring, read_polynomial
 from liepoisson.structure.circles import read_angles, turn
+from liepoisson.structure.given_expressions import check_real
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

@@ -6,7 +6,7 @@ The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import cached_property
@@ -335,8 +335,7 @@ class Bracket:
         Raises:
             BracketError: there is such a name; the message lists them.
         """
-        if clash := names & self.coordinate_names:
-            raise BracketError(f"{sorted(clash)} name both coordinates and parameters; rename the parameters.")
+        check_distinct(self.coordinate_names, names)
 
     @property
     def symbols(self) -> set[str]:
@@ -814,6 +813,16 @@ class Bracket:
         if free := {name for value in values for name in symbols_of(value)}:
             raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
         return values
+
+
+def check_distinct(names: Collection[str], parameters: Collection[str]) -> None:
+    """Refuse parameters that are named like a coordinate: a derivative would take one for the other.
+
+    Raises:
+        BracketError: there is such a name; the message lists them.
+    """
+    if clash := {*names} & {*parameters}:
+        raise BracketError(f"{sorted(clash)} name both coordinates and parameters; rename the parameters.")
 
 
 def read_function(bracket: Bracket, given: object, what: str) -> Expr:

@@ -19,6 +19,7 @@ from liepoisson.algebra.exact_numbers import (
     is_zero,
     read_number,
     substituted,
+    symbols_of,
     to_sympy,
 )
 from liepoisson.errors import BracketError, JacobiError, ParameterError, ShapeError
@@ -28,8 +29,14 @@ from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.given import is_named, listed, listed_names, named
 from liepoisson.inputs.names import check_name, check_title
-from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.bracket import Bracket, check_distinct
 from liepoisson.structure.constant_part import read_pair
+from liepoisson.structure.given_expressions import (
+    check_real,
+    is_finite_and_real,
+    read_expression_in,
+    with_exact_numbers,
+)
 from liepoisson.structure.poisson.tensor_entries import N_POINTS, TensorEntries
 
 if TYPE_CHECKING:
@@ -78,10 +85,12 @@ class PoissonTensor(Bracket):
 
     Raises:
         BracketError: a coordinate is unknown, a pair is one of a coordinate with itself, both orders of a pair
-            disagree, a function is no Casimir, or an angle is no coordinate.
+            disagree, a function is no Casimir, a parameter has the name of a coordinate in it, or an angle is no
+            coordinate.
         JacobiError: the Jacobi identity fails; the error names the three coordinates and the residual.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: a name is none that a user may choose, an entry is none of these, or not periodic in an angle.
+        ParameterError: a name is none that a user may choose, an entry is none of these, not finite and real, not
+            smooth, or not periodic in an angle.
         ShapeError: the variables are no sequence of names.
 
     References: [marsden1999], sections 10.1 and 10.5; Weinstein, J. Differential Geom. 18 (1983) 523.
@@ -116,7 +125,6 @@ class PoissonTensor(Bracket):
         self.formulas = TensorEntries(self.variables, dict(sorted(formulas.items())))
         self._name = name
         self._jacobi = "not checked"
-        self.check_parameter_names(self.symbols)
         if self.is_linear:
             self.constant_rows = {(i, j): c for i, j, m, c in self.formulas.linear_terms if m is None}
 
@@ -216,6 +224,9 @@ class PoissonTensor(Bracket):
         names = read_variables(field_names)
         if len(names) != self.dimension:
             raise ShapeError(f"wanted {self.dimension} names, one per coordinate; got {len(names)}. Name all of them.")
+        functions = [*self.formulas.entries.values(), *self.given_casimirs]
+        parameters = {str(s) for f in functions for s in f.free_symbols}.difference(self.coordinate_names_in_order)
+        check_distinct(names, parameters)
         known: Any = dict(zip(self.variables, map(Symbol, names), strict=True))
         made = self._mapped(names, lambda f: f.xreplace(known))
         made.angles = tuple(str(known[x]) for x in self.variables if str(x) in self.angles)
@@ -225,17 +236,19 @@ class PoissonTensor(Bracket):
         """The same bracket with values for some of its symbols.
 
         Raises:
+            BracketError: a value depends on a coordinate.
             ParameterError: not a mapping from names, or symbols, to exact values, a name is none of them, or an entry
-                has a pole.
+                or a Casimir is not finite and real.
         """
-        from sympy import nan, zoo
-
         read = values_of_symbols(values, self.symbols)
         if not read:
             return self
+        check_distinct(self.coordinate_names_in_order, set[str]().union(*map(symbols_of, read.values())))
         found = self._mapped(self.coordinate_names_in_order, lambda f: to_sympy(substituted(f, read)))
-        if any(entry.has(nan, zoo) for entry in found.formulas.entries.values()):
-            raise ParameterError(f"values: wanted some with which all entries are finite; got {values!r:.100}.")
+        if not all(map(is_finite_and_real, [*found.formulas.entries.values(), *found.given_casimirs])):
+            raise ParameterError(
+                f"values: wanted some with which all entries are finite and real; got {values!r:.100}. Give others."
+            )
         return found
 
     def _mapped(self, names: tuple[str, ...], change: Any) -> PoissonTensor:
@@ -470,12 +483,14 @@ def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | No
     """The names that formulas may use: coordinates, parameters with values, and names that stay symbolic.
 
     Raises:
+        BracketError: the value of a parameter depends on a coordinate.
         ParameterError: the parameters are no mapping, a declaration is none, or a name stands for two things.
     """
     declared = listed_names(symbols, "symbols")
     if declared is None or not all(isinstance(item, str) for item in declared):
         raise ParameterError(f'symbols must be a list of declarations; got {symbols!r:.60}. Write ["epsilon", "a[3]"].')
     values: Any = read_values(parameters)
+    check_distinct(names, set[str]().union(*map(symbols_of, flattened(values).values())))
     return Scope(parameters=values, symbols=(*names, *declared), scalars=names)
 
 
@@ -531,13 +546,13 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
 
     Raises:
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
-        ParameterError: it is none of these.
+        ParameterError: it is none of these, not finite and real, or not smooth.
     """
     if isinstance(given, str):
         return read_expression(given, scope, insert_values=True)
     if not is_sympy(given):
         return to_sympy(read_number(given, what))
-    from sympy import Symbol
+    from sympy import Derivative, Order, Subs, Symbol
     from sympy.core.function import AppliedUndef
 
     expression = as_expression(given, what)
@@ -548,8 +563,14 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
             f"{what}: wanted an expression in the coordinates and declared parameters; got {unknown[0]}, which is none "
             f"of them. {scope.suggestion(unknown[0])}. Declare a parameter that has no value, symbols=[...]."
         )
+    if expression.has(Derivative, Order, Subs):
+        raise ParameterError(f"{what}: wanted a formula that is written out; got {expression!s:.60}. Try .doit().")
+    values = flattened(scope.values)
+    expression = with_exact_numbers(read_expression_in(expression, scope.scalars, known - {*scope.scalars}, values))
     plain: Any = {s: Symbol(str(s)) for s in expression.free_symbols}
-    return to_sympy(substituted(cast("Expr", expression.xreplace(plain)), flattened(scope.values)))
+    function = to_sympy(substituted(cast("Expr", expression.xreplace(plain)), values))
+    check_real(function, what)
+    return function
 
 
 def _listed_functions(given: Any) -> list[Any]:

@@ -295,7 +295,7 @@ def _normal_factors(bracket: PoissonTensor) -> Iterable[Expr]:
 
 
 def _with_the_same_factors(bracket: PoissonTensor, Q: Expr, degree: int) -> Iterator[Expr]:
-    """A basis of the polynomials P of at most a degree with Q {x_i, P} = P {x_i, Q} for all i."""
+    """A basis of the polynomials P of at most a degree with Q {x_i, P} = P {x_i, Q} for all i, by their degrees."""
     from sympy import Add, Mul, Poly, fraction, together
 
     x, entries = bracket.variables, bracket.formulas.cleared
@@ -320,7 +320,8 @@ def _with_the_same_factors(bracket: PoissonTensor, Q: Expr, degree: int) -> Iter
                     rows.setdefault((i, powers), {})[column] = c
     field = Coefficients.containing(_exact(c) for row in rows.values() for c in row.values())
     read = [{column: field.read(_exact(c)) for column, c in row.items()} for row in rows.values()]
-    for vector in nullspace(read, len(monomials), field).vectors:
+    vectors = nullspace(read, len(monomials), field).vectors
+    for vector in sorted(vectors, key=lambda vector: max(len(monomials[column]) for column in vector)):
         terms = (field.to_sympy(c) * Mul(*(x[k] for k in monomials[column])) for column, c in vector.items())
         yield Add(*terms)
 

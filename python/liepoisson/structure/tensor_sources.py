@@ -12,7 +12,7 @@ from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import by_name, listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import not_a
-from liepoisson.structure.bracket import Bracket
+from liepoisson.structure.bracket import Bracket, check_distinct
 from liepoisson.structure.tensor_bracket import PoissonTensor, read_function, read_variables, scope_with, tensor_of
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ def log_canonical(matrix: Sequence[Sequence[Parameter]], variables: Sequence[str
 
     Raises:
         ShapeError: the matrix is not square, or not one name per row.
-        BracketError: it is not antisymmetric; the message names the entry.
+        BracketError: it is not antisymmetric, and the message names the entry; or it depends on a coordinate.
         ParameterError: an entry is not exact, or a name is none that a user may choose.
 
     References: Plank, J. Math. Phys. 36 (1995) 3520.
@@ -63,6 +63,7 @@ def log_canonical(matrix: Sequence[Sequence[Parameter]], variables: Sequence[str
     from sympy import Symbol
 
     x: list[Any] = [Symbol(name) for name in names]
+    check_distinct(names, {str(s) for row in read for c in row for s in c.free_symbols})
     entries = {(i, j): read[i][j] * x[i] * x[j] for i in range(n) for j in range(i + 1, n)}
     return tensor_of(names, entries, jacobi="proved")
 
@@ -162,16 +163,16 @@ def changed(
         missing = next((name for name in old if name not in back), None)
         got = f"{len(new)} new ones" if missing is None else f"none for {missing}"
         raise BracketError(f"wanted as many new coordinates as old ones, {len(old)}, and all of these; got {got}.")
-    if clash := bracket.symbols & {*new}:
-        raise BracketError(f"{sorted(clash)} name both coordinates and parameters; choose other names.")
+    check_distinct(new, bracket.symbols)
     here, there = (scope_with(names, None, sorted(bracket.symbols)) for names in (old, new))
     forward: list[Any] = [read_function(given[name], here, name) for name in new]
     inserted: Any = {Symbol(name): read_function(back[name], there, name) for name in old}
+    real: Any = {Symbol(name): Symbol(name, real=True) for name in (*new, *bracket.symbols)}  # so that log(exp(x)) is x
     for name, function in zip(new, forward, strict=True):
-        if not is_zero(left := function.xreplace(inserted) - Symbol(name)):
+        if not is_zero((found := function.xreplace(inserted).xreplace(real)) - real[Symbol(name)]):
             raise BracketError(
                 f"the functions must be inverse to each other; with `inverse` inserted {name} becomes "
-                f"{(left + Symbol(name)).expand()!s:.80}. Correct one of them."
+                f"{found.expand()!s:.80}. Correct one of them."
             )
     slopes = [{i: f.diff(Symbol(x)) for i, x in enumerate(old)} for f in forward]
     entries: dict[tuple[int, int], Any] = {}

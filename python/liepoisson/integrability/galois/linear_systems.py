@@ -28,7 +28,7 @@ from liepoisson.formula.scope import Scope
 from liepoisson.inputs.calls import explains_its_arguments
 from liepoisson.inputs.given import listed, texts
 from liepoisson.inputs.refusals import shown
-from liepoisson.model.hamiltonian import with_exact_numbers
+from liepoisson.structure.given_expressions import with_exact_numbers
 
 if TYPE_CHECKING:
     from liepoisson.integrability.galois.local_solutions import LocalSystem

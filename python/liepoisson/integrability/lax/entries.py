@@ -27,8 +27,9 @@ from liepoisson.formula.parameters import listed_rows
 from liepoisson.inputs.given import listed
 from liepoisson.inputs.names import check_name
 from liepoisson.inputs.refusals import shown
-from liepoisson.model.hamiltonian import read_expression_in, scope_of, with_exact_numbers
+from liepoisson.model.hamiltonian import scope_of
 from liepoisson.model.system import System
+from liepoisson.structure.given_expressions import read_expression_in, with_exact_numbers
 
 Element: TypeAlias = Any
 """A polynomial of FLINT, or a SymPy expression."""

@@ -22,6 +22,7 @@ from liepoisson.algebra.exact_numbers import to_sympy
 from liepoisson.algebra.linear_algebra import nullspace, rank, rank_mod
 from liepoisson.errors import ParameterError
 from liepoisson.inputs.deadline import checkpoint
+from liepoisson.structure.given_expressions import is_finite_and_real
 from liepoisson.structure.poisson.poisson_tensor import SEEDS
 from liepoisson.structure.poisson.polynomial_tensor import PolynomialTensor
 
@@ -283,14 +284,14 @@ class TensorEntries:
         """The rank at a point; parameters are generic.
 
         Raises:
-            ParameterError: an entry is not defined there.
+            ParameterError: an entry is not finite and real there.
         """
-        from sympy import nan, zoo
-
         at: Any = {x: to_sympy(value) for x, value in zip(self.variables, point, strict=True)}
         rows: list[dict[int, Any]] = [{j: entry.xreplace(at) for j, entry in row.items()} for row in self.rows()]
-        if any(entry.has(nan, zoo) for row in rows for entry in row.values()):
-            raise ParameterError(f"point: wanted one where all entries are finite; got {list(map(str, at.values()))}.")
+        if not all(is_finite_and_real(entry) for row in rows for entry in row.values()):
+            raise ParameterError(
+                f"point: wanted one where all entries are finite and real; got {list(map(str, at.values()))}. Move it."
+            )
         field = Coefficients.containing(entry for row in rows for entry in row.values())
         elements = [{j: v for j, e in row.items() if not field.vanishes(v := field.read(e))} for row in rows]
         return rank([row for row in elements if row], field)
