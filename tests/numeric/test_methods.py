@@ -35,10 +35,12 @@ def another(kind, name):
     return get_args(given)[-1] if get_origin(given) is Literal else values[(get_args(given) or (given,))[0]]
 
 
-def top_for(method):
-    """A top to which the method applies."""
-    is_map = method.name == "lagrange-map"
-    return lp.Top.twisted_lagrange() if is_map else lp.Top.twisted_kovalevskaya()
+def tops_for(method):
+    """Tops to which the method applies."""
+    if method.name == "lagrange-map":
+        return [lp.Top.twisted_lagrange()]
+    general = lp.Top.twisted(inertia=(1.3, 0.9, 2.1), a=(0.4, -0.9, 0.3), b=(-0.2, 0.5, 0.8), epsilon=0.7)
+    return [lp.Top.twisted_kovalevskaya(), general]
 
 
 def test_methods_have_their_names():
@@ -65,7 +67,7 @@ def test_a_record_of_a_method_has_all_its_options(name, option):
 @pytest.mark.parametrize("method", EXAMPLES, ids=str)
 def test_every_method_survives_its_record_and_follows_the_same_orbit(method):
     assert method_of(json.loads(json.dumps(method_record(method)))) == method
-    top = top_for(method)
+    top = tops_for(method)[0]
     x0 = lp.sample_states(top, 3, seed=5)
     exact = lp.integrate(top, x0, times=[0, 0.7, 2]).state
     orbit = lp.integrate(top, x0, times=[0, 0.7, 2], method=method, tangents=[[1.0, *[0.0] * 8]])
@@ -74,17 +76,24 @@ def test_every_method_survives_its_record_and_follows_the_same_orbit(method):
     assert np.abs(orbit.state - exact).max() < (1e-3 if hasattr(method, "tol") else 2e-2)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in METHODS.values() if "step" in get_type_hints(kind)], ids=lambda kind: kind.name)
-def test_the_error_of_equal_steps_falls_by_their_order(kind):
+@pytest.mark.parametrize(
+    "method",
+    [
+        *(kind(step=0.2) for kind in METHODS.values() if "step" in get_type_hints(kind)),
+        *(kind(step=0.2, order=order) for kind in (lp.Splitting, lp.Gauss) for order in (2, 6, 8)),
+    ],
+    ids=str,
+)
+def test_the_error_of_equal_steps_falls_by_their_order(method):
     """From a step to half of it: by the power of two that the run names, for the state and a tangent vector."""
-    top = top_for(kind)
-    run = {"starts": lp.sample_states(top, 3, seed=5), "times": [0, 3.2], "tangents": np.eye(9)[:1]}
-    exact = lp.integrate(top, **run)
-    first, second = (lp.integrate(top, method=kind(step=step), **run) for step in (0.2, 0.1))
-    for name in ("state", "tangent"):
-        before, after = (np.abs(getattr(one, name) - getattr(exact, name)).max() for one in (first, second))
-        assert after > 1e-12, "round-off"
-        assert np.log2(before / after) == pytest.approx(first.order, abs=0.1)  # 0.08 was seen, of the Runge-Kutta method
+    for top in tops_for(method):
+        run = {"starts": lp.sample_states(top, 3, seed=5), "times": [0, 3.2], "tangents": np.eye(9)[:1]}
+        exact = lp.integrate(top, **run)
+        first, second = (lp.integrate(top, method=dataclasses.replace(method, step=step), **run) for step in (0.2, 0.1))
+        for name in ("state", "tangent"):
+            before, after = (np.abs(getattr(one, name) - getattr(exact, name)).max() for one in (first, second))
+            assert after > 1e-12, "round-off"
+            assert np.log2(before / after) == pytest.approx(first.order, abs=0.1)  # 0.08 was seen
 
 
 def test_splitting_of_any_polynomial_hamiltonian_keeps_casimirs():
