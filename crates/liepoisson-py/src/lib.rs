@@ -383,6 +383,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Field>()?;
     module.add_class::<TypedSystem>()?;
     module.add_class::<Method>()?;
+    module.add_function(wrap_pyfunction!(methods::methods, module)?)?;
     module.add_function(wrap_pyfunction!(printed_field, module)?)?;
     module.add_function(wrap_pyfunction!(printed_equations, module)?)?;
     module.add_function(wrap_pyfunction!(printed_functions, module)?)?;

@@ -11,7 +11,7 @@ use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::overview::{LookOver, Overview};
 use crate::method::series_sum::{FEW, Strides, Sums};
-use crate::method::{Block, Method, Precision, Series, StepOutcome, Stepping};
+use crate::method::{AnyMethod, Block, Method, MixedTaylor, Options, Precision, Series, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 use std::marker::PhantomData;
 
@@ -49,6 +49,12 @@ impl Taylor {
             return Err(Error::Order { got: order });
         }
         Ok(Taylor { tolerance, order, has_own_order, max_steps })
+    }
+
+    /// The method with the options `tol`, `order`, `precision` ("mixed") and `max_steps`.
+    pub(crate) fn with_options(options: &Options) -> Result<AnyMethod, Error> {
+        let taylor = Taylor::new(options.number("tol")?.unwrap_or(1e-15), options.order()?, options.max_steps()?)?;
+        Ok(if options.says("precision", "mixed") { MixedTaylor(taylor).into() } else { taylor.into() })
     }
 
     /// Relative size of the last retained terms.
