@@ -228,6 +228,10 @@ def _of_algebras(add):
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
         turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}
         add(f"brackets.{name}.in_variables", "variables:v inverse:v", given, **(bent if name == "Bracket" else turned))
+    rods = {"C": "x - k", "D": "y*z - b"}
+    pins = {"C": "l1 + b", "D": "l2"}
+    for name, given, constraints in (("Bracket", so3 @ lp.trivial(), pins), ("PoissonTensor", tensor, rods)):
+        add(f"brackets.{name}.dirac_bracket", "constraints:w symbols:o", given, constraints=constraints, symbols=["b"])
     add("brackets.log_canonical", "matrix:o variables:o", matrix=[[0, 1], [-1, 0]], variables=["x", "y"])
     add(
         "brackets.nambu", "variables:o parameters:c symbols:o", casimir="x*y + k*z + a1*x", variables=["x", "y", "z"],

@@ -198,6 +198,8 @@ DOORS = {
     "log_canonical": lambda x: lp.brackets.log_canonical([[0, x], [x, 0]]),
     "nambu": lambda x: lp.brackets.nambu(x, ["x", "y", "z"]),
     "nambu, factor": lambda x: lp.brackets.nambu("x", ["x", "y", "z"], factor=x),
+    "dirac_bracket": lambda x: lp.canonical(1).dirac_bracket(["q1", x]),
+    "dirac_bracket, symbols": lambda x: lp.canonical(1).dirac_bracket(["q1", "p1"], symbols=[x]),
     "in_variables": lambda x: so3.in_variables({"u": x, "v": "l2", "w": "l3"}, {"l1": "u", "l2": "v", "l3": "w"}),
     "linear_system": lambda x: lp.integrability.linear_system([[x]], s),
     "linear_system, matrix": lambda x: lp.integrability.linear_system(x, s),
