@@ -232,6 +232,9 @@ def _of_algebras(add):
     pins = {"C": "l1 + b", "D": "l2"}
     for name, given, constraints in (("Bracket", so3 @ lp.trivial(), pins), ("PoissonTensor", tensor, rods)):
         add(f"brackets.{name}.dirac_bracket", "constraints:w symbols:o", given, constraints=constraints, symbols=["b"])
+    for name, given, one in (("Bracket", so3 @ lp.trivial(), "l3"), ("PoissonTensor", tensor, "x + z")):
+        parts = {"u": one, "v": f"({one})^2"}
+        add(f"brackets.{name}.in_invariants", "invariants:v levels:v", given, invariants=parts, levels={"L": one})
     add("brackets.log_canonical", "matrix:o variables:o", matrix=[[0, 1], [-1, 0]], variables=["x", "y"])
     add(
         "brackets.nambu", "variables:o parameters:c symbols:o", casimir="x*y + k*z + a1*x", variables=["x", "y", "z"],

@@ -200,6 +200,8 @@ DOORS = {
     "nambu, factor": lambda x: lp.brackets.nambu("x", ["x", "y", "z"], factor=x),
     "dirac_bracket": lambda x: lp.canonical(1).dirac_bracket(["q1", x]),
     "dirac_bracket, symbols": lambda x: lp.canonical(1).dirac_bracket(["q1", "p1"], symbols=[x]),
+    "in_invariants": lambda x: lp.canonical(1).in_invariants({"a": x}),
+    "in_invariants, levels": lambda x: lp.canonical(1).in_invariants({"a": "q1"}, levels={"L": x}),
     "in_variables": lambda x: so3.in_variables({"u": x, "v": "l2", "w": "l3"}, {"l1": "u", "l2": "v", "l3": "w"}),
     "linear_system": lambda x: lp.integrability.linear_system([[x]], s),
     "linear_system, matrix": lambda x: lp.integrability.linear_system(x, s),
