@@ -112,17 +112,18 @@ class JacobiError(BracketError):
     Attributes:
         triple: Names of the three coordinates at which it fails.
         residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+        reason: What the cyclic sum is, in words, where the entries are derived from something else; else "".
     """
 
-    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
-        self.triple, self.residual = triple, residual
+    def __init__(self, triple: tuple[str, ...], residual: str, reason: str = "") -> None:
+        self.triple, self.residual, self.reason = triple, residual, reason
         super().__init__(
             f"the entries of a Poisson tensor must obey the Jacobi identity; for ({', '.join(triple)}) the cyclic sum "
-            f"of {{{{x, y}}, z}} is {residual:.200} instead of 0. Correct its entries."
+            f"of {{{{x, y}}, z}} is {residual:.200} instead of 0. {reason or 'Correct its entries'}."
         )
 
-    def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str]]:
-        return type(self), (self.triple, self.residual)
+    def __reduce__(self) -> tuple[type[JacobiError], tuple[tuple[str, ...], str, str]]:
+        return type(self), (self.triple, self.residual, self.reason)
 
 
 class ConstraintError(BracketError):
