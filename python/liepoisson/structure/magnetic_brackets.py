@@ -216,7 +216,9 @@ def _divergence(B: Sequence[Any], x: Sequence[Any], names: Sequence[str], factor
     if residual != 0:
         total: Any = sum(one.diff(v) for one, v in zip(B, x, strict=False))
         shown = _short(factor * total)
-        raise JacobiError(tuple(names), str(shown), f"It is {_short(factor)} div B, and a magnetic field has div B = 0")
+        size = _short(factor)
+        what = "div B" if size == 1 else f"{size} div B"
+        raise JacobiError(tuple(names), str(shown), f"It is {what}, and a magnetic field has div B = 0")
     return "proved"
 
 
