@@ -248,6 +248,17 @@ def _of_algebras(add):
     for name, given in (("Bracket", so3 @ lp.trivial()), ("PoissonTensor", tensor)):
         turned = {"variables": {"u": "x", "v": "y", "w": "z"}, "inverse": {"x": "u", "y": "v", "z": "w"}}
         add(f"brackets.{name}.in_variables", "variables:v inverse:v", given, **(bent if name == "Bracket" else turned))
+    rods = {"C": "x - k", "D": "y*z - b"}
+    pins = {"C": "l1 + b", "D": "l2"}
+    for name, given, constraints in (("Bracket", so3 @ lp.trivial(), pins), ("PoissonTensor", tensor, rods)):
+        add(f"brackets.{name}.dirac_bracket", "constraints:w symbols:o", given, constraints=constraints, symbols=["b"])
+    for name, given, one in (("Bracket", so3 @ lp.trivial(), "l3"), ("PoissonTensor", tensor, "x + z")):
+        parts = {"u": one, "v": f"({one})^2"}
+        add(f"brackets.{name}.in_invariants", "invariants:v levels:v", given, invariants=parts, levels={"L": one})
+    field = {"field": ["k*x", "-k*y", "a1"], "parameters": {"a": [1, 2]}, "symbols": ["k"], "mass": 2, "charge": 3}
+    words = "field:o variables:o parameters:c symbols:o"
+    add("brackets.magnetic", words, **field, variables=["x", "y", "z", "vx", "vy", "vz"])
+    add("brackets.guiding_centre", words, **field, variables=["x", "y", "z", "w"])
     add("brackets.log_canonical", "matrix:o variables:o", matrix=[[0, 1], [-1, 0]], variables=["x", "y"])
     add(
         "brackets.nambu", "variables:o parameters:c symbols:o", casimir="x*y + k*z + a1*x", variables=["x", "y", "z"],

@@ -51,7 +51,9 @@ GROUPS = {
         *("covariant", "splitting", "homoclinic", "orbit-families", "lorenz", "forced-pendulum"),
     ),
     "Proofs": ("coverings", "enclosure", "painleve"),
-    "Lattices, waves, fluids, other algebras": ("toda", "three-wave", "fluid", "fluid-spectrum", "manakov"),
+    "Lattices, waves, fluids, other algebras": (
+        *("toda", "three-wave", "fluid", "fluid-spectrum", "manakov", "magnetic-bottle"),
+    ),
     "Methods": ("discrete-top", "methods"),
 }
 """The cards in the order of the index."""

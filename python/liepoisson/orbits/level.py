@@ -90,7 +90,7 @@ class Level(ReadOnlyArrays):
         largest = np.abs(states).max(axis=0, initial=0.0)
         sizes = largest * np.sqrt(((states / np.where(largest > 0, largest, 1.0)) ** 2).mean(axis=0))
         bracket = self.system.bracket
-        if bracket.entries():
+        if not bracket.is_linear or bracket.entries():
             groups = np.array(unit_groups(bracket))
             sizes = np.array([sizes[groups == k].max() for k in groups])
         else:

@@ -204,11 +204,8 @@ class PoissonTensor(Bracket):
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a function is neither a text nor an expression.
         """
-        names = self.coordinate_names_in_order
-        more = sorted(self.symbols.difference(scope_with(names, None, symbols).numbers()))
-        scope = scope_with(names, None, [*(listed_names(symbols, "symbols") or ()), *more])
-        made = self._mapped(names, lambda f: f)
-        made.given_casimirs = self._read_casimirs(casimirs, scope)
+        made = self._mapped(self.coordinate_names_in_order, lambda f: f)
+        made.given_casimirs = self._read_casimirs(casimirs, scope_of(self, symbols))
         return made
 
     def rename(self, *field_names: str) -> PoissonTensor:
@@ -418,7 +415,8 @@ class PoissonTensor(Bracket):
         return super().coboundary()
 
     def _read_casimirs(self, given: Any, scope: Scope) -> tuple[Expr, ...]:
-        functions = [read_function(one, scope, "a Casimir") for one in _listed_functions(given)]
+        given = listed_functions(given, "casimirs", '["x*y*z"]')
+        functions = [read_function(one, scope, "a Casimir") for one in given]
         for function in functions:
             if not function.free_symbols & {*self.variables}:
                 raise BracketError(
@@ -470,10 +468,12 @@ def tensor_of(
     casimirs: Sequence[Expr] = (),
     jacobi: str | None = None,
     name: str | None = None,
+    are_nonzero: bool = False,
 ) -> PoissonTensor:
     """A tensor of entries and Casimirs that have been derived; `jacobi` is what is known, else it is checked."""
     made: Any = PoissonTensor.__new__(PoissonTensor)
-    made._define(names, {pair: entry for pair, entry in entries.items() if not is_zero(entry)}, name)
+    kept = entries if are_nonzero else {pair: entry for pair, entry in entries.items() if not is_zero(entry)}
+    made._define(names, kept, name)
     made._jacobi = jacobi or made._checked_jacobi()
     made.given_casimirs = tuple(casimirs)
     return cast("PoissonTensor", made)
@@ -492,6 +492,13 @@ def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | No
     values: Any = read_values(parameters)
     check_distinct(names, set[str]().union(*map(symbols_of, flattened(values).values())))
     return Scope(parameters=values, symbols=(*names, *declared), scalars=names)
+
+
+def scope_of(bracket: Bracket, symbols: Sequence[str]) -> Scope:
+    """The same for functions on the phase space of a bracket, whose own symbols need not be declared again."""
+    names = bracket.coordinate_names_in_order
+    more = sorted(bracket.symbols.difference(scope_with(names, None, symbols).numbers()))
+    return scope_with(names, None, [*(listed_names(symbols, "symbols") or ()), *more])
 
 
 def read_variables(given: object) -> tuple[str, ...]:
@@ -573,10 +580,15 @@ def read_function(given: Any, scope: Scope, what: str) -> Expr:
     return function
 
 
-def _listed_functions(given: Any) -> list[Any]:
-    if (by_name := named(given, "casimirs")) is not None:
+def listed_functions(given: Any, what: str, example: str) -> list[Any]:
+    """The functions of a list, or of a mapping from names.
+
+    Raises:
+        ParameterError: it is neither.
+    """
+    if (by_name := named(given, what)) is not None:
         return list(by_name.values())
-    items = None if is_sympy(given) else listed(given, "casimirs")
+    items = None if is_sympy(given) else listed(given, what)
     if items is None:
-        raise ParameterError(f'casimirs must be a list of functions; got {given!r:.60}. Write for example ["x*y*z"].')
+        raise ParameterError(f"{what} must be a list of functions; got {given!r:.60}. Write for example {example}.")
     return items
