@@ -30,7 +30,13 @@ impl Compiled {
 
     /// Expands a field up to `order`, as [`Field::expand`] does, if the code for that is there. False, and nothing, if not.
     #[inline(always)]
-    pub(super) fn expand<V: Lane>(&self, field: &impl Compile, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
+    pub(super) fn expand<V: Lane>(
+        &self,
+        field: &impl Compile,
+        rows: &mut [V],
+        n_tangents: usize,
+        order: usize,
+    ) -> bool {
         self.plans.expand(field, rows, n_tangents, order)
     }
 

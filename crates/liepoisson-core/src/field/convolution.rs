@@ -38,8 +38,12 @@ pub(super) fn panels(n_components: usize, products: &[[usize; 2]]) -> Vec<Panel>
         first += rows.len();
     };
     products.iter().filter(|[i, j]| i == j).for_each(|&[i, _]| add(i, &[i]));
-    let mut by_degree: BTreeSet<(Reverse<usize>, usize)> =
-        partners.iter().enumerate().filter(|(_, others)| !others.is_empty()).map(|(i, o)| (Reverse(o.len()), i)).collect();
+    let mut by_degree: BTreeSet<(Reverse<usize>, usize)> = partners
+        .iter()
+        .enumerate()
+        .filter(|(_, others)| !others.is_empty())
+        .map(|(i, o)| (Reverse(o.len()), i))
+        .collect();
     while let Some((_, column)) = by_degree.pop_first() {
         let rows = std::mem::take(&mut partners[column]);
         for &row in &rows {
@@ -60,6 +64,7 @@ pub(super) struct Known<'r, V> {
     row: usize,
     group: usize,
     n_tangents: usize,
+    n_products: usize,
     k: usize,
     is_second: bool,
 }
@@ -72,22 +77,33 @@ struct Sums<V> {
     left: [V; 2],
 }
 
-/// Where sums and coefficients of products are kept: for each group, the state and every tangent vector, and each product two registers,
-/// the coefficient of this order and the sum for the next.
-pub(super) fn kept(group: usize, n_products: usize, product: usize) -> usize {
-    2 * (group * n_products + product)
-}
-
 impl<'r, V: Lane> Known<'r, V> {
-    /// The first `k + 1` rows of a series of `n_orders`.
+    /// The first `k + 1` rows of a series of `n_orders`, of a field with so many components and products.
     ///
     /// # Panics
     /// The rows are not there.
     #[inline(always)]
-    pub(super) fn new(rows: &'r [V], n_orders: usize, group: usize, n_tangents: usize, k: usize) -> Self {
+    pub(super) fn new(
+        rows: &'r [V],
+        (group, n_products): (usize, usize),
+        n_tangents: usize,
+        (k, n_orders): (usize, usize),
+    ) -> Self {
         let row = group * (1 + n_tangents);
         assert!(rows.len() == row * (k + 1) && k < n_orders);
-        Known { rows, row, group, n_tangents, k, is_second: is_second(k, n_orders) }
+        Known { rows, row, group, n_tangents, n_products, k, is_second: is_second(k, n_orders) }
+    }
+
+    /// Where the coefficient of this order of a product is put.
+    #[inline(always)]
+    fn value(&self, group: usize, product: usize) -> usize {
+        group * self.n_products + product
+    }
+
+    /// Where its sum for the next order is kept.
+    #[inline(always)]
+    fn next(&self, group: usize, product: usize) -> usize {
+        (1 + self.n_tangents + group) * self.n_products + product
     }
 
     /// Component `i` of group `g` at an order.
@@ -96,14 +112,18 @@ impl<'r, V: Lane> Known<'r, V> {
         self.rows[order * self.row + g * self.group + i]
     }
 
-    #[inline(always)]
-    fn component(&self, group: usize, i: usize) -> Component<'_, 'r, V> {
-        Component { known: self, group, i }
-    }
-
+    /// Coefficients of one order of group `g`.
     #[inline(always)]
     fn reader(&self, order: usize, g: usize) -> Reader<V> {
+        assert!(order <= self.k && g <= self.n_tangents);
         Reader(self.rows.as_ptr().wrapping_add(order * self.row + g * self.group))
+    }
+
+    /// Those of the orders 0, 1, `k - 1` and `k`, as far as they are there.
+    #[inline(always)]
+    fn ends(&self, g: usize) -> [Reader<V>; 4] {
+        let k = self.k;
+        [self.reader(0, g), self.reader(k.min(1), g), self.reader(k.saturating_sub(1), g), self.reader(k, g)]
     }
 
     /// Sums of `l_j r_(m-j)` for `m = k` from `j = 1` and for `m = k + 1` from `j = 2`, up to `last`, of which the second is the first or
@@ -117,7 +137,7 @@ impl<'r, V: Lane> Known<'r, V> {
         last: [usize; 2],
     ) -> [Sums<V>; R] {
         let (k, zero) = (self.k, [V::splat(0.0); 2]);
-        assert!(rows.iter().all(|&row| row < self.group) && column < self.group && t <= self.n_tangents && last[0] < k);
+        assert!(t <= self.n_tangents && last[0] < k);
         let mut sums = [Sums { state: zero, right: zero, left: zero }; R];
         if last[0] >= 1 {
             for r in 0..R {
@@ -193,7 +213,9 @@ impl<'r, V: Lane> Known<'r, V> {
         let nothing = [V::splat(0.0); 2]; // of the products of two tangent vectors, which nothing reads
         let mut recorded: Vec<V> = sums
             .iter()
-            .flat_map(|sum| if TANGENT { [sum.state, sum.right, sum.left, nothing].concat() } else { sum.state.to_vec() })
+            .flat_map(
+                |sum| if TANGENT { [sum.state, sum.right, sum.left, nothing].concat() } else { sum.state.to_vec() },
+            )
             .collect();
         V::record_products(&mut recorded, &left, &right, self.row, n);
         for (sum, recorded) in sums.iter_mut().zip(recorded.chunks(2 * groups.len() * groups.len())) {
@@ -216,75 +238,85 @@ impl Panel {
         self.rows[..] == [self.column]
     }
 
-    /// Puts coefficient `k` of the products, of `n_products` in all, where they are [`kept`].
+    /// Puts coefficient `k` of the products into the work registers, and keeps there what is formed for the next order.
     #[inline(always)]
-    pub(super) fn extend<V: Lane>(&self, known: &Known<'_, V>, n_products: usize, work: &mut [V]) {
-        if known.k > 1 && !known.is_second {
-            // six sums and their factors fill 16 registers
-            let is_alone = known.n_tangents > 0 && V::REGISTERS < 32 && !V::IS_RECORDED;
-            let at_once = if is_alone { 1 } else { MOST_ROWS };
-            for (first, rows) in (self.first..).step_by(at_once).zip(self.rows.chunks(at_once)) {
-                match *rows {
-                    [a] => self.form(known, [a], (first, n_products), work),
-                    [a, b] => self.form(known, [a, b], (first, n_products), work),
-                    [a, b, c] => self.form(known, [a, b, c], (first, n_products), work),
-                    [a, b, c, d] => self.form(known, [a, b, c, d], (first, n_products), work),
-                    _ => unreachable!("a panel has no more rows"),
-                }
-            }
-        }
-        for (product, &row) in (self.first..).zip(&self.rows) {
-            for group in 0..=known.n_tangents {
-                let at = kept(group, n_products, product);
-                let sum = match known.k {
-                    0 | 1 => V::splat(0.0),
-                    _ => work[at + usize::from(known.is_second)],
-                };
-                work[at] = match (self.is_square(), group) {
-                    (true, 0) => complete_square(known, row, sum),
-                    (true, t) => complete_square_along(known, row, t, sum),
-                    (false, 0) => complete(known, [row, self.column], sum),
-                    (false, t) => complete_along(known, [row, self.column], t, sum),
-                };
+    pub(super) fn extend<V: Lane>(&self, known: &Known<'_, V>, work: &mut [V]) {
+        // six sums and their factors fill 16 registers
+        let is_alone = known.n_tangents > 0 && V::REGISTERS < 32 && !V::IS_RECORDED;
+        let at_once = if is_alone { 1 } else { MOST_ROWS };
+        for (first, rows) in (self.first..).step_by(at_once).zip(self.rows.chunks(at_once)) {
+            match *rows {
+                [a] => self.extend_rows(known, [a], first, work),
+                [a, b] => self.extend_rows(known, [a, b], first, work),
+                [a, b, c] => self.extend_rows(known, [a, b, c], first, work),
+                [a, b, c, d] => self.extend_rows(known, [a, b, c, d], first, work),
+                _ => unreachable!("a panel has no more rows"),
             }
         }
     }
 
-    /// Sums for order `k` and the next, of rows that begin with product `first`.
+    /// The same for these rows, which begin with product `first`.
     #[inline(always)]
-    fn form<V: Lane, const R: usize>(
+    fn extend_rows<V: Lane, const R: usize>(
         &self,
         known: &Known<'_, V>,
         rows: [usize; R],
-        (first, n_products): (usize, usize),
+        first: usize,
         work: &mut [V],
     ) {
+        assert!(self.column < known.group);
+        for r in 0..R {
+            assert!(rows[r] < known.group);
+        }
+        if known.k > 1 && !known.is_second {
+            self.form(known, &rows, first, work);
+        }
+        for g in 0..=known.n_tangents {
+            let mut sums = [V::splat(0.0); R];
+            if known.k > 1 {
+                let from = if known.is_second { known.next(g, first) } else { known.value(g, first) };
+                sums.copy_from_slice(&work[from..from + R]);
+            }
+            match (self.is_square(), g) {
+                (true, 0) => complete_square(known, self.column, &mut sums[0]),
+                (true, t) => complete_square_along(known, self.column, t, &mut sums[0]),
+                (false, 0) => complete(known, &rows, self.column, &mut sums),
+                (false, t) => complete_along(known, &rows, self.column, t, &mut sums),
+            }
+            work[known.value(g, first)..][..R].copy_from_slice(&sums);
+        }
+    }
+
+    /// Sums for order `k` and the next.
+    #[inline(always)]
+    fn form<V: Lane, const R: usize>(&self, known: &Known<'_, V>, rows: &[usize; R], first: usize, work: &mut [V]) {
         let k = known.k;
         let last = if self.is_square() { [(k - 1) / 2, k / 2] } else { [k - 1; 2] };
         if known.n_tangents == 0 {
-            let sums = known.sums::<R, true, false>(&rows, self.column, 0, last);
+            let sums = known.sums::<R, true, false>(rows, self.column, 0, last);
             for r in 0..R {
-                put(work, kept(0, n_products, first + r), sums[r].state);
+                put(known, work, (0, first + r), sums[r].state);
             }
             return;
         }
-        let sums = known.sums::<R, true, true>(&rows, self.column, 1, last);
+        let sums = known.sums::<R, true, true>(rows, self.column, 1, last);
         for r in 0..R {
-            put(work, kept(0, n_products, first + r), sums[r].state);
-            put(work, kept(1, n_products, first + r), sums[r].along());
+            put(known, work, (0, first + r), sums[r].state);
+            put(known, work, (1, first + r), sums[r].along());
         }
         for t in 2..=known.n_tangents {
-            let sums = known.sums::<R, false, true>(&rows, self.column, t, last);
+            let sums = known.sums::<R, false, true>(rows, self.column, t, last);
             for r in 0..R {
-                put(work, kept(t, n_products, first + r), sums[r].along());
+                put(known, work, (t, first + r), sums[r].along());
             }
         }
     }
 }
 
 #[inline(always)]
-fn put<V: Lane>(work: &mut [V], at: usize, sums: [V; 2]) {
-    work[at..at + 2].copy_from_slice(&sums);
+fn put<V: Lane>(known: &Known<'_, V>, work: &mut [V], (group, product): (usize, usize), sums: [V; 2]) {
+    work[known.value(group, product)] = sums[0];
+    work[known.next(group, product)] = sums[1];
 }
 
 impl<V: Lane> Sums<V> {
@@ -297,87 +329,119 @@ impl<V: Lane> Sums<V> {
 
 // No closures in what follows: one that the compiler does not inline is compiled without the wide registers.
 
-/// A component of the state, or of a tangent vector.
-#[derive(Clone, Copy)]
-struct Component<'k, 'r, V> {
-    known: &'k Known<'r, V>,
-    group: usize,
-    i: usize,
-}
-
-impl<V: Lane> Component<'_, '_, V> {
-    /// Its coefficient of some order.
-    #[inline(always)]
-    fn of(&self, order: usize) -> V {
-        self.known.at(order, self.group, self.i)
-    }
-}
-
-/// The sum of a product with its late terms and its ends.
+/// Late terms and ends of the sums of products of some rows with a column.
 #[inline(always)]
-fn complete<V: Lane>(known: &Known<'_, V>, [left, right]: [usize; 2], mut sum: V) -> V {
-    let (k, l, r) = (known.k, known.component(0, left), known.component(0, right));
-    if known.is_second {
-        sum = l.of(k - 1).mul_add(r.of(1), l.of(1).mul_add(r.of(k - 1), sum));
+fn complete<V: Lane, const R: usize>(known: &Known<'_, V>, rows: &[usize; R], column: usize, sums: &mut [V; R]) {
+    let [start, first, before, last] = known.ends(0);
+    // SAFETY: see `Reader`.
+    unsafe {
+        let (r0, rk) = (start.at(column), last.at(column));
+        if known.is_second {
+            let (r1, rb) = (first.at(column), before.at(column));
+            for r in 0..R {
+                let (l1, lb) = (first.at(rows[r]), before.at(rows[r]));
+                sums[r] = lb.mul_add(r1, l1.mul_add(rb, sums[r]));
+            }
+        }
+        if known.k > 0 {
+            for r in 0..R {
+                sums[r] = last.at(rows[r]).mul_add(r0, sums[r]);
+            }
+        }
+        for r in 0..R {
+            sums[r] = start.at(rows[r]).mul_add(rk, sums[r]);
+        }
     }
-    if k > 0 {
-        sum = l.of(k).mul_add(r.of(0), sum);
-    }
-    l.of(0).mul_add(r.of(k), sum)
 }
 
-/// The same along tangent vector `t`; two sums, so that one does not wait for the other.
+/// The same along tangent vector `t`; two sums for each product, so that one does not wait for the other.
 #[inline(always)]
-fn complete_along<V: Lane>(known: &Known<'_, V>, [left, right]: [usize; 2], t: usize, mut sum: V) -> V {
-    let (k, l, r) = (known.k, known.component(0, left), known.component(0, right));
-    let (dl, dr) = (known.component(t, left), known.component(t, right));
-    let mut other = dl.of(0).mul(r.of(k));
-    if known.is_second {
-        sum = l.of(k - 1).mul_add(dr.of(1), l.of(1).mul_add(dr.of(k - 1), sum));
-        other = dl.of(k - 1).mul_add(r.of(1), dl.of(1).mul_add(r.of(k - 1), other));
+fn complete_along<V: Lane, const R: usize>(
+    known: &Known<'_, V>,
+    rows: &[usize; R],
+    column: usize,
+    t: usize,
+    sums: &mut [V; R],
+) {
+    let [start, first, before, last] = known.ends(0);
+    let [d_start, d_first, d_before, d_last] = known.ends(t);
+    let mut others = [V::splat(0.0); R];
+    // SAFETY: see `Reader`.
+    unsafe {
+        let (r0, rk) = (start.at(column), last.at(column));
+        let (dr0, drk) = (d_start.at(column), d_last.at(column));
+        for r in 0..R {
+            others[r] = d_start.at(rows[r]).mul(rk);
+        }
+        if known.is_second {
+            let (r1, rb) = (first.at(column), before.at(column));
+            let (dr1, drb) = (d_first.at(column), d_before.at(column));
+            for r in 0..R {
+                let (l1, lb) = (first.at(rows[r]), before.at(rows[r]));
+                let (dl1, dlb) = (d_first.at(rows[r]), d_before.at(rows[r]));
+                sums[r] = lb.mul_add(dr1, l1.mul_add(drb, sums[r]));
+                others[r] = dlb.mul_add(r1, dl1.mul_add(rb, others[r]));
+            }
+        }
+        if known.k > 0 {
+            for r in 0..R {
+                sums[r] = last.at(rows[r]).mul_add(dr0, sums[r]);
+                others[r] = d_last.at(rows[r]).mul_add(r0, others[r]);
+            }
+        }
+        for r in 0..R {
+            sums[r] = start.at(rows[r]).mul_add(drk, sums[r]).add(others[r]);
+        }
     }
-    if k > 0 {
-        sum = l.of(k).mul_add(dr.of(0), sum);
-        other = dl.of(k).mul_add(r.of(0), other);
-    }
-    l.of(0).mul_add(dr.of(k), sum).add(other)
 }
 
 /// Twice the sum of half of the terms of a square, and the middle one.
 #[inline(always)]
-fn complete_square<V: Lane>(known: &Known<'_, V>, i: usize, mut half: V) -> V {
-    let (k, x) = (known.k, known.component(0, i));
-    if known.is_second {
-        half = x.of(1).mul_add(x.of(k - 1), half);
+fn complete_square<V: Lane>(known: &Known<'_, V>, i: usize, sum: &mut V) {
+    let [start, first, before, last] = known.ends(0);
+    let mut half = *sum;
+    // SAFETY: see `Reader`.
+    unsafe {
+        if known.is_second {
+            half = first.at(i).mul_add(before.at(i), half);
+        }
+        if known.k > 0 {
+            half = start.at(i).mul_add(last.at(i), half);
+        }
+        *sum = half.add(half);
+        if known.k.is_multiple_of(2) {
+            let middle = known.reader(known.k / 2, 0).at(i);
+            *sum = middle.mul_add(middle, *sum);
+        }
     }
-    if k > 0 {
-        half = x.of(0).mul_add(x.of(k), half);
-    }
-    let sum = half.add(half);
-    if k.is_multiple_of(2) { x.of(k / 2).mul_add(x.of(k / 2), sum) } else { sum }
 }
 
 /// Twice the sum of all terms `x_j dx_(k-j)`.
 #[inline(always)]
-fn complete_square_along<V: Lane>(known: &Known<'_, V>, i: usize, t: usize, mut sum: V) -> V {
-    let (k, x, dx) = (known.k, known.component(0, i), known.component(t, i));
-    if known.is_second {
-        sum = dx.of(1).mul_add(x.of(k - 1), x.of(1).mul_add(dx.of(k - 1), sum));
+fn complete_square_along<V: Lane>(known: &Known<'_, V>, i: usize, t: usize, sum: &mut V) {
+    let [start, first, before, last] = known.ends(0);
+    let [d_start, d_first, d_before, d_last] = known.ends(t);
+    // SAFETY: see `Reader`.
+    unsafe {
+        if known.is_second {
+            *sum = d_first.at(i).mul_add(before.at(i), first.at(i).mul_add(d_before.at(i), *sum));
+        }
+        if known.k > 0 {
+            *sum = d_start.at(i).mul_add(last.at(i), start.at(i).mul_add(d_last.at(i), *sum));
+        }
+        if known.k.is_multiple_of(2) {
+            let (x, dx) = (known.reader(known.k / 2, 0).at(i), known.reader(known.k / 2, t).at(i));
+            *sum = x.mul_add(dx, *sum);
+        }
     }
-    if k > 0 {
-        sum = dx.of(0).mul_add(x.of(k), x.of(0).mul_add(dx.of(k), sum));
-    }
-    if k.is_multiple_of(2) {
-        sum = x.of(k / 2).mul_add(dx.of(k / 2), sum);
-    }
-    sum.add(sum)
+    *sum = sum.add(*sum);
 }
 
 /// One group of one row of coefficients.
 ///
-/// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because [`Known::sums`] compares
-/// its indices with the length of a group, and because its loop stays between the orders 1 and `k`, in the rows that [`Known::new`] has
-/// found to be there.
+/// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because [`Panel::extend_rows`]
+/// compares all indices with the length of a group, and because readers are at orders up to `k` of the rows that [`Known::new`] has found
+/// to be there: [`Known::sums`] moves them between the orders 1 and `k`.
 struct Reader<V>(*const V);
 
 impl<V: Lane> Reader<V> {

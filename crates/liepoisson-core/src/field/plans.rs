@@ -63,7 +63,13 @@ struct Plan {
 impl Plans {
     /// Expands a field up to `order`, if the code for that is there. False, and nothing, if not.
     #[inline(always)]
-    pub(super) fn expand<V: Lane>(&self, field: &impl Compile, rows: &mut [V], n_tangents: usize, order: usize) -> bool {
+    pub(super) fn expand<V: Lane>(
+        &self,
+        field: &impl Compile,
+        rows: &mut [V],
+        n_tangents: usize,
+        order: usize,
+    ) -> bool {
         let Some(instructions) = V::INSTRUCTIONS else { return false };
         let key = Key::series(instructions, n_tangents, order, rows.len());
         self.run_for(key, rows, |stage| compile_series::<V>(field, n_tangents, order, key.registers, stage))

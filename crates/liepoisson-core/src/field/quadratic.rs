@@ -1,7 +1,7 @@
 //! Any quadratic field, a sparse tensor given at run time, near the speed of a kernel compiled for it.
 
 use super::compiled::{Compile, Compiled};
-use super::convolution::{Known, Panel, kept, panels};
+use super::convolution::{Known, Panel, panels};
 use super::{
     Bounds, Field, Instantiate, Majorant, SinglePrecision, Space, Straight, Terms, check_components, over_uniformly,
 };
@@ -202,7 +202,7 @@ impl Field for Quadratic {
     }
 
     fn registers(&self, n_tangents: usize, order: usize) -> usize {
-        self.row(n_tangents) * (order + 1) + kept(1 + n_tangents, self.n_products, 0)
+        self.row(n_tangents) * (order + 1) + 2 * self.n_products * (1 + n_tangents)
     }
 
     #[inline(always)]
@@ -286,9 +286,9 @@ impl Quadratic {
         let n_orders = (rows.len() - self.registers(n_tangents, 0)) / row + 1;
         let (rows, work) = rows.split_at_mut(row * n_orders);
         let (known, next) = rows.split_at_mut((k + 1) * row);
-        let series = Known::new(known, n_orders, self.n_components, n_tangents, k);
+        let series = Known::new(known, (self.n_components, self.n_products), n_tangents, (k, n_orders));
         for panel in &self.panels {
-            panel.extend(&series, self.n_products, work);
+            panel.extend(&series, work);
         }
         let (last, next) = (&known[k * row..], &mut next[..row]);
         let mut group = 0;
@@ -310,42 +310,67 @@ impl Quadratic {
         (group, k): (usize, usize),
         next: &mut [V],
     ) -> usize {
-        let n = self.n_components;
+        let (n, n_products) = (self.n_components, self.n_products);
+        let (mut components, mut products) = ([last; G], [work; G]);
+        for g in 0..G {
+            components[g] = &last[(group + g) * n..][..n];
+            products[g] = &work[(group + g) * n_products..][..n_products];
+        }
         for (i, output) in self.outputs.iter().enumerate() {
-            let mut sums = [None; G];
+            let mut sums = [V::splat(0.0); G];
+            let (mut linear, mut quadratic) = (output.linear.clone(), output.products.clone());
             if let Some(constant) = output.constant
                 && k == 0
                 && group == 0
             {
-                sums[0] = Some(coefficients.of(constant, self.terms.len() + i));
+                sums[0] = coefficients.of(constant, self.terms.len() + i);
+            } else if let Some(number) = linear.next() {
+                self.multiply(coefficients, number, &components, &mut sums);
+            } else if let Some(number) = quadratic.next() {
+                self.multiply(coefficients, number, &products, &mut sums);
             }
-            for number in output.linear.clone() {
-                let Term { source, coefficient } = self.terms[number];
-                let coefficient: V = coefficients.of(coefficient, number);
-                for g in 0..G {
-                    sums[g] = plus(sums[g], last[(group + g) * n + source], coefficient);
-                }
+            for number in linear {
+                self.add(coefficients, number, &components, &mut sums);
             }
-            for number in output.products.clone() {
-                let Term { source, coefficient } = self.terms[number];
-                let coefficient: V = coefficients.of(coefficient, number);
-                for g in 0..G {
-                    sums[g] = plus(sums[g], work[kept(group + g, self.n_products, source)], coefficient);
-                }
+            for number in quadratic {
+                self.add(coefficients, number, &products, &mut sums);
             }
             for g in 0..G {
-                next[(group + g) * n + i] = over_uniformly(sums[g].unwrap_or(V::splat(0.0)), k + 1);
+                next[(group + g) * n + i] = over_uniformly(sums[g], k + 1);
             }
         }
         G
     }
-}
 
-/// `sum + value coefficient`; no sum is zero.
-#[inline(always)]
-fn plus<V: Lane>(sum: Option<V>, value: V, coefficient: V) -> Option<V> {
-    Some(match sum {
-        Some(sum) => value.mul_add(coefficient, sum),
-        None => value.mul(coefficient),
-    })
+    /// The first term of a sum.
+    #[inline(always)]
+    fn multiply<C: Coefficients, V: Lane, const G: usize>(
+        &self,
+        coefficients: C,
+        number: usize,
+        values: &[&[V]; G],
+        sums: &mut [V; G],
+    ) {
+        let Term { source, coefficient } = self.terms[number];
+        let coefficient: V = coefficients.of(coefficient, number);
+        for g in 0..G {
+            sums[g] = values[g][source].mul(coefficient);
+        }
+    }
+
+    /// Another one.
+    #[inline(always)]
+    fn add<C: Coefficients, V: Lane, const G: usize>(
+        &self,
+        coefficients: C,
+        number: usize,
+        values: &[&[V]; G],
+        sums: &mut [V; G],
+    ) {
+        let Term { source, coefficient } = self.terms[number];
+        let coefficient: V = coefficients.of(coefficient, number);
+        for g in 0..G {
+            sums[g] = values[g][source].mul_add(coefficient, sums[g]);
+        }
+    }
 }

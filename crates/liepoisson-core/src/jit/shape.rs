@@ -201,7 +201,10 @@ impl Shape {
                 && self.loops.iter().zip(&self.counts).all(|(one, (runs, means))| {
                     let Relative { base, more } = means.first();
                     count_bases(order.k)[base] as isize + more == runs[i] as isize
-                        && one.left.iter().all(|value| is_inside(order, of(value), 0, one.stride * runs[i].saturating_sub(1)))
+                        && one
+                            .left
+                            .iter()
+                            .all(|value| is_inside(order, of(value), 0, one.stride * runs[i].saturating_sub(1)))
                         && one.right.iter().all(|value| is_inside(order, of(value), one.stride * runs[i], 0))
                 })
         })

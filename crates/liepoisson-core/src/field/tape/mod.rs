@@ -17,11 +17,11 @@ mod steps;
 mod sums;
 
 pub(crate) use cost::OF_A_STEP;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+pub(super) use elementary::Elementary;
 pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-pub(super) use elementary::Elementary;
 
 use super::compiled::{Compile, Compiled};
 use super::{Bounds, Field, Majorant, Space, Straight, Terms};
