@@ -67,6 +67,8 @@ pub(super) struct Known<'r, V> {
     n_products: usize,
     k: usize,
     is_second: bool,
+    /// Orders 0, 1, `k - 1`, `k` and half of it, as far as they are there.
+    ends: [Reader<V>; 5],
 }
 
 /// Sums of a product for orders `k` and `k + 1`: of the state, of `l dr`, and of `dl r`.
@@ -91,7 +93,13 @@ impl<'r, V: Lane> Known<'r, V> {
     ) -> Self {
         let row = group * (1 + n_tangents);
         assert!(rows.len() == row * (k + 1) && k < n_orders);
-        Known { rows, row, group, n_tangents, n_products, k, is_second: is_second(k, n_orders) }
+        let mut ends = [Reader(rows.as_ptr()); 5];
+        for (end, order) in ends.iter_mut().zip([0, k.min(1), k.saturating_sub(1), k, k / 2]) {
+            assert!(order <= k);
+            // moved, since a pointer to a part of the rows may not be used outside of that part
+            end.0 = rows.as_ptr().wrapping_add(order * row);
+        }
+        Known { rows, row, group, n_tangents, n_products, k, is_second: is_second(k, n_orders), ends }
     }
 
     /// Where the coefficient of this order of a product is put.
@@ -110,20 +118,6 @@ impl<'r, V: Lane> Known<'r, V> {
     #[inline(always)]
     fn at(&self, order: usize, g: usize, i: usize) -> V {
         self.rows[order * self.row + g * self.group + i]
-    }
-
-    /// Coefficients of one order of group `g`.
-    #[inline(always)]
-    fn reader(&self, order: usize, g: usize) -> Reader<V> {
-        assert!(order <= self.k && g <= self.n_tangents);
-        Reader(self.rows.as_ptr().wrapping_add(order * self.row + g * self.group))
-    }
-
-    /// Those of the orders 0, 1, `k - 1` and `k`, as far as they are there.
-    #[inline(always)]
-    fn ends(&self, g: usize) -> [Reader<V>; 4] {
-        let k = self.k;
-        [self.reader(0, g), self.reader(k.min(1), g), self.reader(k.saturating_sub(1), g), self.reader(k, g)]
     }
 
     /// Sums of `l_j r_(m-j)` for `m = k` from `j = 1` and for `m = k + 1` from `j = 2`, up to `last`, of which the second is the first or
@@ -156,19 +150,18 @@ impl<'r, V: Lane> Known<'r, V> {
         if V::IS_RECORDED && k > 2 {
             self.record::<R, TANGENT>(&mut sums, rows, column, t, n);
         } else if n > 0 {
-            let (mut x, mut dx, mut y, mut dy) =
-                (self.reader(2, 0), self.reader(2, t), self.reader(k - 1, 0), self.reader(k - 1, t));
+            let d = t * self.group;
+            let (mut x, mut y) = (Reader(self.rows.as_ptr().wrapping_add(2 * self.row)), self.ends[2]);
             // SAFETY: see `Reader`.
-            let [mut before, mut d_before] = unsafe { [y.at(column), dy.at(column)] };
+            let [mut before, mut d_before] = unsafe { [y.at(column), y.at(d + column)] };
             for _ in 0..n {
                 y.back(self.row);
-                dy.back(self.row);
                 // SAFETY: see `Reader`.
-                let [v, dv] = unsafe { [y.at(column), dy.at(column)] };
+                let [v, dv] = unsafe { [y.at(column), y.at(d + column)] };
                 for r in 0..R {
                     let sum = &mut sums[r];
                     // SAFETY: see `Reader`.
-                    let [u, du] = unsafe { [x.at(rows[r]), dx.at(rows[r])] };
+                    let [u, du] = unsafe { [x.at(rows[r]), x.at(d + rows[r])] };
                     if STATE {
                         sum.state = [u.mul_add(v, sum.state[0]), u.mul_add(before, sum.state[1])];
                     }
@@ -179,7 +172,6 @@ impl<'r, V: Lane> Known<'r, V> {
                 }
                 (before, d_before) = (v, dv);
                 x.forward(self.row);
-                dx.forward(self.row);
             }
         }
         if last[1] > last[0] && last[1] >= 2 {
@@ -332,7 +324,7 @@ impl<V: Lane> Sums<V> {
 /// Late terms and ends of the sums of products of some rows with a column.
 #[inline(always)]
 fn complete<V: Lane, const R: usize>(known: &Known<'_, V>, rows: &[usize; R], column: usize, sums: &mut [V; R]) {
-    let [start, first, before, last] = known.ends(0);
+    let [start, first, before, last, _] = known.ends;
     // SAFETY: see `Reader`.
     unsafe {
         let (r0, rk) = (start.at(column), last.at(column));
@@ -363,22 +355,21 @@ fn complete_along<V: Lane, const R: usize>(
     t: usize,
     sums: &mut [V; R],
 ) {
-    let [start, first, before, last] = known.ends(0);
-    let [d_start, d_first, d_before, d_last] = known.ends(t);
+    let ([start, first, before, last, _], d) = (known.ends, t * known.group);
     let mut others = [V::splat(0.0); R];
     // SAFETY: see `Reader`.
     unsafe {
         let (r0, rk) = (start.at(column), last.at(column));
-        let (dr0, drk) = (d_start.at(column), d_last.at(column));
+        let (dr0, drk) = (start.at(d + column), last.at(d + column));
         for r in 0..R {
-            others[r] = d_start.at(rows[r]).mul(rk);
+            others[r] = start.at(d + rows[r]).mul(rk);
         }
         if known.is_second {
             let (r1, rb) = (first.at(column), before.at(column));
-            let (dr1, drb) = (d_first.at(column), d_before.at(column));
+            let (dr1, drb) = (first.at(d + column), before.at(d + column));
             for r in 0..R {
                 let (l1, lb) = (first.at(rows[r]), before.at(rows[r]));
-                let (dl1, dlb) = (d_first.at(rows[r]), d_before.at(rows[r]));
+                let (dl1, dlb) = (first.at(d + rows[r]), before.at(d + rows[r]));
                 sums[r] = lb.mul_add(dr1, l1.mul_add(drb, sums[r]));
                 others[r] = dlb.mul_add(r1, dl1.mul_add(rb, others[r]));
             }
@@ -386,7 +377,7 @@ fn complete_along<V: Lane, const R: usize>(
         if known.k > 0 {
             for r in 0..R {
                 sums[r] = last.at(rows[r]).mul_add(dr0, sums[r]);
-                others[r] = d_last.at(rows[r]).mul_add(r0, others[r]);
+                others[r] = last.at(d + rows[r]).mul_add(r0, others[r]);
             }
         }
         for r in 0..R {
@@ -398,7 +389,7 @@ fn complete_along<V: Lane, const R: usize>(
 /// Twice the sum of half of the terms of a square, and the middle one.
 #[inline(always)]
 fn complete_square<V: Lane>(known: &Known<'_, V>, i: usize, sum: &mut V) {
-    let [start, first, before, last] = known.ends(0);
+    let [start, first, before, last, middle] = known.ends;
     let mut half = *sum;
     // SAFETY: see `Reader`.
     unsafe {
@@ -410,7 +401,7 @@ fn complete_square<V: Lane>(known: &Known<'_, V>, i: usize, sum: &mut V) {
         }
         *sum = half.add(half);
         if known.k.is_multiple_of(2) {
-            let middle = known.reader(known.k / 2, 0).at(i);
+            let middle = middle.at(i);
             *sum = middle.mul_add(middle, *sum);
         }
     }
@@ -419,34 +410,33 @@ fn complete_square<V: Lane>(known: &Known<'_, V>, i: usize, sum: &mut V) {
 /// Twice the sum of all terms `x_j dx_(k-j)`.
 #[inline(always)]
 fn complete_square_along<V: Lane>(known: &Known<'_, V>, i: usize, t: usize, sum: &mut V) {
-    let [start, first, before, last] = known.ends(0);
-    let [d_start, d_first, d_before, d_last] = known.ends(t);
+    let ([start, first, before, last, middle], di) = (known.ends, i + t * known.group);
     // SAFETY: see `Reader`.
     unsafe {
         if known.is_second {
-            *sum = d_first.at(i).mul_add(before.at(i), first.at(i).mul_add(d_before.at(i), *sum));
+            *sum = first.at(di).mul_add(before.at(i), first.at(i).mul_add(before.at(di), *sum));
         }
         if known.k > 0 {
-            *sum = d_start.at(i).mul_add(last.at(i), start.at(i).mul_add(d_last.at(i), *sum));
+            *sum = start.at(di).mul_add(last.at(i), start.at(i).mul_add(last.at(di), *sum));
         }
         if known.k.is_multiple_of(2) {
-            let (x, dx) = (known.reader(known.k / 2, 0).at(i), known.reader(known.k / 2, t).at(i));
-            *sum = x.mul_add(dx, *sum);
+            *sum = middle.at(i).mul_add(middle.at(di), *sum);
         }
     }
     *sum = sum.add(*sum);
 }
 
-/// One group of one row of coefficients.
+/// One row of coefficients.
 ///
 /// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because [`Panel::extend_rows`]
-/// compares all indices with the length of a group, and because readers are at orders up to `k` of the rows that [`Known::new`] has found
-/// to be there: [`Known::sums`] moves them between the orders 1 and `k`.
+/// compares all indices with the length of a group, tangent vectors are counted up to their number, and readers are at orders up to `k`
+/// of the rows that [`Known::new`] has found to be there: [`Known::sums`] moves them between the orders 1 and `k`.
+#[derive(Clone, Copy)]
 struct Reader<V>(*const V);
 
 impl<V: Lane> Reader<V> {
     /// # Safety
-    /// `i` is below the length of a group, and the reader is at an order of the series.
+    /// `i` is a component of a group that there is, and the reader is at an order of the series.
     #[inline(always)]
     unsafe fn at(&self, i: usize) -> V {
         // SAFETY: so the caller says.
