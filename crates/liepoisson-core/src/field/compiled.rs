@@ -6,6 +6,7 @@ use super::{Field, Straight};
 use crate::lanes::{Lane, Simd};
 
 /// A field whose series is compiled.
+#[cfg_attr(not(all(target_arch = "x86_64", target_os = "linux")), allow(dead_code))]
 pub(super) trait Compile: Field {
     /// Operations of its rates of change, for the state.
     fn n_operations(&self) -> usize;
