@@ -41,13 +41,13 @@ impl Key {
     /// The series up to an order, with so many tangent vectors.
     #[inline(always)]
     fn series(instructions: Instructions, n_tangents: usize, order: usize, registers: usize) -> Key {
-        Key { purpose: (n_tangents as u64) << 16 | (order as u64) << 2 | instructions as u64, registers }
+        Key { purpose: (n_tangents as u64) << 16 | (order as u64) << 3 | instructions as u64, registers }
     }
 
     /// Straight code with a key of its own.
     #[inline(always)]
     fn straight(instructions: Instructions, key: u64, registers: usize) -> Key {
-        Key { purpose: key << 2 | 2 | instructions as u64, registers }
+        Key { purpose: key << 3 | 4 | instructions as u64, registers }
     }
 }
 
@@ -94,6 +94,7 @@ impl Compiled {
         match simd {
             Simd::Avx512 if self.has_code(Instructions::Evex) => "avx512, compiled",
             Simd::Avx2 if self.has_code(Instructions::Vex) => "avx2, compiled",
+            Simd::Scalar if self.has_code(Instructions::VexOne) => "scalar, compiled",
             _ => simd.name(),
         }
     }
@@ -102,7 +103,7 @@ impl Compiled {
     fn has_code(&self, instructions: Instructions) -> bool {
         self.0.get().is_some_and(|plan| {
             let is_compiled = plan.code.get().is_some_and(Option::is_some);
-            (plan.key.purpose & 1 == instructions as u64 && is_compiled) || plan.next.has_code(instructions)
+            (plan.key.purpose & 3 == instructions as u64 && is_compiled) || plan.next.has_code(instructions)
         })
     }
 
