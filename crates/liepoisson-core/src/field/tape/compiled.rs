@@ -338,7 +338,7 @@ mod tests {
     }
 
     fn compare(tape: &Tape, n_tangents: usize, order: usize, starts: &[f64]) {
-        for simd in [Simd::Avx2, Simd::Avx512] {
+        for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
             dispatch(simd, Both { tape, n_tangents, order, starts });
             dispatch(simd, BothStraight(Midpoints { field: tape, n_tangents }, starts));
         }
@@ -402,7 +402,7 @@ mod tests {
             let linear: Vec<_> = parts.iter().step_by(3).map(|(on, c)| (at(on, 0), at(on, 1), *c)).collect();
             let quadratic: Vec<_> = parts.iter().map(|(on, c)| (at(on, 0), at(on, 1), at(on, 2), *c)).collect();
             let field = Quadratic::new(n, &[(0, 0.5)], &linear, &quadratic).unwrap();
-            for simd in [Simd::Avx2, Simd::Avx512] {
+            for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
                 dispatch(simd, BothStraight(Midpoints { field: &field, n_tangents }, &starts));
             }
         }
