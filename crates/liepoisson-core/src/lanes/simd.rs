@@ -97,8 +97,8 @@ impl Simd {
     }
 
     /// The one for so many trajectories: [`Simd::from_environment`], but where the variable names none that with the fewest lanes for all
-    /// of them. Lanes without a trajectory cost as much as others: one orbit of a double pendulum was measured to take 1.4 times as long
-    /// in registers of AVX-512 as in those of AVX2.
+    /// of them. Lanes without a trajectory cost as much as others: one orbit of five typed systems was measured to take 1.5 to 1.9 times as
+    /// long in registers of AVX-512 as number by number, and 1.1 to 1.5 times in those of AVX2; of four quadratic fields 1.07 to 1.2 times.
     ///
     /// # Errors
     /// As there.
