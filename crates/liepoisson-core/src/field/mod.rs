@@ -143,7 +143,7 @@ pub trait Field: Space {
 
 /// Code that does the same at every call, without a look at its numbers.
 pub trait Straight {
-    /// What tells it from other code for the same field, below `2^62`.
+    /// What tells it from other code for the same field, below `2^61`.
     fn key(&self) -> u64;
 
     /// How often it asks for the rates of the field.

@@ -40,13 +40,13 @@ impl Key {
     /// The series up to an order, with so many tangent vectors.
     #[inline(always)]
     fn series(instructions: Instructions, n_tangents: usize, order: usize, registers: usize) -> Key {
-        Key { purpose: (n_tangents as u64) << 16 | (order as u64) << 2 | instructions as u64, registers }
+        Key { purpose: (n_tangents as u64) << 16 | (order as u64) << 3 | instructions as u64, registers }
     }
 
     /// Straight code with a key of its own.
     #[inline(always)]
     fn straight(instructions: Instructions, key: u64, registers: usize) -> Key {
-        Key { purpose: key << 2 | 2 | instructions as u64, registers }
+        Key { purpose: key << 3 | 4 | instructions as u64, registers }
     }
 }
 
@@ -99,6 +99,7 @@ impl Plans {
         match simd {
             Simd::Avx512 if self.has_code(Instructions::Evex) => "avx512, compiled",
             Simd::Avx2 if self.has_code(Instructions::Vex) => "avx2, compiled",
+            Simd::Scalar if self.has_code(Instructions::VexOne) => "scalar, compiled",
             _ => simd.name(),
         }
     }
@@ -107,7 +108,7 @@ impl Plans {
     fn has_code(&self, instructions: Instructions) -> bool {
         self.0.get().is_some_and(|plan| {
             let is_compiled = plan.code.get().is_some_and(Option::is_some);
-            (plan.key.purpose & 1 == instructions as u64 && is_compiled) || plan.next.has_code(instructions)
+            (plan.key.purpose & 3 == instructions as u64 && is_compiled) || plan.next.has_code(instructions)
         })
     }
 
@@ -325,7 +326,7 @@ mod tests {
     }
 
     fn compare(tape: &Tape, n_tangents: usize, order: usize, starts: &[f64]) {
-        for simd in [Simd::Avx2, Simd::Avx512] {
+        for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
             dispatch(simd, Both { field: tape, n_tangents, order, starts, is_large });
             dispatch(simd, BothStraight(Midpoints { field: tape, n_tangents }, starts));
         }
@@ -390,7 +391,7 @@ mod tests {
             let linear: Vec<_> = parts.iter().step_by(3).map(|(on, c)| (at(on, 0), at(on, 1), *c)).collect();
             let quadratic: Vec<_> = parts.iter().map(|(on, c)| (at(on, 0), at(on, 1), at(on, 2), *c)).collect();
             let field = Quadratic::new(n, &[(0, 0.5)], &linear, &quadratic).unwrap();
-            for simd in [Simd::Avx2, Simd::Avx512] {
+            for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
                 dispatch(simd, BothStraight(Midpoints { field: &field, n_tangents }, &starts));
                 let starts = &starts;
                 dispatch(simd, Both { field: &field, n_tangents, order, starts, is_large: |_, _| false });

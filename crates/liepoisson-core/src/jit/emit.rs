@@ -4,6 +4,7 @@
 //! given up; it is written to the spill memory if it is nowhere else.
 
 mod products;
+mod products_of_one;
 mod registers;
 
 use super::assembler::*;
@@ -48,14 +49,14 @@ pub(super) fn emit(
 /// lengths of its loops are counted from, these two in bytes from the start of the code. It is called with the addresses of the memory
 /// and of that for spilled values; what it returns is zero unless a piece has left it. None where an address is beyond 31 bits.
 pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<usize> {
-    let width: usize = if assembler.instructions == Instructions::Vex { 32 } else { 64 };
+    let (width, _) = registers(assembler.instructions);
     assembler.align();
     let start = assembler.code.len();
     assembler.push(COUNTS);
     assembler.address(SPILLED, RSI, 0);
     for turn in turns {
         for (register, base) in BASES[1..].iter().zip(&turn.bases[1..]) {
-            assembler.address(*register, BASES[0], i32::try_from(base * width).ok()?);
+            assembler.address(*register, BASES[0], i32::try_from(base * width as usize).ok()?);
         }
         assembler.address_of_constant(CONSTANTS, turn.constants);
         assembler.address_of_constant(COUNTS, turn.counts);
@@ -63,6 +64,15 @@ pub(super) fn emit_turns(turns: &[Turn], assembler: &mut Assembler) -> Option<us
     }
     assembler.leave(0);
     Some(start)
+}
+
+/// Bytes that a register takes in memory, and how many registers there are.
+fn registers(instructions: Instructions) -> (i32, usize) {
+    match instructions {
+        Instructions::Vex => (32, 16),
+        Instructions::Evex => (64, 32),
+        Instructions::VexOne => (8, 16),
+    }
 }
 
 /// What a piece of code is called with.
@@ -112,10 +122,7 @@ impl<'a> Emitter<'a> {
         assembler: &'a mut Assembler,
     ) -> Option<Emitter<'a>> {
         let n = shape.operations.len();
-        let (width, registers) = match assembler.instructions {
-            Instructions::Vex => (32, 16),
-            Instructions::Evex => (64, 32),
-        };
+        let (width, registers) = registers(assembler.instructions);
         let mut emitter = Emitter {
             shape,
             assembler,
@@ -260,6 +267,11 @@ impl<'a> Emitter<'a> {
                 self.assembler.operate(ADD_OF_INTEGERS, to, to, one);
             }
             Operation::Call(function, x) => self.call(value, function, x),
+            Operation::Loop(one)
+                if self.assembler.instructions == Instructions::VexOne && self.shape.loops[one].stride == 1 =>
+            {
+                self.products_of_one(value, &self.shape.loops[one], one)?;
+            }
             Operation::Loop(one) => self.products(value, &self.shape.loops[one], one)?,
         }
         if self.register_of[at].is_some() {

@@ -1,4 +1,4 @@
-//! Code that is compiled when the program runs: on x86-64 under Linux, for AVX2 and AVX-512.
+//! Code that is compiled when the program runs: on x86-64 under Linux, for AVX2, with four numbers in a register or one, and AVX-512.
 //!
 //! What is compiled is recorded from the code that runs otherwise ([`Recorded`]), so it has the same bits: there is no second formula.
 //! Orders of a series that differ only in how far it has come share one piece of code ([`shape`]), in which sums of products are
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn compiled_code_does_what_was_recorded() {
-        for simd in [Simd::Avx2, Simd::Avx512] {
+        for simd in [Simd::Scalar, Simd::Avx2, Simd::Avx512] {
             dispatch(simd, Compare);
         }
     }

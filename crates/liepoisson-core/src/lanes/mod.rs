@@ -85,6 +85,8 @@ pub enum Instructions {
     Vex,
     /// AVX-512: 32 registers of 8 doubles.
     Evex,
+    /// Those of AVX2 for single numbers: 16 registers of one double.
+    VexOne,
 }
 
 /// What a lane holds: `f64` or `f32`.
