@@ -169,7 +169,7 @@ def rows():
 
 
 def _of_algebras(add):
-    so3, e3 = lp.so(3), E3.coordinate_names_in_order
+    so3 = lp.so(3)
     add(
         "algebras.LieAlgebra", "structure_constants:o basis_names:o", structure_constants=so3.structure_constants,
         basis_names=["a", "b", "c"],
@@ -202,6 +202,11 @@ def _of_algebras(add):
     )  # fmt: skip
     add("algebras.cohomology", "coefficients:o", given=lp.algebras.abelian(1), degree=1, coefficients=turn)
     add("algebras.deformation", "cocycle:v", given=lp.algebras.abelian(2), cocycle={("1", "2"): {"1": 1}})
+    _of_brackets(add)
+
+
+def _of_brackets(add):
+    so3, e3 = lp.so(3), E3.coordinate_names_in_order
     add("brackets.Automorphism", "matrix:o", matrix=[[1, 2], [0, 1]])
     add(
         "brackets.Bracket", "field_names:o constant:v casimirs:w", algebra=so3, extension=lp.trivial(),
