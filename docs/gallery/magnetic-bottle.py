@@ -23,9 +23,9 @@ centre = lp.integrate(mean, [*(x + np.cross(v, [0, 0, 1]) / charge), v[2]], time
 
 with lp.plot.house_style():
     figure, (above, along) = plt.subplots(1, 2, figsize=(7.2, 3.4), layout="constrained")
-    for run, colour, width in ((orbit, "#9aa0a6", 0.5), (centre, "#d1571b", 1.6)):
-        above.plot(*run.state[0, :, :2].T, color=colour, lw=width)
-        along.plot(run.time, run.state[0, :, 2], color=colour, lw=width)
+    for run, colour, widths in ((orbit, "#9aa0a6", (0.5, 4)), (centre, "#d1571b", (1.6, 1.2))):
+        above.plot(*run.state[0, :, :2].T, color=colour, lw=widths[0])
+        along.plot(run.time, run.state[0, :, 2], color=colour, lw=widths[1])
     above.set(xlabel="$x$", ylabel="$y$", aspect="equal")
     along.set(xlabel="$t$", ylabel="$z$")
 figure.savefig("magnetic-bottle.png")

@@ -496,9 +496,10 @@ def scope_with(names: tuple[str, ...], parameters: Mapping[str, GivenValue] | No
 
 def scope_of(bracket: Bracket, symbols: Sequence[str]) -> Scope:
     """The same for functions on the phase space of a bracket, whose own symbols need not be declared again."""
-    names = bracket.coordinate_names_in_order
-    more = sorted(bracket.symbols.difference(scope_with(names, None, symbols).numbers()))
-    return scope_with(names, None, [*(listed_names(symbols, "symbols") or ()), *more])
+    names, declared = bracket.coordinate_names_in_order, listed_names(symbols, "symbols")
+    given: Any = symbols if declared is None else declared
+    more = sorted(bracket.symbols.difference(scope_with(names, None, given).numbers()))
+    return scope_with(names, None, [*given, *more])
 
 
 def read_variables(given: object) -> tuple[str, ...]:
