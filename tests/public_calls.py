@@ -35,9 +35,9 @@ SEVERAL = re.compile(r"(Array|Starts|Box)Like|Sequence|Mapping|Equations\b|Windo
 """In annotations of arguments that hold several values."""
 NOT_READ = {
     "algebras.Closure", "algebras.Cochain", "algebras.Derivations", "algebras.Identification",
-    "algebras.LieCohomology", "algebras.LieDeformation", "brackets.CasimirCertificate", "brackets.CasimirReport",
-    "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate", "brackets.Locus",
-    "brackets.SemiInvariant", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
+    "algebras.LieCohomology", "algebras.LieDeformation", "algebras.Subspace", "brackets.CasimirCertificate",
+    "brackets.CasimirReport", "brackets.ContractedBracket", "brackets.Derivation", "brackets.JacobiCertificate",
+    "brackets.Locus", "brackets.SemiInvariant", "brackets.Stratum", "charts.LeafConstants.of", "citations.Citation",
     "extensions.ChangeOfVariables", "extensions.Classification", "extensions.Deformation", "extensions.LocalFactor",
     "extensions.Obstruction", "extensions.TwistOrbits", "fields.PiecesField", "fields.QuadraticField",
     "fields.TapeField", "laboratory.Page", "systems.DiscreteSymmetry", "sweeps.SweepSpec.of_record", "sweeps.sweep",

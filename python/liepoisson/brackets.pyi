@@ -3,6 +3,7 @@ from liepoisson.structure.automorphisms import Automorphism as Automorphism
 from liepoisson.structure.bracket import Bracket as Bracket
 from liepoisson.structure.canonical_bracket import canonical as canonical
 from liepoisson.structure.casimirs import CasimirReport as CasimirReport
+from liepoisson.structure.certificates import CasimirCertificate as CasimirCertificate
 from liepoisson.structure.certificates import JacobiCertificate as JacobiCertificate
 from liepoisson.structure.certificates import RankCertificate as RankCertificate
 from liepoisson.structure.contractions import ContractedBracket as ContractedBracket
@@ -10,7 +11,6 @@ from liepoisson.structure.contractions import contraction as contraction
 from liepoisson.structure.derivations import Derivation as Derivation
 from liepoisson.structure.magnetic_brackets import guiding_centre as guiding_centre
 from liepoisson.structure.magnetic_brackets import magnetic as magnetic
-from liepoisson.structure.poisson.casimir_check import CasimirCertificate as CasimirCertificate
 from liepoisson.structure.poisson.semi_invariants import SemiInvariant as SemiInvariant
 from liepoisson.structure.strata import Locus as Locus
 from liepoisson.structure.strata import Stratum as Stratum

@@ -13,9 +13,13 @@ from typing import Any
 FACADES = {
     "LieAlgebra._repr_latex_": "report.describe.displayed_algebra",
     "Bracket._repr_latex_": "report.describe.displayed_bracket",
+    "Bracket.casimir_certificate": "structure.poisson.casimir_check.certificate_of",
+    "Bracket.casimir_report": "structure.tensor_leaves.casimir_report",
+    "Bracket.given_casimirs": "structure.tensor_leaves.TensorCasimirs",
     "Bracket.in_variables": "structure.tensor_sources.changed",
     "Bracket.in_invariants": "structure.invariant_reduction.in_invariants",
     "Bracket.dirac_bracket": "structure.dirac_bracket.dirac_bracket",
+    "Bracket.with_casimirs": "structure.poisson.casimir_check.checked_casimirs",
     "System.__str__": "report.describe.describe",
     "System._repr_latex_": "report.describe.displayed",
     "System.text": "model.system_text.system_text",

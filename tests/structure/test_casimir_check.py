@@ -30,6 +30,7 @@ EXPONENTIAL = "l3*exp(l2/l3)"  # {l1, .} = l3 exp + l3 exp ((l2 - l3)/l3 - l2/l3
         (lp.PoissonTensor(["x", "y", "z"], {("x", "y"): "x*y", ("y", "z"): "y*z", ("z", "x"): "z*x"}), "x*y*z", True),
         (lp.PoissonTensor(["x", "y", "z"], {("x", "y"): "x*y", ("y", "z"): "y*z", ("z", "x"): "z*x"}), "x*y/z", False),
         (lp.canonical(2), "q1 - q2", False),
+        (lp.algebras.bianchi("V") @ lp.trivial(), "(l2 - l3)/(l2 + l3)", True),
     ],
 )
 def test_functions_are_decided_exactly(bracket, function, holds):

@@ -107,7 +107,7 @@ def test_there_are_no_others(n):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_powers_of_a_random_matrix_span_an_algebra_whose_name_its_minimal_polynomial_says(seed):
-    """They are x R[x]/(f): a product of R[x]/(g^k), g^k in f; for g = x it is the maximal ideal of R[x]/(x^k)."""
+    """They are x R[x]/(f): a product of R[x]/(g^k), g^k in f, for g = x the maximal ideal of R[x]/(x^k)."""
     random = Random(seed)
     X = sp.Matrix(3, 3, lambda i, j: random.choice((0, 0, 1, -1)))
     if X.is_zero_matrix:

@@ -321,8 +321,7 @@ class System(EquationsOfMotion):
             known = self._polynomials.is_casimir(polynomial)
             if known is not None:
                 return known
-        f = self.expression(function)
-        return all(self.bracket(f, component) == 0 for component in self.variables)
+        return self.bracket.is_casimir(self.expression(function))
 
     @cached_property
     def top_parameters(self) -> TopParameters | None:

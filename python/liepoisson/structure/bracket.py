@@ -33,9 +33,8 @@ if TYPE_CHECKING:
     from liepoisson.algebra.exact_numbers import Coefficient, Exact
     from liepoisson.algebra.rational_polynomials import RationalPolynomial
     from liepoisson.structure.casimirs import CasimirReport, KnownCasimirs
-    from liepoisson.structure.certificates import JacobiCertificate, RankCertificate
+    from liepoisson.structure.certificates import CasimirCertificate, JacobiCertificate, RankCertificate
     from liepoisson.structure.derivations import Constant, Derivation, Scaling
-    from liepoisson.structure.poisson.casimir_check import CasimirCertificate
     from liepoisson.structure.poisson.poisson_tensor import LinearPoissonTensor, PoissonMatrix
     from liepoisson.structure.poisson.semi_invariants import SemiInvariant
     from liepoisson.structure.poisson.tensor_entries import TensorEntries
@@ -135,10 +134,8 @@ class Bracket:
 
             if self.is_rational or not is_cocycle(self.dimension, self.kept_entries()):
                 check_cocycle(self.tensor, self.coordinate_names_in_order)
-        if casimirs != ():
-            from liepoisson.structure.poisson.casimir_check import checked_casimirs
-
-            self.given_casimirs = checked_casimirs(self, casimirs)
+        if not isinstance(casimirs, tuple) or casimirs:
+            self.given_casimirs = function_of("Bracket.with_casimirs")(self, casimirs)
 
     def with_constant(
         self, constant: Mapping[tuple[str | int, str | int], Parameter], *, check: bool = True
@@ -293,10 +290,8 @@ class Bracket:
             ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
             ParameterError: a function is neither a text nor an expression.
         """
-        from liepoisson.structure.poisson.casimir_check import checked_casimirs
-
         made = copy(self)
-        made.given_casimirs = checked_casimirs(self, casimirs, symbols)
+        made.given_casimirs = function_of("Bracket.with_casimirs")(self, casimirs, symbols)
         return made
 
     @cached_property
@@ -535,7 +530,7 @@ class Bracket:
         """
         from liepoisson.structure.poisson.semi_invariants import rational_casimirs
 
-        return rational_casimirs(self, degree)
+        return rational_casimirs(self.formulas, degree)
 
     def semi_invariants(self, degree: int) -> list[SemiInvariant]:
         r"""The polynomials F with $\{x_i, F\} = \lambda_i F$ up to a degree that are no sums of products of others.
@@ -551,7 +546,7 @@ class Bracket:
         """
         from liepoisson.structure.poisson.semi_invariants import semi_invariants
 
-        return semi_invariants(self, degree)
+        return semi_invariants(self.formulas, degree)
 
     def polynomial_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
         """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""
@@ -565,10 +560,9 @@ class Bracket:
     def _known_casimirs(self, degree: int | None) -> KnownCasimirs:
         if degree not in self._casimirs:
             from liepoisson.structure.casimirs import KnownCasimirs
-            from liepoisson.structure.tensor_leaves import TensorCasimirs
 
-            made: Any = TensorCasimirs if self.given_casimirs else KnownCasimirs
-            self._casimirs[degree] = made.of(self, degree)
+            kind: Any = function_of("Bracket.given_casimirs") if self.given_casimirs else KnownCasimirs
+            self._casimirs[degree] = kind.of(self, degree)
         return self._casimirs[degree]
 
     @cached_property
@@ -608,10 +602,7 @@ class Bracket:
             ParameterError: it is neither, has a part that is like a coordinate and none, or has to be tried at points
                 and is defined at none.
         """
-        from liepoisson.structure.poisson.casimir_check import casimir_certificate, read_phase_function
-
-        read = read_phase_function(self, function, symbols, "a function on phase space")
-        return casimir_certificate(self, read)
+        return function_of("Bracket.casimir_certificate")(self, function, symbols)
 
     def casimir_report(self, degree: int | None = None) -> CasimirReport:
         """The Casimirs with proofs of their number, completeness, and the parameter values where more appear.
@@ -622,10 +613,11 @@ class Bracket:
         Raises:
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
-        from liepoisson.structure import casimirs, tensor_leaves
+        if self.given_casimirs:
+            return function_of("Bracket.casimir_report")(self, degree)
+        from liepoisson.structure.casimirs import casimir_report
 
-        found: Any = tensor_leaves if self.given_casimirs else casimirs
-        return found.casimir_report(self, degree)
+        return casimir_report(self, degree)
 
     def strata(self) -> list[Stratum]:
         """The sets on which the rank is constant or generic, from the open one down to the origin."""

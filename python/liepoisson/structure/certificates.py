@@ -1,8 +1,8 @@
-r"""Proofs about a bracket as objects that say what was computed: the Jacobi identity and the rank."""
+r"""Proofs about a bracket as objects that say what was computed: the Jacobi identity, the rank, and Casimirs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
@@ -111,6 +111,39 @@ class RankCertificate:
         if self.proved:
             return f"rank {self.lower} proved ({self.method})"
         return f"rank at least {self.lower}, at most {self.upper} ({self.method})"
+
+
+@explains_its_methods
+@dataclass(frozen=True)
+class CasimirCertificate:
+    r"""Whether a function is a Casimir, $\{x_i, C\} = 0$ for all coordinates.
+
+    Example:
+        >>> bracket = lp.algebras.bianchi("VII") @ lp.trivial()
+        >>> bracket.casimir_certificate("sqrt(l2^2 + l3^2)").proved
+        True
+        >>> print(bracket.casimir_certificate("l2"))
+        l2 is no Casimir: {l1, l2} = -l3
+
+    Attributes:
+        function: The function.
+        holds: The verdict.
+        proved: Whether it is exact; if not, it was tried at random points in 50 digits.
+        residual: A bracket $\{x_i, C\}$ that is not zero, by the name of the coordinate.
+        method: How it was decided, in words.
+    """
+
+    function: Expr
+    holds: bool
+    proved: bool
+    residual: Mapping[str, Expr]
+    method: str
+
+    def __str__(self) -> str:
+        if self.holds:
+            return f"{self.function} is a Casimir ({self.method})"
+        name, value = next(iter(self.residual.items()))
+        return f"{self.function} is no Casimir: {{{name}, {self.function}}} = {value}"
 
 
 def jacobi_certificate(tensor: LinearPoissonTensor, names: tuple[str, ...]) -> JacobiCertificate:

@@ -78,8 +78,16 @@ def test_functions_on_a_lie_poisson_bracket_have_its_brackets():
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
-        (lambda: closure(["q1^3", "p1^2"], lp.canonical(1), limit=9), BracketError, r"within 9 dim.* bracket \[2, "),
-        (lambda: closure(PAULI[:2], hermitian=True, limit=2), BracketError, r"the commutator \[1, 2\] is outside"),
+        (
+            lambda: closure(["q1^3", "p1^2"], lp.canonical(1), max_dimension=9),
+            BracketError,
+            r"9 dim.* bracket \[2, ",
+        ),
+        (
+            lambda: closure(PAULI[:2], hermitian=True, max_dimension=2),
+            BracketError,
+            r"commutator \[1, 2\] is",
+        ),
         (lambda: closure([[[0, 1], [0, 0]]], hermitian=True), ParameterError, r"generators\[0\]: wanted a hermitian"),
         (
             lambda: LieAlgebra.from_matrices([[[0, 1], [2, 0]]], hermitian=True),
@@ -93,7 +101,7 @@ def test_functions_on_a_lie_poisson_bracket_have_its_brackets():
         (lambda: closure(PAULI, lp.so(3)), ParameterError, "a Poisson bracket; got so"),
         (lambda: closure([]), ShapeError, "Give at least one"),
         (lambda: closure([[[0]]]), BracketError, "got zeros only"),
-        (lambda: closure(PAULI, limit=0), ParameterError, "from 1 to 1000; got 0"),
+        (lambda: closure(PAULI, max_dimension=0), ParameterError, "from 1 to 1000; got 0"),
     ],
 )
 def test_refusals(call, error, words):

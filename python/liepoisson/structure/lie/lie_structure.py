@@ -19,15 +19,25 @@ from liepoisson.algebra.echelon import Echelon, Vector
 from liepoisson.algebra.exact_numbers import Exact, ExactMatrix, is_zero, to_sympy
 from liepoisson.algebra.number_fields import Element
 from liepoisson.errors import ParameterError
+from liepoisson.inputs.calls import explains_its_methods
 
 _FEW = 100  # distinct constants up to which products are remembered: at most 4 x 10^4 of them
 
 Triple: TypeAlias = tuple[int, int, int]
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Subspace:
-    """A linear subspace of a Lie algebra by its reduced echelon basis, in the coordinates of the algebra."""
+    """A linear subspace of a Lie algebra by a basis in its coordinates; of an ideal a reduced echelon one.
+
+    Example:
+        >>> lp.algebras.se(2).radical().dimension
+        3
+
+    Attributes:
+        basis: The vectors, shape (m, n).
+    """
 
     basis: ExactMatrix
 

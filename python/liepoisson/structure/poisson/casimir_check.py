@@ -8,7 +8,6 @@ it, ten where all vanish are no proof, and the answer says so.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -18,9 +17,9 @@ from liepoisson.algebra.function_fields import RationalFunctions
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.formula.expression import read_expression
 from liepoisson.formula.scope import Scope
-from liepoisson.inputs.calls import explains_its_methods
 from liepoisson.inputs.deadline import checkpoint
 from liepoisson.inputs.given import listed, listed_names, named
+from liepoisson.structure.certificates import CasimirCertificate
 from liepoisson.structure.poisson.tensor_entries import N_POINTS
 
 if TYPE_CHECKING:
@@ -31,39 +30,6 @@ if TYPE_CHECKING:
 _DIGITS = 50
 _ROUND_OFF = 10.0**-30
 """A sum below this part of its terms counts as zero: 20 of 50 digits may be lost."""
-
-
-@explains_its_methods
-@dataclass(frozen=True)
-class CasimirCertificate:
-    r"""Whether a function is a Casimir, $\{x_i, C\} = 0$ for all coordinates.
-
-    Example:
-        >>> bracket = lp.algebras.bianchi("VII") @ lp.trivial()
-        >>> bracket.casimir_certificate("sqrt(l2^2 + l3^2)").proved
-        True
-        >>> print(bracket.casimir_certificate("l2"))
-        l2 is no Casimir: {l1, l2} = -l3
-
-    Attributes:
-        function: The function.
-        holds: The verdict.
-        proved: Whether it is exact; if not, it was tried at random points in 50 digits.
-        residual: A bracket $\{x_i, C\}$ that is not zero, by the name of the coordinate.
-        method: How it was decided, in words.
-    """
-
-    function: Expr
-    holds: bool
-    proved: bool
-    residual: Mapping[str, Expr]
-    method: str
-
-    def __str__(self) -> str:
-        if self.holds:
-            return f"{self.function} is a Casimir ({self.method})"
-        name, value = next(iter(self.residual.items()))
-        return f"{self.function} is no Casimir: {{{name}, {self.function}}} = {value}"
 
 
 def casimir_certificate(bracket: Bracket, function: Expr) -> CasimirCertificate:
@@ -221,6 +187,16 @@ def _points(symbols: Sequence[Any]) -> Iterator[dict[Any, Any]]:
     random, ordered = Random(1), sorted(set(symbols), key=str)
     for k in range(N_POINTS):
         yield {s: Rational(random.choice((1, -1)[: 1 + k % 2]) * random.randrange(1, 1000), 1000) for s in ordered}
+
+
+def certificate_of(bracket: Bracket, given: Any, symbols: Sequence[str]) -> CasimirCertificate:
+    """The verdict on a text or an expression.
+
+    Raises:
+        ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+        ParameterError: it is neither, or has a part that is like a coordinate and none, or cannot be tried.
+    """
+    return casimir_certificate(bracket, read_phase_function(bracket, given, symbols, "a function on phase space"))
 
 
 def read_phase_function(bracket: Bracket, given: Any, symbols: Sequence[str], what: str) -> Expr:

@@ -38,7 +38,7 @@ from liepoisson.structure.poisson.polynomials import multiply
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.structure.bracket import Bracket
+    from liepoisson.structure.poisson.tensor_entries import TensorEntries
 
 Weight: TypeAlias = tuple[Any, ...]
 """The numbers by coordinates, elements of the field."""
@@ -68,15 +68,15 @@ class SemiInvariant:
     degree: int
 
 
-def semi_invariants(bracket: Bracket, degree: int) -> list[SemiInvariant]:
+def semi_invariants(tensor: TensorEntries, degree: int) -> list[SemiInvariant]:
     """Those up to a degree that are no sums of products of others.
 
     Raises:
         BracketError: the bracket is not linear.
         ParameterError: the degree is not a positive integer, or too large for the search.
     """
-    search = _Search(bracket)
-    names = bracket.coordinate_names_in_order
+    search = _Search(tensor)
+    names = [str(x) for x in tensor.variables]
     found: list[SemiInvariant] = []
     for d, weight, polynomial in search.generators(degree):
         if polynomial.keys() != {(CONSTANT,)}:
@@ -85,14 +85,14 @@ def semi_invariants(bracket: Bracket, degree: int) -> list[SemiInvariant]:
     return found
 
 
-def rational_casimirs(bracket: Bracket, degree: int) -> list[Expr]:
+def rational_casimirs(tensor: TensorEntries, degree: int) -> list[Expr]:
     """Independent Casimirs P/Q with P and Q of at most a degree, the polynomials first, by their degrees.
 
     Raises:
         BracketError: the bracket is not linear.
         ParameterError: the degree is not a positive integer, or too large for the search.
     """
-    search = _Search(bracket)
+    search = _Search(tensor)
     by_weight: dict[Weight, list[tuple[int, Polynomial]]] = {}
     for d, weight, polynomial in _products(search.generators(degree), degree):
         if any(m != CONSTANT for monomial in polynomial for m in monomial):
@@ -105,34 +105,30 @@ def rational_casimirs(bracket: Bracket, degree: int) -> list[Expr]:
             pairs += [(True, size + d, P / Q) for d, P in written]
         else:
             pairs += [(False, d, P) for d, P in written]
-    corank, found = bracket.corank(), list[Any]()
+    corank, found = tensor.dimension - tensor.lower_rank, list[Any]()
     for is_quotient, _, one in sorted(pairs, key=lambda pair: pair[:2]):
         checkpoint("rational Casimirs")
         if len(found) >= corank:
             break
         casimir = one.cancel() if is_quotient else one
-        if casimir.free_symbols & {*bracket.variables} and _is_new(bracket, casimir, found):
+        if casimir.free_symbols & {*tensor.variables} and tensor.n_independent([*found, casimir]) > len(found):
             found.append(casimir)
     return found
-
-
-def _is_new(bracket: Bracket, casimir: Expr, found: Sequence[Expr]) -> bool:
-    return bracket.formulas.n_independent([*found, casimir]) > len(found)
 
 
 class _Search:
     """The semi-invariants of one bracket, degree by degree."""
 
-    def __init__(self, bracket: Bracket) -> None:
+    def __init__(self, tensor: TensorEntries) -> None:
         from liepoisson.algebra.exact_numbers import to_sympy
 
-        if not bracket.is_linear:
+        if tensor.degree is None or tensor.degree > 1:
             raise BracketError(
-                f"wanted a bracket that is linear in the coordinates, whose semi-invariants have numbers as weights; "
-                f"got {bracket!r}."
+                "wanted a bracket that is linear in the coordinates, whose semi-invariants have numbers as weights; "
+                f"got one of {', '.join(map(str, tensor.variables))}, which is none."
             )
-        self.bracket, self.dimension = bracket, bracket.dimension
-        terms = bracket.terms()
+        self.variables, self.dimension = tensor.variables, tensor.dimension
+        terms = tensor.linear_terms
         self.field: RealField = real_field(c for *_, c in terms)
         self.one = self.field.one
         self._exactly = to_sympy
@@ -152,7 +148,7 @@ class _Search:
         """A polynomial with 1 for the constant coordinate."""
         from sympy import Add, Mul
 
-        x = self.bracket.variables
+        x = self.variables
         plain = without_constant_factors(polynomial)
         return Add(*(Mul(self.to_sympy(c), *(x[k] for k in m)) for m, c in plain.items()))
 
